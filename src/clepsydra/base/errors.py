@@ -1,0 +1,40 @@
+"""What a user is told when an input cannot be used."""
+
+from __future__ import annotations
+
+
+class ClepsydraError(Exception):
+    """The root of every error that Clepsydra raises on purpose.
+
+    The command line prints it as one message and ends with exit status 2.
+    """
+
+
+class InputError(ClepsydraError):
+    """An input that cannot be used: where it stands, what it is, what was expected, what to do.
+
+    Parameters
+    ----------
+    place : str
+        File and line ("plant.toml, line 12") or path in the model ("tanks.tank_1.area").
+    value : object
+        The offending value as the user wrote it.
+    expected : str
+        What was expected, with its unit.
+    remedy : str
+        What to do about it.
+
+    Examples
+    --------
+    >>> print(InputError("plant.toml, line 3, tanks.a.area", "-1 cm^2",
+    ...                  "an area above 0 cm^2", "give the cross-section of the tank"))
+    plant.toml, line 3, tanks.a.area: got '-1 cm^2', expected an area above 0 cm^2; \
+give the cross-section of the tank.
+    """
+
+    def __init__(self, place: str, value: object, expected: str, remedy: str) -> None:
+        self.place = place
+        self.value = value
+        self.expected = expected
+        self.remedy = remedy
+        super().__init__(f"{place}: got {value!r}, expected {expected}; {remedy}.")

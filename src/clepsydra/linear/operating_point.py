@@ -1,0 +1,46 @@
+"""An operating point: a state in which nothing moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.process.process import Process
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """An equilibrium of a process, in SI.
+
+    Parameters
+    ----------
+    process : Process
+    state : ndarray [n]
+    inputs : ndarray [m]
+    disturbances : ndarray [k]
+    measurements : ndarray [q]
+    residual : float
+        Largest |dx/dt| left [state unit per second].
+    warnings : tuple of str
+        What is unusual about it: an input outside its range, a level above its rim.
+    """
+
+    process: Process
+    state: np.ndarray
+    inputs: np.ndarray
+    disturbances: np.ndarray
+    measurements: np.ndarray
+    residual: float
+    warnings: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, float]:
+        """Return every signal's value by name, SI."""
+        process = self.process
+        groups = (process.state, process.inputs, process.disturbances, process.measurements)
+        values = (self.state, self.inputs, self.disturbances, self.measurements)
+        return {
+            signal.name: float(value)
+            for group, numbers in zip(groups, values, strict=True)
+            for signal, value in zip(group, numbers, strict=True)
+        }

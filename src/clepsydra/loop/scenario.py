@@ -1,0 +1,68 @@
+"""A scenario: what happens to a loop, sample by sample."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+SegmentKind = Literal["setpoint", "load", "noise"]
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A stretch of a scenario in which one thing happens.
+
+    Parameters
+    ----------
+    kind : {"setpoint", "load", "noise"}
+    signal : str
+        The controlled measurement or the disturbance that is stepped; empty for noise.
+    start, stop : float
+        [s]
+    size : float
+        Of the step, in the signal's unit.
+    """
+
+    kind: SegmentKind
+    signal: str
+    start: float
+    stop: float
+    size: float
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Setpoints, disturbances and measurement noise on the grid of the samples.
+
+    Parameters
+    ----------
+    sampling_period : float
+        [s]
+    setpoints : ndarray [samples, controlled]
+    disturbances : ndarray [samples, disturbances]
+    noise : ndarray [samples, measurements]
+        Added to each measurement, in its unit.
+    segments : tuple of Segment
+        In order of time; they do not overlap.
+    seed : int
+        Of the noise.
+    """
+
+    sampling_period: float
+    setpoints: np.ndarray
+    disturbances: np.ndarray
+    noise: np.ndarray
+    segments: tuple[Segment, ...]
+    seed: int
+
+    @property
+    def samples(self) -> int:
+        """Number of samples."""
+        return len(self.setpoints)
+
+    @property
+    def time(self) -> np.ndarray:
+        """Start of each sample [s]."""
+        return np.arange(self.samples) * self.sampling_period

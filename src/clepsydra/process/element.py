@@ -1,0 +1,1 @@
+"""An element: one part of a plant, with its equation."""

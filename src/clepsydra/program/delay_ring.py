@@ -1,0 +1,46 @@
+"""A delay ring: a state that is read some samples after it was written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+
+
+@dataclass(frozen=True)
+class DelayRing:
+    """A state whose value read at sample k is the value written at sample k - length.
+
+    Every printer keeps it as an array of `length` numbers and one position; nothing is
+    shifted, so a long delay costs no more than a short one.
+
+    Parameters
+    ----------
+    signal : Signal
+        Name, unit and initial content of the ring.
+    length : int
+        Delay [samples], at least 1; a length of 1 is an ordinary state.
+
+    Raises
+    ------
+    InputError
+        The length is below one.
+    """
+
+    signal: Signal
+    length: int
+
+    def __post_init__(self) -> None:
+        if self.length < 1:
+            raise InputError(
+                f"delay ring {self.signal.name}",
+                self.length,
+                "a length of at least 1 sample",
+                "give the dead time as a whole number of sampling periods",
+            )
+
+    @property
+    def name(self) -> str:
+        """The name of the delayed signal."""
+        return self.signal.name

@@ -1,0 +1,166 @@
+"""The step program: the straight-line list of operations that everything is printed from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from clepsydra.base.signal import Signal
+from clepsydra.program.delay_ring import DelayRing
+
+#: Operations whose result is a truth value; their arguments are numbers.
+COMPARISONS = frozenset({"less", "less_equal", "equal", "not_equal"})
+#: Operations on truth values whose result is a truth value.
+LOGIC = frozenset({"not", "and", "or"})
+#: Operations that every target computes to the last bit.
+EXACT = frozenset(
+    {"add", "subtract", "multiply", "divide", "negate", "square_root", "absolute", "floor", "ceiling"}
+    | {"minimum", "maximum", "select", "number", "truth", "constant"}
+    | COMPARISONS
+    | LOGIC
+)
+#: Functions of the target's mathematical library, with their number of arguments.
+LIBRARY = {
+    "exp": 1, "log": 1, "sin": 1, "cos": 1, "tan": 1, "asin": 1, "acos": 1, "atan": 1,
+    "sinh": 1, "cosh": 1, "tanh": 1, "asinh": 1, "acosh": 1, "atanh": 1, "log1p": 1, "expm1": 1,
+    "erf": 1, "pow": 2, "atan2": 2, "fmod": 2, "hypot": 2, "copysign": 2,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Operation:
+    """One operation; its result is the value `target`.
+
+    `code` is a member of `EXACT` or `LIBRARY`:
+
+    - ``maximum(a, b)`` is ``a > b ? a : b``, ``minimum(a, b)`` is ``a < b ? a : b``;
+    - ``select(c, a, b)`` is ``c ? a : b`` with a truth value c;
+    - ``number(c)`` is ``c ? 1 : 0`` and ``truth(a)`` is ``a != 0``.
+    """
+
+    target: int
+    code: str
+    arguments: tuple[int, ...] = ()
+    constant: float = 0.0
+    fused: bool = False
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A counted loop: ``for i in 0 … count-1: carried = body(tables[:, i], carried, invariants)``.
+
+    The arguments of `body` are one entry of each table, then the carried values, then the
+    invariants; its results are the next carried values.
+
+    Parameters
+    ----------
+    targets : tuple of int
+        Values that hold the carried values after the last turn.
+    count : int
+    body : Block
+    tables : tuple of tuple of float
+        Shape (tables, count).
+    carried, invariants : tuple of int
+        Values outside the loop.
+    name : str
+    """
+
+    targets: tuple[int, ...]
+    count: int
+    body: Block
+    tables: tuple[tuple[float, ...], ...]
+    carried: tuple[int, ...]
+    invariants: tuple[int, ...]
+    name: str
+
+
+Statement = Operation | Loop
+
+
+@dataclass(frozen=True)
+class Block:
+    """Statements over numbered values; values 0 … arguments-1 are the block's arguments.
+
+    Every value is assigned once. `truths` are the values that are truth values, all others
+    are numbers; arguments and results are always numbers.
+    """
+
+    arguments: int
+    statements: tuple[Statement, ...]
+    results: tuple[int, ...]
+    truths: frozenset[int] = frozenset()
+
+    def uses(self) -> dict[int, int]:
+        """Return how often each value is read, results included."""
+        count: dict[int, int] = {}
+        for value in [*self.results, *(v for s in self.statements for v in read_by(s))]:
+            count[value] = count.get(value, 0) + 1
+        return count
+
+    def operations(self) -> Iterator[Operation]:
+        """Yield every operation, those inside loops included, each once."""
+        for statement in self.statements:
+            if isinstance(statement, Loop):
+                yield from statement.body.operations()
+            else:
+                yield statement
+
+
+def read_by(statement: Statement) -> tuple[int, ...]:
+    """Return the values that a statement reads."""
+    if isinstance(statement, Loop):
+        return statement.carried + statement.invariants
+    return statement.arguments
+
+
+@dataclass(frozen=True)
+class Program:
+    """One sample of a step law or of a closed loop, ready for any printer.
+
+    The arguments of `block` are the state, then the inputs, then the parameters; its results
+    are the next state, then the outputs. The argument of a delay ring is its oldest value and
+    its result the value to write.
+
+    Parameters
+    ----------
+    name : str
+    state : tuple of Signal or DelayRing
+    inputs, parameters, outputs : tuple of Signal
+    block : Block
+    names : mapping
+        Names that the law gave to values on the way.
+    """
+
+    name: str
+    state: tuple[Signal | DelayRing, ...]
+    inputs: tuple[Signal, ...]
+    parameters: tuple[Signal, ...]
+    outputs: tuple[Signal, ...]
+    block: Block
+    names: dict[int, str] = field(default_factory=dict)
+
+    @property
+    def state_arguments(self) -> range:
+        """The values that are the state."""
+        return range(len(self.state))
+
+    @property
+    def input_arguments(self) -> range:
+        """The values that are the inputs."""
+        return range(len(self.state), len(self.state) + len(self.inputs))
+
+    @property
+    def parameter_arguments(self) -> range:
+        """The values that are the parameters."""
+        first = len(self.state) + len(self.inputs)
+        return range(first, first + len(self.parameters))
+
+    @property
+    def next_state(self) -> tuple[int, ...]:
+        """The values that are the next state."""
+        return self.block.results[: len(self.state)]
+
+    @property
+    def output_values(self) -> tuple[int, ...]:
+        """The values that are the outputs."""
+        return self.block.results[len(self.state) :]

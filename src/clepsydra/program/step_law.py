@@ -1,0 +1,140 @@
+"""A step law: the one place where what happens in a sample is written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import casadi as ca
+
+from clepsydra.base.signal import Signal
+from clepsydra.program.delay_ring import DelayRing
+
+Symbols = Mapping[str, ca.SX]
+
+
+@dataclass(frozen=True)
+class Equations:
+    """What a step law computes in one sample, as expressions by name.
+
+    Parameters
+    ----------
+    next_state : mapping
+        State name to its next value; for a delay ring the value that is written.
+    outputs : mapping
+        Output name to its value.
+    intermediates : mapping
+        Names for values on the way, which a printed program uses as variable names.
+    """
+
+    next_state: Mapping[str, Any]
+    outputs: Mapping[str, Any]
+    intermediates: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class StepLaw:
+    """A pure function (state, inputs, parameters) → (next state, outputs) of scalar signals.
+
+    State never lives in a law: a run can be copied, replayed, batched and exported because
+    everything that the next sample needs is in `state`.
+
+    Parameters
+    ----------
+    name : str
+        An identifier.
+    inputs, parameters, outputs, intermediates : tuple of Signal
+    state : tuple of Signal or DelayRing
+    function : casadi.Function
+        SX function (state [n], inputs [m], parameters [p]) →
+        (next state [n], outputs [q], intermediates [r]); the entry of a delay ring is its
+        oldest value on the way in and the value to write on the way out.
+
+    Examples
+    --------
+    >>> law = step_law(
+    ...     "accumulator",
+    ...     inputs=[Signal("flow", "m^3/s")],
+    ...     parameters=[Signal("time_step", "s", initial=2.0)],
+    ...     state=[Signal("volume", "m^3")],
+    ...     outputs=[Signal("total", "m^3")],
+    ...     equations=lambda s: Equations(
+    ...         next_state={"volume": s["volume"] + s["flow"] * s["time_step"]},
+    ...         outputs={"total": s["volume"]},
+    ...     ),
+    ... )
+    >>> next_state, outputs, _ = law.function([1.0], [0.25], [2.0])
+    >>> float(next_state), float(outputs)
+    (1.5, 1.0)
+    """
+
+    name: str
+    inputs: tuple[Signal, ...]
+    parameters: tuple[Signal, ...]
+    state: tuple[Signal | DelayRing, ...]
+    outputs: tuple[Signal, ...]
+    intermediates: tuple[Signal, ...]
+    function: ca.Function
+
+
+def step_law(
+    name: str,
+    *,
+    inputs: Iterable[Signal],
+    parameters: Iterable[Signal],
+    state: Iterable[Signal | DelayRing],
+    outputs: Iterable[Signal],
+    equations: Callable[[Symbols], Equations],
+) -> StepLaw:
+    """Write a step law from equations over named scalars.
+
+    Parameters
+    ----------
+    name : str
+        An identifier.
+    inputs, parameters, state, outputs
+        The signals of the law; every name is unique among inputs, parameters and state.
+    equations : callable
+        Takes a mapping from name to CasADi SX scalar (inputs, parameters and state together)
+        and returns the `Equations`.
+
+    Raises
+    ------
+    ValueError
+        Names clash, or the equations leave a state or output undefined.
+    """
+    inputs, parameters = tuple(inputs), tuple(parameters)
+    state, outputs = tuple(state), tuple(outputs)
+    groups = [[entry.name for entry in group] for group in (state, inputs, parameters)]
+    names = [entry for group in groups for entry in group]
+    if len(set(names)) != len(names):
+        clash = sorted({entry for entry in names if names.count(entry) > 1})
+        raise ValueError(f"step law {name}: the names {clash} stand for more than one signal")
+    vectors = [ca.SX.sym(prefix, len(group)) for prefix, group in zip("xup", groups, strict=True)]
+    symbols = {
+        entry: vector[index]
+        for vector, group in zip(vectors, groups, strict=True)
+        for index, entry in enumerate(group)
+    }
+    written = equations(symbols)
+    function = ca.Function(
+        name,
+        vectors,
+        [
+            _stack(name, "next state", groups[0], written.next_state),
+            _stack(name, "outputs", [signal.name for signal in outputs], written.outputs),
+            ca.vertcat(*written.intermediates.values()),
+        ],
+        ["state", "inputs", "parameters"],
+        ["next_state", "outputs", "intermediates"],
+    )
+    intermediates = tuple(Signal(entry) for entry in written.intermediates)
+    return StepLaw(name, inputs, parameters, state, outputs, intermediates, function)
+
+
+def _stack(law: str, what: str, names: list[str], values: Mapping[str, Any]) -> ca.SX:
+    if set(names) != set(values):
+        missing, unknown = sorted(set(names) - set(values)), sorted(set(values) - set(names))
+        raise ValueError(f"step law {law}: {what} lacks {missing} and has unknown {unknown}")
+    return ca.vertcat(*[values[name] for name in names]) if names else ca.SX(0, 1)
