@@ -1,8 +1,14 @@
-"""Units at the edge: text with a unit in, SI numbers inside, and back for the reader."""
+"""Units at the edge: text with a unit in, SI numbers inside, and back for the reader.
+
+Conversion factors are exact fractions, so the only rounding is the one to the nearest double:
+"28 cm^2" is the number that Python writes 0.0028, in both directions.
+"""
 
 from __future__ import annotations
 
 import math
+import re
+from fractions import Fraction
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -11,13 +17,58 @@ from clepsydra.base.errors import InputError
 if TYPE_CHECKING:
     import pint
 
+#: The units that process files are usually written in, in Pint's notation. They load in a few
+#: milliseconds; any other unit is looked up in Pint's own list, which takes a fifth of a second.
+_COMMON_UNITS = """
+micro- = 1e-6 = µ- = μ- = u-
+milli- = 1e-3 = m-
+centi- = 1e-2 = c-
+deci- = 1e-1 = d-
+hecto- = 1e2 = h-
+kilo- = 1e3 = k-
+meter = [length] = m = metre
+second = [time] = s = sec
+volt = [voltage] = V
+ampere = [current] = A
+percent = 0.01 = %
+inch = 0.0254 * meter = in
+foot = 12 * inch = ft = feet
+minute = 60 * second = min
+hour = 60 * minute = h = hr
+day = 24 * hour = d
+hertz = 1 / second = Hz
+liter = 1e-3 * meter ** 3 = l = L = litre
+gallon = 231 * inch ** 3 = gal
+"""
 
-@cache
-def _registry() -> pint.UnitRegistry:
-    import pint
+_NUMBER = re.compile(
+    r"\s*([+-]?(?:(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?|nan\b|inf(?:inity)?\b))\s*(.*?)\s*",
+    re.IGNORECASE | re.DOTALL,
+)
+# A unit is names, one-digit powers, products, quotients and brackets. Anything more, such as
+# a power of a power, could keep a parser busy for ever.
+_UNIT_TOKEN = re.compile(
+    r"\s*(?:[A-Za-zµμΩ°%_][A-Za-z0-9µμΩ°_]*(?:\s*(?:\^|\*\*)\s*[-+]?\d(?![\w.^]|\s*\*\*))?"
+    r"|\*(?!\*)|[/()·])"
+)
+_LONGEST_TEXT = 120
+_LONGEST_UNIT = 60
 
-    registry: pint.UnitRegistry = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
-    return registry
+
+def split_quantity(text: str) -> tuple[str, str] | None:
+    """Split text into its number and its unit; None where it does not begin with a number.
+
+    Examples
+    --------
+    >>> split_quantity("3.33 cm^3/(s V)")
+    ('3.33', 'cm^3/(s V)')
+    >>> split_quantity("50%")
+    ('50', '%')
+    """
+    if len(text) > _LONGEST_TEXT:
+        return None
+    match = _NUMBER.fullmatch(text)
+    return (match[1], match[2]) if match else None
 
 
 def to_si(text: object, unit: str, place: str) -> float:
@@ -36,7 +87,7 @@ def to_si(text: object, unit: str, place: str) -> float:
     Returns
     -------
     float
-        The value [`unit`].
+        The value [`unit`], the double nearest to what was written.
 
     Raises
     ------
@@ -51,64 +102,27 @@ def to_si(text: object, unit: str, place: str) -> float:
     >>> to_si("28 cm^2", "m^2", "tank area")
     0.0028
     """
-    import pint
-
     expected = "a number without a unit" if unit == "1" else f"a quantity convertible to {unit}"
-    example = "0.7" if unit == "1" else f"1 {unit}"
-    remedy = f"write a number and a unit, for example '{example}'"
+    example = "write a number, for example 0.7" if unit == "1" else f"write it as in '1 {unit}'"
     if isinstance(text, bool) or not isinstance(text, (int, float, str)):
-        raise InputError(place, text, expected, remedy)
-    if isinstance(text, (int, float)):
-        if unit != "1":
-            raise InputError(place, text, expected, f"the unit is missing: {remedy}")
-        value = float(text)
-    else:
-        if len(text) > 200:
-            raise InputError(place, text[:40] + "…", expected, remedy)
-        number, _, unit_text = text.strip().partition(" ")
-        try:
-            value = float(number)
-        except ValueError:
-            raise InputError(place, text, expected, remedy) from None
-        factor = _factor(unit_text.strip() or "dimensionless", unit, text, place, expected, remedy)
-        value = _scaled(value, factor)
-    if not math.isfinite(value):
-        raise InputError(place, text, f"{expected}, finite", remedy)
-    return value
-
-
-def _factor(
-    unit_text: str, unit: str, text: str, place: str, expected: str, remedy: str
-) -> float:
-    import pint
-
+        raise InputError(place, text, expected, example)
+    parts = split_quantity(text if isinstance(text, str) else repr(text))
+    if parts is None:
+        raise InputError(place, _shortened(text), expected, example)
+    number, unit_text = parts
+    if not math.isfinite(float(number)):
+        raise InputError(place, text, f"{expected}, finite", example)
+    if not unit_text and unit != "1":
+        raise InputError(place, text, expected, f"the unit is missing: {example}")
+    factor = Fraction(1)
+    if unit_text:
+        factor = _factor_of_user(unit_text, unit, text, place, expected, example)
+    if float(number) == 0.0:
+        return 0.0
     try:
-        factor = _conversion_factor(unit_text, unit)
-    except pint.UndefinedUnitError:
-        raise InputError(place, text, expected, f"the unit '{unit_text}' is unknown: {remedy}") from None
-    except pint.DimensionalityError:
-        raise InputError(
-            place, text, expected, f"'{unit_text}' measures something else: {remedy}"
-        ) from None
-    except Exception as error:  # Pint's parser raises many kinds on malformed unit text
-        raise InputError(place, text, expected, remedy) from error
-    return factor
-
-
-@cache
-def _conversion_factor(source: str, target: str) -> float:
-    registry = _registry()
-    target = "dimensionless" if target == "1" else target
-    return float((1.0 * registry.Unit(source)).to(registry.Unit(target)).magnitude)
-
-
-def _scaled(value: float, factor: float) -> float:
-    """Multiply so that decimal prefixes stay exact: 28 cm² is 0.0028 m², not 0.0028000000000000004."""
-    inverse = 1.0 / factor
-    rounded = float(round(inverse))
-    if rounded >= 1.0 and abs(inverse - rounded) < 1e-9 * rounded:
-        return value / rounded
-    return value * factor
+        return float(Fraction(number) * factor)
+    except OverflowError:
+        raise InputError(place, text, f"{expected}, finite", example) from None
 
 
 def from_si(value: float, unit: str, display_unit: str) -> float:
@@ -119,11 +133,84 @@ def from_si(value: float, unit: str, display_unit: str) -> float:
     >>> from_si(0.124, "m", "cm")
     12.4
     """
-    if unit == display_unit:
+    if unit == display_unit or not math.isfinite(value):
         return value
-    factor = _conversion_factor(display_unit, unit)
-    inverse = 1.0 / factor
-    rounded = float(round(inverse))
-    if rounded >= 1.0 and abs(inverse - rounded) < 1e-9 * rounded:
-        return value * rounded
-    return value / factor
+    return float(Fraction(value) / _factor(display_unit, unit))
+
+
+def _factor_of_user(
+    unit_text: str, unit: str, text: object, place: str, expected: str, example: str
+) -> Fraction:
+    """Return the factor from a unit as a user wrote it, or say what is wrong with it."""
+    import pint
+
+    try:
+        return _factor(unit_text, unit)
+    except pint.UndefinedUnitError:
+        problem = f"the unit '{unit_text}' is unknown"
+    except pint.DimensionalityError:
+        problem = f"'{unit_text}' measures something else"
+    except ValueError:
+        problem = f"'{_shortened(unit_text)}' cannot be used as a unit"
+    raise InputError(place, text, expected, f"{problem}: {example}") from None
+
+
+@cache
+def _factor(source: str, target: str) -> Fraction:
+    """Return the exact factor from one unit to another.
+
+    Raises
+    ------
+    ValueError
+        The text is not a product of powers of units, or the scale does not begin at zero.
+    """
+    import pint
+
+    source = source.replace("²", "^2").replace("³", "^3")
+    remainder = re.sub(r"\A\s*1\s*(?=/)", "", source)
+    if len(source) > _LONGEST_UNIT or _UNIT_TOKEN.sub("", remainder).strip():
+        raise ValueError(source)
+    target = "dimensionless" if target == "1" else target
+    try:
+        return _factor_in(_common_units(), source, target)
+    except pint.UndefinedUnitError:
+        return _factor_in(_all_units(), source, target)
+
+
+def _factor_in(registry: pint.UnitRegistry, source: str, target: str) -> Fraction:
+    import pint
+
+    try:
+        unit = registry.Unit(source)
+        zero, one = (
+            Fraction(registry.Quantity(Fraction(number), unit).to(registry.Unit(target)).magnitude)
+            for number in (0, 1)
+        )
+    except (pint.UndefinedUnitError, pint.DimensionalityError):
+        raise
+    except Exception as error:  # Pint's parser raises many kinds on malformed unit text
+        raise ValueError(source) from error
+    if zero != 0:  # degrees Celsius or Fahrenheit: no factor converts them
+        raise ValueError(source)
+    return one
+
+
+@cache
+def _common_units() -> pint.UnitRegistry:
+    import pint
+
+    registry: pint.UnitRegistry = pint.UnitRegistry(None, non_int_type=Fraction)
+    registry.load_definitions(_COMMON_UNITS.strip().splitlines())
+    return registry
+
+
+@cache
+def _all_units() -> pint.UnitRegistry:
+    import pint
+
+    registry: pint.UnitRegistry = pint.UnitRegistry(non_int_type=Fraction)
+    return registry
+
+
+def _shortened(text: object) -> object:
+    return text[:40] + "…" if isinstance(text, str) and len(text) > 40 else text

@@ -1,0 +1,1 @@
+"""Units, errors and signals."""

@@ -1,0 +1,1 @@
+"""The step laws that run on the plant."""

@@ -1,0 +1,1 @@
+"""Blocks that the step laws share: limits, anti-windup, modes, validity, status."""

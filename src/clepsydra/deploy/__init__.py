@@ -1,0 +1,1 @@
+"""Structured Text and C, printed from the program that the engine runs."""

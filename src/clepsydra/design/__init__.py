@@ -1,0 +1,1 @@
+"""A controller's parameters from a linear model, one method a file."""

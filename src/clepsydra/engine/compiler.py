@@ -1,0 +1,94 @@
+"""LLVM code to a callable function."""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import llvmlite.binding as llvm
+
+from clepsydra.engine.host import host
+from clepsydra.engine.object_cache import ObjectCache, default_cache
+
+_lock = threading.Lock()
+
+
+@cache
+def _target_machine() -> llvm.TargetMachine:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    processor = host()
+    return llvm.Target.from_default_triple().create_target_machine(
+        cpu=processor.name, features=processor.features, opt=2, reloc="pic", codemodel="small",
+        jit=True,
+    )
+
+
+@cache
+def _linker() -> llvm.LLJIT:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm.create_lljit_compiler(use_jit_link=False)
+
+
+class CompiledFunction:
+    """A native function and the code memory that it lives in.
+
+    Parameters
+    ----------
+    code : str
+        LLVM code that defines the function.
+    symbol : str
+        Its name.
+    signature : ctypes function type
+    cache : ObjectCache, optional
+        Where objects are kept; the user's cache folder if omitted.
+    """
+
+    def __init__(
+        self, code: str, symbol: str, signature: Any, cache: ObjectCache | None = None
+    ) -> None:
+        store = default_cache() if cache is None else cache
+        key = host().fingerprint + "\n" + code
+        with _lock:
+            image = store.load(key)
+            self.was_cached = image is not None
+            if image is None:
+                image = compile_object(code)
+                store.store(key, image)
+            library = llvm.JITLibraryBuilder()
+            library.add_object_img(image).add_current_process().export_symbol(symbol)
+            self._tracker = library.link(_linker(), f"{symbol}_{id(self):x}_{next(_serial)}")
+        self.call: Callable[..., None] = signature(self._tracker[symbol])
+
+
+def _numbers() -> Any:
+    number = 0
+    while True:
+        yield number
+        number += 1
+
+
+_serial = _numbers()
+
+
+def compile_object(code: str) -> bytes:
+    """Return the native object of LLVM code, optimised without changing any rounding."""
+    with llvm.parse_assembly(code) as module:
+        module.verify()
+        machine = _target_machine()
+        module.triple = machine.triple
+        module.data_layout = str(machine.target_data)
+        options = llvm.create_pipeline_tuning_options(speed_level=1)
+        builder = llvm.create_pass_builder(machine, options)
+        builder.getModulePassManager().run(module, builder)
+        return machine.emit_object(module)
+
+
+def kernel_signature() -> Any:
+    """Return the ctypes form of a kernel's signature."""
+    pointer, count = ctypes.c_void_p, ctypes.c_int64
+    return ctypes.CFUNCTYPE(None, *[pointer] * 6, *[count] * 3)

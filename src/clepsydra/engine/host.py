@@ -1,0 +1,52 @@
+"""The processor that kernels are compiled for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import llvmlite
+import llvmlite.binding as llvm
+
+
+@dataclass(frozen=True)
+class Host:
+    """The processor's name, its features, and what they mean for a kernel.
+
+    Parameters
+    ----------
+    name : str
+        LLVM's name of the processor.
+    features : str
+        LLVM's feature list.
+    lanes : int
+        Scenarios that a batch kernel computes side by side.
+    fuses : bool
+        Whether multiply-adds are fused in hardware.
+    """
+
+    name: str
+    features: str
+    lanes: int
+    fuses: bool
+
+    @property
+    def fingerprint(self) -> str:
+        """Text that differs wherever a compiled object might not run."""
+        version = ".".join(map(str, llvm.llvm_version_info))
+        return f"{self.name} {self.features} llvmlite {llvmlite.__version__} LLVM {version}"
+
+
+@cache
+def host() -> Host:
+    """Return this machine's processor."""
+    features = llvm.get_host_cpu_features()
+    # Two vectors a lane group: the second hides the latency of the first one's roots.
+    if features.get("avx512f"):
+        lanes = 16
+    elif features.get("avx"):
+        lanes = 8
+    else:
+        lanes = 4
+    fuses = bool(features.get("fma") or features.get("neon") or features.get("fullfp16"))
+    return Host(llvm.get_host_cpu_name(), features.flatten(), lanes, fuses)

@@ -1,0 +1,132 @@
+"""LLVM code over lanes: types, constants, memory rows and calls."""
+
+from __future__ import annotations
+
+import struct
+
+
+def bits(value: float) -> str:
+    """Return a double constant by its bits, which LLVM reads without rounding."""
+    return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
+
+
+class VectorText:
+    """The lines of one LLVM function whose numbers are vectors of `lanes` doubles.
+
+    Parameters
+    ----------
+    lanes : int
+        1 for plain doubles.
+    """
+
+    def __init__(self, lanes: int) -> None:
+        self.lanes = lanes
+        self.real = "double" if lanes == 1 else f"<{lanes} x double>"
+        self.truth = "i1" if lanes == 1 else f"<{lanes} x i1>"
+        self.lines: list[str] = []
+        self.label = ""
+        self.globals: list[str] = []
+        self.declarations: set[str] = set()
+        self._suffix = "f64" if lanes == 1 else f"v{lanes}f64"
+        self._count = 0
+        self._labels = 0
+
+    def assign(self, expression: str) -> str:
+        """Append an instruction and return the name of its result."""
+        self._count += 1
+        name = f"%t{self._count}"
+        self.lines.append(f"  {name} = {expression}")
+        return name
+
+    def line(self, text: str) -> None:
+        """Append an instruction without a result, or with a name of its own."""
+        self.lines.append(f"  {text}")
+
+    def begin(self, label: str) -> None:
+        """Begin a basic block."""
+        self.lines.append(f"{label}:")
+        self.label = label
+
+    def new_label(self, prefix: str) -> str:
+        """Return a label that is not used yet."""
+        self._labels += 1
+        return f"{prefix}{self._labels}"
+
+    def gap(self) -> int:
+        """Leave room for a line that is known later, for `fill`."""
+        self.lines.append("")
+        return len(self.lines) - 1
+
+    def fill(self, gap: int, text: str) -> None:
+        """Write the line that was left open."""
+        self.lines[gap] = f"  {text}"
+
+    def row(self, pointer: str, row: str, width: int) -> str:
+        """Return the address of a row of `width` vectors."""
+        offset = self.assign(f"mul i64 {row}, {width * self.lanes}")
+        return self.assign(f"getelementptr double, ptr {pointer}, i64 {offset}")
+
+    def load(self, base: str, index: int = 0) -> str:
+        """Load a vector of a row."""
+        place = self.assign(f"getelementptr double, ptr {base}, i64 {index * self.lanes}")
+        return self.assign(f"load {self.real}, ptr {place}, align 8")
+
+    def store(self, value: str, base: str, index: int = 0) -> None:
+        """Store a vector into a row."""
+        place = self.assign(f"getelementptr double, ptr {base}, i64 {index * self.lanes}")
+        self.line(f"store {self.real} {value}, ptr {place}, align 8")
+
+    def load_spread(self, pointer: str, index: str) -> str:
+        """Load one double into every lane."""
+        place = self.assign(f"getelementptr double, ptr {pointer}, i64 {index}")
+        scalar = self.assign(f"load double, ptr {place}, align 8")
+        if self.lanes == 1:
+            return scalar
+        first = self.assign(f"insertelement {self.real} poison, double {scalar}, i32 0")
+        return self.assign(
+            f"shufflevector {self.real} {first}, {self.real} poison, "
+            f"<{self.lanes} x i32> zeroinitializer"
+        )
+
+    def literal(self, value: float) -> str:
+        """Return a constant in every lane."""
+        if self.lanes == 1:
+            return bits(value)
+        return "<" + ", ".join([f"double {bits(value)}"] * self.lanes) + ">"
+
+    def all_true(self) -> str:
+        """Return the truth value that is true in every lane."""
+        return "true" if self.lanes == 1 else "<" + ", ".join(["i1 true"] * self.lanes) + ">"
+
+    def table(self, symbol: str, entries: tuple[float, ...]) -> None:
+        """Define a constant array."""
+        content = ", ".join(f"double {bits(entry)}" for entry in entries)
+        self.globals.append(
+            f"{symbol} = private constant [{len(entries)} x double] [{content}], align 8"
+        )
+
+    def intrinsic(self, name: str, arguments: list[str]) -> str:
+        """Return a call of an LLVM intrinsic that is exact on every target."""
+        symbol = f"@llvm.{name}.{self._suffix}"
+        types = ", ".join([self.real] * len(arguments))
+        self.declarations.add(f"declare {self.real} {symbol}({types})")
+        given = ", ".join(f"{self.real} {argument}" for argument in arguments)
+        return self.assign(f"call {self.real} {symbol}({given})")
+
+    def library(self, name: str, arguments: list[str]) -> str:
+        """Return a call of the C library, lane by lane, which LLVM must not replace."""
+        types = ", ".join(["double"] * len(arguments))
+        self.declarations.add(f"declare double @{name}({types})")
+        if self.lanes == 1:
+            given = ", ".join(f"double {argument}" for argument in arguments)
+            return self.assign(f"call double @{name}({given}) #1")
+        result = "poison"
+        for lane in range(self.lanes):
+            scalars = [
+                self.assign(f"extractelement {self.real} {argument}, i32 {lane}")
+                for argument in arguments
+            ]
+            given = ", ".join(f"double {scalar}" for scalar in scalars)
+            value = self.assign(f"call double @{name}({given}) #1")
+            result = self.assign(f"insertelement {self.real} {result}, double {value}, i32 {lane}")
+        return result

@@ -1,0 +1,1 @@
+"""What the equations say near an operating point."""

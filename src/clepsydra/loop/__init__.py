@@ -1,0 +1,1 @@
+"""Process, controller and scenario, joined to one closed loop, and its run."""

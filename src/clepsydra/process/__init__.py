@@ -1,0 +1,1 @@
+"""What is controlled: elements joined to one set of equations."""

@@ -1,0 +1,1 @@
+"""Processes as files that a user could have written."""

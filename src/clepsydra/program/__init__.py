@@ -1,0 +1,1 @@
+"""The step program: what happens in a sample, read from CasADi expressions."""

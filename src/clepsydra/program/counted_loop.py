@@ -1,0 +1,108 @@
+"""Counted loops: written as CasADi calls, recovered as loops, printed as FOR."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+_PREFIX = "counted_loop_"
+
+
+def counted_loop(
+    name: str,
+    count: int,
+    body: ca.Function,
+    *,
+    carried: ca.SX,
+    tables: Sequence[Sequence[float]] = (),
+    invariants: ca.SX | None = None,
+) -> ca.SX:
+    """Return the carried values after `count` turns of a body, as one call that stays a loop.
+
+    Parameters
+    ----------
+    name : str
+        An identifier.
+    count : int
+        Number of turns, at least one.
+    body : casadi.Function
+        SX function (row [tables], carried [c], invariants [v]) → next carried [c], where row
+        holds entry i of each table in turn i.
+    carried : casadi.SX [c]
+        Values before the first turn.
+    tables : sequence of sequences
+        Shape (tables, count).
+    invariants : casadi.SX [v], optional
+        Values that every turn reads.
+
+    Raises
+    ------
+    ValueError
+        A count below one, or a table of another length.
+
+    Examples
+    --------
+    The polynomial 1 + 2x + 3x² by Horner's rule, at x = 2:
+
+    >>> row, total, x = ca.SX.sym("row"), ca.SX.sym("total"), ca.SX.sym("x")
+    >>> horner = ca.Function("horner", [row, total, x], [total * x + row])
+    >>> value = counted_loop("polynomial", 3, horner, carried=ca.SX(0), tables=[[3, 2, 1]],
+    ...                      invariants=x)
+    >>> float(ca.Function("f", [x], [value])(2.0))
+    17.0
+    """
+    invariants = ca.SX(0, 1) if invariants is None else invariants
+    if count < 1:
+        raise ValueError(f"loop {name}: {count} turns, expected at least one")
+    if any(len(table) != count for table in tables):
+        raise ValueError(f"loop {name}: every table needs {count} entries")
+    turn = _kept_as_call(body)
+    start = ca.SX.sym("carried", carried.numel())
+    constant = ca.SX.sym("invariants", invariants.numel())
+    value = start
+    for i in range(count):
+        value = turn(ca.DM([table[i] for table in tables]), value, constant)
+    whole = ca.Function(_PREFIX + name, [start, constant], [value], {"never_inline": True})
+    return whole(ca.vec(carried), ca.vec(invariants))
+
+
+def _kept_as_call(body: ca.Function) -> ca.Function:
+    arguments = [ca.SX.sym(f"a{i}", body.numel_in(i)) for i in range(body.n_in())]
+    return ca.Function(body.name(), arguments, [body(*arguments)], {"never_inline": True})
+
+
+@dataclass(frozen=True)
+class RecoveredLoop:
+    """A counted loop read back from a CasADi call: its count, body and tables."""
+
+    name: str
+    count: int
+    body: ca.Function
+    tables: list[list[float]]
+
+
+def recover_loop(function: ca.Function) -> RecoveredLoop | None:
+    """Return the counted loop that a called function stands for, or None for any other call.
+
+    The function of a counted loop is a list of calls of one body; the tables are the constants
+    that the calls read.
+    """
+    if not function.name().startswith(_PREFIX):
+        return None
+    nodes = function.instructions_sx()
+    constants: dict[int, float] = {}
+    rows: list[list[float]] = []
+    body = None
+    for k in range(function.n_instructions()):
+        if function.instruction_id(k) == ca.OP_CONST:
+            constants[function.instruction_output(k)[0]] = function.instruction_constant(k)
+        elif function.instruction_id(k) == ca.OP_CALL:
+            body = nodes[k].which_function()
+            entries = function.instruction_input(k)[: body.numel_in(0)]
+            rows.append([constants[entry] for entry in entries])
+    if body is None:
+        return None
+    tables = [list(column) for column in zip(*rows, strict=True)]
+    return RecoveredLoop(function.name().removeprefix(_PREFIX), len(rows), body, tables)

@@ -1,0 +1,227 @@
+"""Reads CasADi's SX instruction list into the values of a program."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+
+from clepsydra.base.errors import ClepsydraError
+from clepsydra.program.builder import BlockBuilder
+from clepsydra.program.counted_loop import RecoveredLoop, recover_loop
+from clepsydra.program.program import Block, Program
+from clepsydra.program.step_law import StepLaw
+
+_BINARY = {
+    ca.OP_ADD: "add",
+    ca.OP_SUB: "subtract",
+    ca.OP_MUL: "multiply",
+    ca.OP_DIV: "divide",
+    ca.OP_LT: "less",
+    ca.OP_LE: "less_equal",
+    ca.OP_EQ: "equal",
+    ca.OP_NE: "not_equal",
+    ca.OP_AND: "and",
+    ca.OP_OR: "or",
+    ca.OP_FMIN: "minimum",
+    ca.OP_FMAX: "maximum",
+    ca.OP_POW: "pow",
+    ca.OP_CONSTPOW: "pow",
+    ca.OP_ATAN2: "atan2",
+    ca.OP_FMOD: "fmod",
+    ca.OP_HYPOT: "hypot",
+    ca.OP_COPYSIGN: "copysign",
+}
+_UNARY = {
+    ca.OP_NEG: "negate",
+    ca.OP_NOT: "not",
+    ca.OP_SQRT: "square_root",
+    ca.OP_FABS: "absolute",
+    ca.OP_FLOOR: "floor",
+    ca.OP_CEIL: "ceiling",
+    ca.OP_EXP: "exp",
+    ca.OP_LOG: "log",
+    ca.OP_SIN: "sin",
+    ca.OP_COS: "cos",
+    ca.OP_TAN: "tan",
+    ca.OP_ASIN: "asin",
+    ca.OP_ACOS: "acos",
+    ca.OP_ATAN: "atan",
+    ca.OP_SINH: "sinh",
+    ca.OP_COSH: "cosh",
+    ca.OP_TANH: "tanh",
+    ca.OP_ASINH: "asinh",
+    ca.OP_ACOSH: "acosh",
+    ca.OP_ATANH: "atanh",
+    ca.OP_LOG1P: "log1p",
+    ca.OP_EXPM1: "expm1",
+    ca.OP_ERF: "erf",
+}
+
+
+def inline(
+    builder: BlockBuilder,
+    function: ca.Function,
+    arguments: Sequence[int],
+    *,
+    fused: bool = False,
+) -> list[int]:
+    """Append the instructions of an SX function and return the values of its outputs.
+
+    Parameters
+    ----------
+    builder : BlockBuilder
+    function : casadi.Function
+        An SX function with dense arguments.
+    arguments : sequence of int
+        Values of all its arguments, one after the other.
+    fused : bool
+        Whether a target may fuse multiplications into additions here.
+
+    Returns
+    -------
+    list of int
+        Values of all its outputs, one after the other.
+
+    Raises
+    ------
+    ClepsydraError
+        The function is not an SX function or uses an operation that no target prints.
+    """
+    if not function.is_a("SXFunction"):
+        raise ClepsydraError(
+            f"{function.name()}: a {function.class_name()} cannot become a step program; "
+            "write it over casadi.SX"
+        )
+    place = {}
+    for i in range(function.n_in()):
+        if not function.sparsity_in(i).is_dense():
+            raise ClepsydraError(f"{function.name()}: argument {i} is sparse; make it dense")
+        for entry in range(function.numel_in(i)):
+            place[i, entry] = len(place)
+    if len(place) != len(arguments):
+        raise ClepsydraError(
+            f"{function.name()}: {len(arguments)} values for {len(place)} scalar arguments"
+        )
+    work: dict[int, int] = {}
+    outputs: dict[tuple[int, int], int] = {}
+    nodes = function.instructions_sx()
+    for k in range(function.n_instructions()):
+        code = function.instruction_id(k)
+        target, source = function.instruction_output(k), function.instruction_input(k)
+        if code == ca.OP_INPUT:
+            work[target[0]] = arguments[place[source[0], source[1]]]
+        elif code == ca.OP_OUTPUT:
+            outputs[target[0], target[1]] = work[source[0]]
+        elif code == ca.OP_CONST:
+            work[target[0]] = builder.constant(function.instruction_constant(k))
+        elif code == ca.OP_CALL:
+            called = nodes[k].which_function()
+            values = _call(builder, called, [work[entry] for entry in source], fused)
+            work.update(zip(target, values, strict=True))
+        else:
+            operands = [work[entry] for entry in source]
+            work[target[0]] = _operation(builder, function, code, operands, fused)
+    return [
+        _output(builder, function, outputs, i, entry)
+        for i in range(function.n_out())
+        for entry in range(function.numel_out(i))
+    ]
+
+
+def _output(
+    builder: BlockBuilder,
+    function: ca.Function,
+    outputs: dict[tuple[int, int], int],
+    index: int,
+    entry: int,
+) -> int:
+    """Return the value of a dense entry; an output stores only its structural nonzeros."""
+    sparsity = function.sparsity_out(index)
+    if sparsity.is_dense():
+        return outputs[index, entry]
+    row, column = entry % sparsity.size1(), entry // sparsity.size1()
+    nonzero = sparsity.get_nz(row, column)
+    return builder.constant(0.0) if nonzero < 0 else outputs[index, nonzero]
+
+
+def _operation(
+    builder: BlockBuilder, function: ca.Function, code: int, operands: list[int], fused: bool
+) -> int:
+    first = operands[0]
+    if code in _BINARY:
+        return builder.operation(_BINARY[code], *operands[:2], fused=fused)
+    if code in _UNARY:
+        return builder.operation(_UNARY[code], first, fused=fused)
+    if code == ca.OP_ASSIGN:
+        return first
+    if code == ca.OP_SQ:
+        return builder.operation("multiply", first, first, fused=fused)
+    if code == ca.OP_TWICE:
+        return builder.operation("multiply", builder.constant(2.0), first, fused=fused)
+    if code == ca.OP_INV:
+        return builder.operation("divide", builder.constant(1.0), first, fused=fused)
+    if code == ca.OP_IF_ELSE_ZERO:
+        return builder.operation("select", first, operands[1], builder.constant(0.0))
+    if code == ca.OP_SIGN:
+        return _sign(builder, first)
+    raise ClepsydraError(
+        f"{function.name()}: CasADi operation number {code} has no printed form; "
+        "write the law with + - * / sqrt, comparisons and the functions of the C library"
+    )
+
+
+def _sign(builder: BlockBuilder, value: int) -> int:
+    """Return -1, +1, or the value itself where it is zero or not a number."""
+    zero, one, minus_one = (builder.constant(number) for number in (0.0, 1.0, -1.0))
+    above = builder.operation("select", builder.operation("less", zero, value), one, value)
+    return builder.operation("select", builder.operation("less", value, zero), minus_one, above)
+
+
+def _call(
+    builder: BlockBuilder, called: ca.Function, arguments: list[int], fused: bool
+) -> list[int]:
+    loop = recover_loop(called)
+    if loop is None:
+        return inline(builder, called, arguments, fused=fused)
+    carried = called.numel_in(0)
+    body = read_body(loop, fused=fused)
+    return list(
+        builder.loop(
+            loop.name, body, loop.count, loop.tables, arguments[:carried], arguments[carried:]
+        )
+    )
+
+
+def read_body(loop: RecoveredLoop, *, fused: bool = False) -> Block:
+    """Read the body of a counted loop into a block of its own."""
+    size = sum(loop.body.numel_in(i) for i in range(loop.body.n_in()))
+    inner = BlockBuilder(size)
+    return inner.finish(inline(inner, loop.body, range(size), fused=fused))
+
+
+def program_of(law: StepLaw) -> Program:
+    """Read a step law into the program that every printer starts from.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.step_law import Equations, step_law
+    >>> law = step_law("doubler", inputs=[Signal("a")], parameters=[], state=[],
+    ...                outputs=[Signal("b")],
+    ...                equations=lambda s: Equations({}, {"b": 2 * s["a"]}))
+    >>> [operation.code for operation in program_of(law).block.operations()]
+    ['constant', 'multiply']
+    """
+    size = len(law.state) + len(law.inputs) + len(law.parameters)
+    builder = BlockBuilder(size)
+    values = inline(builder, law.function, range(size))
+    kept = len(law.state) + len(law.outputs)
+    names: dict[int, str] = {}
+    for value, signal in zip(values[kept:], law.intermediates, strict=True):
+        if value >= size:
+            names.setdefault(value, signal.name)
+    block = builder.finish(values[:kept])
+    return Program(
+        law.name, law.state, law.inputs, law.parameters, law.outputs, block, names
+    )

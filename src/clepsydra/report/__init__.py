@@ -1,0 +1,1 @@
+"""Figures, the process drawing and the HTML report."""

@@ -1,0 +1,1 @@
+"""What a run was worth, one score a function."""
