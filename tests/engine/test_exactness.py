@@ -1,4 +1,4 @@
-"""The engine's first test: without fused operations a kernel is CasADi's evaluation, bit for bit."""
+"""The engine's first test: a kernel without fused operations is CasADi, bit for bit."""
 
 import casadi as ca
 import numpy as np

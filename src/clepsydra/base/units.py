@@ -42,13 +42,13 @@ gallon = 231 * inch ** 3 = gal
 """
 
 _NUMBER = re.compile(
-    r"\s*([+-]?(?:(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?|nan\b|inf(?:inity)?\b))\s*(.*?)\s*",
-    re.IGNORECASE | re.DOTALL,
+    r" *([+-]?(?:(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?|nan\b|inf(?:inity)?\b)) *(.*?) *",
+    re.IGNORECASE | re.ASCII,
 )
 # A unit is names, one-digit powers, products, quotients and brackets. Anything more, such as
 # a power of a power, could keep a parser busy for ever.
 _UNIT_TOKEN = re.compile(
-    r"\s*(?:[A-Za-zµμΩ°%_][A-Za-z0-9µμΩ°_]*(?:\s*(?:\^|\*\*)\s*[-+]?\d(?![\w.^]|\s*\*\*))?"
+    r" *(?:[A-Za-zµμΩ°%_][A-Za-z0-9µμΩ°_]*(?: *(?:\^|\*\*) *[-+]?[0-9](?![\w.^]| *\*\*))?"
     r"|\*(?!\*)|[/()·])"
 )
 _LONGEST_TEXT = 120
@@ -128,6 +128,9 @@ def to_si(text: object, unit: str, place: str) -> float:
 def from_si(value: float, unit: str, display_unit: str) -> float:
     """Convert a value from its SI unit to the unit that the reader sees.
 
+    The value is taken for the shortest decimal that names it, so that what a user wrote comes
+    back as it was written: 0.007 m is 0.7 cm and not 0.7000000000000001 cm.
+
     Examples
     --------
     >>> from_si(0.124, "m", "cm")
@@ -135,7 +138,7 @@ def from_si(value: float, unit: str, display_unit: str) -> float:
     """
     if unit == display_unit or not math.isfinite(value):
         return value
-    return float(Fraction(value) / _factor(display_unit, unit))
+    return float(Fraction(repr(float(value))) / _factor(display_unit, unit))
 
 
 def _factor_of_user(
@@ -147,11 +150,11 @@ def _factor_of_user(
     try:
         return _factor(unit_text, unit)
     except pint.UndefinedUnitError:
-        problem = f"the unit '{unit_text}' is unknown"
+        problem = f"the unit {unit_text!r} is unknown"
     except pint.DimensionalityError:
-        problem = f"'{unit_text}' measures something else"
+        problem = f"{unit_text!r} measures something else"
     except ValueError:
-        problem = f"'{_shortened(unit_text)}' cannot be used as a unit"
+        problem = f"{_shortened(unit_text)!r} cannot be used as a unit"
     raise InputError(place, text, expected, f"{problem}: {example}") from None
 
 
@@ -167,8 +170,8 @@ def _factor(source: str, target: str) -> Fraction:
     import pint
 
     source = source.replace("²", "^2").replace("³", "^3")
-    remainder = re.sub(r"\A\s*1\s*(?=/)", "", source)
-    if len(source) > _LONGEST_UNIT or _UNIT_TOKEN.sub("", remainder).strip():
+    remainder = re.sub(r"\A *1 *(?=/)", "", source)
+    if len(source) > _LONGEST_UNIT or _UNIT_TOKEN.sub("", remainder).strip(" "):
         raise ValueError(source)
     target = "dimensionless" if target == "1" else target
     try:

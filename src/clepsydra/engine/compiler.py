@@ -22,7 +22,11 @@ def _target_machine() -> llvm.TargetMachine:
     llvm.initialize_native_asmprinter()
     processor = host()
     return llvm.Target.from_default_triple().create_target_machine(
-        cpu=processor.name, features=processor.features, opt=2, reloc="pic", codemodel="small",
+        cpu=processor.name,
+        features=processor.features,
+        opt=2,
+        reloc="pic",
+        codemodel="small",
         jit=True,
     )
 

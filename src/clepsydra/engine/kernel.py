@@ -47,6 +47,11 @@ class Trajectories:
         column = self.record[:, :, names.index(name), :]
         return column.transpose(0, 2, 1).reshape(-1, column.shape[1])[: self.scenarios]
 
+    def record_of(self, scenario: int) -> Array:
+        """Return every output of one scenario [records, q]."""
+        group, lane = divmod(scenario, self.record.shape[-1])
+        return self.record[group, :, :, lane]
+
     def state(self, name: str) -> Array:
         """Return the final value of a state [scenarios]."""
         names = [entry.name for entry in self.program.state]
@@ -164,9 +169,7 @@ class Kernel:
         threads: int = 1,
     ) -> Trajectories:
         """Run all scenarios from their initial state; arguments as in `prepare`."""
-        job = self.prepare(
-            samples, inputs=inputs, parameters=parameters, state=state, every=every
-        )
+        job = self.prepare(samples, inputs=inputs, parameters=parameters, state=state, every=every)
         return job.run(threads)
 
     def function(self, lanes: int) -> CompiledFunction:
@@ -242,7 +245,7 @@ class Kernel:
         names = self._individual_names
         table = np.empty((groups, samples, len(names), lanes))
         for index, name in enumerate(names):
-            value = np.asarray(given[name] if name in given else np.nan, dtype=float)
+            value = np.asarray(given.get(name, np.nan), dtype=float)
             if value.shape != (scenarios, samples):
                 raise self._shape_error(name, value, f"[{scenarios}, {samples}]")
             rows = np.empty((groups * lanes, samples))

@@ -37,6 +37,7 @@ class StatementPrinter:
         self.products = _single_products(block) if fuse else {}
 
     def statement(self, statement: Statement) -> None:
+        """Print a statement and remember the names of its results."""
         if isinstance(statement, Loop):
             self._loop(statement)
         else:

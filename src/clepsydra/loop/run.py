@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +11,10 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 
 @dataclass(frozen=True)
@@ -45,3 +50,32 @@ class Run:
     values: dict[str, np.ndarray]
     error_estimate: float | None
     substeps: int
+
+    def true_measurement(self, name: str) -> np.ndarray:
+        """Return a measurement without its noise [samples]."""
+        position = [y.name for y in self.process.measurements].index(name)
+        return self.values[name] - self.scenario.noise[:, position]
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return a table with one row a sample, indexed by time [s], one column a signal."""
+        import pandas
+
+        return pandas.DataFrame(self.values, index=pandas.Index(self.time, name="time"))
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return a dataset over time [s]; each variable carries its unit and description."""
+        import xarray
+
+        variables = {
+            signal.name: (
+                "time",
+                self.values[signal.name],
+                {"units": signal.unit, "long_name": signal.description or signal.name},
+            )
+            for signal in self.signals
+        }
+        return xarray.Dataset(
+            variables,
+            coords={"time": ("time", self.time, {"units": "s"})},
+            attrs={"process": self.process.name, "controller": self.controller.name},
+        )

@@ -49,7 +49,14 @@ class Process:
     sampling_period : float
         Of the controllers [s].
     path : Path or None
-        The file that it was read from.
+        The file that it was read from; None for a process of the catalogue.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> process.signal("level_1").high, process.measured_state["level_1"]
+    (10.0, 'tank_1.level')
     """
 
     name: str

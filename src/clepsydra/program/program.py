@@ -14,7 +14,17 @@ COMPARISONS = frozenset({"less", "less_equal", "equal", "not_equal"})
 LOGIC = frozenset({"not", "and", "or"})
 #: Operations that every target computes to the last bit.
 EXACT = frozenset(
-    {"add", "subtract", "multiply", "divide", "negate", "square_root", "absolute", "floor", "ceiling"}
+    {
+        "add",
+        "subtract",
+        "multiply",
+        "divide",
+        "negate",
+        "square_root",
+        "absolute",
+        "floor",
+        "ceiling",
+    }
     | {"minimum", "maximum", "select", "number", "truth", "constant"}
     | COMPARISONS
     | LOGIC

@@ -93,7 +93,7 @@ def inline(
             f"{function.name()}: a {function.class_name()} cannot become a step program; "
             "write it over casadi.SX"
         )
-    place = {}
+    place: dict[tuple[int, int], int] = {}
     for i in range(function.n_in()):
         if not function.sparsity_in(i).is_dense():
             raise ClepsydraError(f"{function.name()}: argument {i} is sparse; make it dense")
@@ -222,6 +222,4 @@ def program_of(law: StepLaw) -> Program:
         if value >= size:
             names.setdefault(value, signal.name)
     block = builder.finish(values[:kept])
-    return Program(
-        law.name, law.state, law.inputs, law.parameters, law.outputs, block, names
-    )
+    return Program(law.name, law.state, law.inputs, law.parameters, law.outputs, block, names)

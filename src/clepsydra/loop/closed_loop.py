@@ -1,0 +1,212 @@
+"""One sample of a closed loop as a program: measure, control, move the process."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.controller import Controller
+from clepsydra.engine.runge_kutta import runge_kutta
+from clepsydra.process.process import Process
+from clepsydra.program.builder import BlockBuilder
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.program import Program
+from clepsydra.program.reader import inline
+
+
+def closed_loop(
+    process: Process,
+    controller: Controller,
+    *,
+    substeps: int,
+    constant: Mapping[str, float] | None = None,
+    running_scores: bool = False,
+) -> Program:
+    """Join a process and a controller to the program of one sampling period.
+
+    At the start of a sample the sensors are read, the step law computes the manipulated
+    variables, and these are held while RK4 carries the process to the next sample. The
+    process may be computed with fused multiply-adds, the controller never.
+
+    Parameters
+    ----------
+    process : Process
+    controller : Controller
+    substeps : int
+        RK4 steps in one sampling period.
+    constant : mapping
+        Inputs that never change in the runs to come, by name; they are folded into the
+        program and are no inputs any more. Folding changes no bit of any result.
+    running_scores : bool
+        Add the states "iae[level_1]" [signal unit × s] and "ise[level_1]" of every controlled
+        measurement, summed over the samples, for batches that store no trajectories.
+
+    Returns
+    -------
+    Program
+        State: the process's, then "controller." + the law's. Inputs, for a controlled
+        measurement y, any measurement m and a manipulated variable u: "y.setpoint", the
+        disturbances, "m.noise", "m.sensor" (1 = good), "u.mode", "u.manual", "u.tracking".
+        Parameters: the process's, then "controller." + the law's. Outputs: the process's state,
+        the measurements, the manipulated variables, and "u.status".
+    """
+    return _Join(process, controller, dict(constant or {}), substeps, running_scores).program()
+
+
+def loop_inputs(process: Process) -> tuple[Signal, ...]:
+    """Return the inputs of a closed loop, at rest in automatic with sound sensors."""
+    controlled = [process.signal(name) for name in process.controlled]
+    return (
+        *(Signal(f"{y.name}.setpoint", y.unit, y.display_unit, y.low, y.high) for y in controlled),
+        *process.disturbances,
+        *(Signal(f"{y.name}.noise", y.unit, y.display_unit) for y in process.measurements),
+        *(
+            Signal(f"{y.name}.sensor", kind="boolean", low=0.0, high=1.0, initial=1.0)
+            for y in process.measurements
+        ),
+        *(
+            Signal(f"{u.name}.mode", kind="integer", low=0.0, high=2.0, initial=1.0)
+            for u in process.inputs
+        ),
+        *(
+            Signal(f"{u.name}.{what}", u.unit, u.display_unit, u.low, u.high, u.initial)
+            for what in ("manual", "tracking")
+            for u in process.inputs
+        ),
+    )
+
+
+def controller_name(signal: str) -> str:
+    """Return the name that a state or parameter of a step law has in the closed loop."""
+    return f"controller.{signal}"
+
+
+class _Join:
+    def __init__(
+        self,
+        process: Process,
+        controller: Controller,
+        constant: dict[str, float],
+        substeps: int,
+        running_scores: bool,
+    ) -> None:
+        self.process, self.controller, self.substeps = process, controller, substeps
+        law = controller.law
+        self.scored = process.controlled if running_scores else ()
+        scores = [
+            Signal(f"{score}[{name}]", f"{unit} s")
+            for score, unit in (("iae", "signal"), ("ise", "signal^2"))
+            for name in self.scored
+        ]
+        self.inputs = tuple(s for s in loop_inputs(process) if s.name not in constant)
+        self.state = (*process.state, *(_renamed(entry) for entry in law.state), *scores)
+        self.parameters = (
+            *process.parameters,
+            *(replace(p, name=controller_name(p.name)) for p in law.parameters),
+        )
+        names = [s.name for s in (*self.state, *self.inputs, *self.parameters)]
+        self.builder = BlockBuilder(len(names))
+        self.value = {name: index for index, name in enumerate(names)}
+        for name, number in constant.items():
+            self.value[name] = self.builder.constant(number)
+
+    def program(self) -> Program:
+        process, controller, value = self.process, self.controller, self.value
+        builder = self.builder
+        time_step = builder.constant(process.sampling_period)
+        parameters = [value[p.name] for p in process.parameters]
+        state = [value[x.name] for x in process.state]
+        true = inline(builder, process.measure, [*state, *parameters], fused=True)
+        measured = {
+            y.name: builder.operation("add", reading, value[f"{y.name}.noise"])
+            for y, reading in zip(process.measurements, true, strict=True)
+        }
+        next_law, outputs = self._control(measured, time_step)
+        moved = [outputs[u.name] for u in process.inputs]
+        disturbed = [value[d.name] for d in process.disturbances]
+        arguments = [time_step, *state, *moved, *disturbed, *parameters]
+        next_state = inline(
+            builder, runge_kutta(process.dynamics, self.substeps), arguments, fused=True
+        )
+        readings = {y.name: v for y, v in zip(process.measurements, true, strict=True)}
+        recorded = [
+            *((x, value[x.name]) for x in process.state),
+            *((y, measured[y.name]) for y in process.measurements),
+            *((u, outputs[u.name]) for u in process.inputs),
+            *(
+                (Signal(f"{u}.status", kind="integer"), outputs[f"{u}.status"])
+                for u in controller.manipulated
+            ),
+        ]
+        block = builder.finish(
+            [
+                *next_state,
+                *next_law,
+                *self._scores(readings, time_step),
+                *(v for _, v in recorded),
+            ]
+        )
+        return Program(
+            f"{process.name} with {controller.name}",
+            self.state,
+            self.inputs,
+            self.parameters,
+            tuple(signal for signal, _ in recorded),
+            block,
+        )
+
+    def _control(
+        self, measured: dict[str, int], time_step: int
+    ) -> tuple[list[int], dict[str, int]]:
+        """Inline the step law; return its next state and its outputs by process name."""
+        controller, law, value = self.controller, self.controller.law, self.value
+        wires = {"time_step": time_step}
+        for number, name in enumerate(controller.measurements, 1):
+            wires[f"measurement_{number}"] = measured[name]
+            wires[f"sensor_{number}"] = value[f"{name}.sensor"]
+        for number, name in enumerate(controller.setpoints, 1):
+            wires[f"setpoint_{number}"] = value[f"{name}.setpoint"]
+        for number, name in enumerate(controller.manipulated, 1):
+            for what in ("mode", "manual", "tracking"):
+                wires[f"{what}_{number}"] = value[f"{name}.{what}"]
+        arguments = [
+            *(value[controller_name(entry.name)] for entry in law.state),
+            *(wires[signal.name] for signal in law.inputs),
+            *(value[controller_name(signal.name)] for signal in law.parameters),
+        ]
+        results = inline(self.builder, law.function, arguments)
+        next_law = results[: len(law.state)]
+        by_law = {
+            signal.name: v
+            for signal, v in zip(law.outputs, results[len(law.state) :], strict=False)
+        }
+        outputs = {}
+        for number, name in enumerate(controller.manipulated, 1):
+            outputs[name] = by_law[f"manipulated_{number}"]
+            outputs[f"{name}.status"] = by_law[f"status_{number}"]
+        return next_law, outputs
+
+    def _scores(self, readings: dict[str, int], time_step: int) -> list[int]:
+        builder, value = self.builder, self.value
+        errors = [
+            builder.operation("subtract", value[f"{name}.setpoint"], readings[name])
+            for name in self.scored
+        ]
+        rates = {
+            "iae": [builder.operation("absolute", error) for error in errors],
+            "ise": [builder.operation("multiply", error, error) for error in errors],
+        }
+        return [
+            builder.operation(
+                "add", value[f"{score}[{name}]"], builder.operation("multiply", time_step, rate)
+            )
+            for score, numbers in rates.items()
+            for name, rate in zip(self.scored, numbers, strict=True)
+        ]
+
+
+def _renamed(entry: Signal | DelayRing) -> Signal | DelayRing:
+    if isinstance(entry, DelayRing):
+        return replace(entry, signal=replace(entry.signal, name=controller_name(entry.name)))
+    return replace(entry, name=controller_name(entry.name))

@@ -1,0 +1,273 @@
+"""The scenario of a study that nobody wrote one for, made from the process alone."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.poles import origin_radius, time_constants
+from clepsydra.linear.zeros import zeros
+from clepsydra.loop.scenario import Scenario, Segment, SegmentKind
+from clepsydra.process.inflow import Inflow
+from clepsydra.process.process import Process
+
+#: Wanted setpoint step, and the smallest that still shows something; shares of the range.
+STEP_SHARE = 0.10
+SMALLEST_STEP_SHARE = 0.01
+#: Inputs and outputs rest at least this share of their range away from its ends.
+MARGIN = 0.05
+#: No level rests nearer to floor or rim than this share of its distance at the start.
+LEVEL_SHARE = 0.5
+#: Standard deviation of the measurement noise, share of the range.
+NOISE_SHARE = 0.005
+#: Length of a segment in times of the slowest thing that happens in it.
+SLOWEST_TIMES = 6.0
+#: Rest before the first step, share of a segment.
+REST_SHARE = 0.1
+#: A loop is slower than this many sampling periods.
+LOOP_PERIODS = 10.0
+PRETTY = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+MOST_SAMPLES = 1_000_000
+
+
+def default_scenario(
+    process: Process, point: OperatingPoint, model: LinearModel, seed: int = 1
+) -> Scenario:
+    """Return setpoint steps, load steps and a stretch of noise, one thing a segment.
+
+    *Order.* A short rest; for each controlled measurement a setpoint step away from the
+    operating point and one back; for each inflow with a step size a load step, which then
+    stays, so that each segment holds one change only; measurement noise without steps.
+
+    *Setpoint step.* 10 % of the measurement's range, upward where there is room, else
+    downward. It is reduced until, at rest after it by the linear model (all other controlled
+    measurements unchanged), all inputs and the stepped measurement lie in the middle 90 % of
+    their ranges and no level has gone more than half its way to floor or rim; then it is
+    rounded down to one digit.
+
+    *Load step.* The size that the process gives for the inflow.
+
+    *Length.* Each segment lasts six times the slowest of: the model's time constants; 2/z for
+    each zero z in the right half-plane, since no loop is faster; for a level that integrates,
+    the time in which the full range of the inputs moves its full range; ten sampling periods.
+    It is rounded up to a pretty number.
+
+    *Noise.* White, normal, standard deviation 0.5 % of each measurement's range, from
+    PCG64 with the seed that the scenario records.
+
+    Parameters
+    ----------
+    process : Process
+    point : OperatingPoint
+        Where the scenario begins.
+    model : LinearModel
+        Of the process at `point`, with at least the controlled measurements as outputs.
+    seed : int
+        Of the noise, not negative.
+
+    Returns
+    -------
+    Scenario
+
+    Raises
+    ------
+    InputError
+        A measurement has no finite range, a setpoint step has no room or cannot be held by
+        the inputs, the scenario would take more than a million samples, or the seed is
+        negative.
+
+    References
+    ----------
+    S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd edition, Wiley,
+    2005, chapter 5, for the bound on the bandwidth by a zero.
+
+    Examples
+    --------
+    The quadruple tank steps by 1 V, a tenth of its sensors' 10 V, in segments of 600 s:
+
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.linear.linearise import linearise
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> point = find_equilibrium(process)
+    >>> scenario = default_scenario(process, point, linearise(process, point))
+    >>> scenario.segments[0]
+    Segment(kind='setpoint', signal='level_1', start=60.0, stop=660.0, size=1.0)
+    """
+    if seed < 0:
+        raise InputError("seed", seed, "a whole number from 0", "choose another seed")
+    controlled = model.select(outputs=process.controlled)
+    period = process.sampling_period
+    loads = [
+        (column, element.name, element.step)
+        for column, signal in enumerate(process.disturbances)
+        for element in process.elements
+        if isinstance(element, Inflow) and element.name == signal.name and element.step != 0.0
+    ]
+    length = _pretty_above(SLOWEST_TIMES * _slowest(process, controlled))
+    each = math.ceil(length / period * (1.0 - 1e-12))
+    rest = math.ceil(REST_SHARE * each)
+    samples = rest + (2 * len(process.controlled) + len(loads) + 1) * each
+    if samples > MOST_SAMPLES:
+        raise InputError(
+            f"{process.name}, sampling_period",
+            f"{period:g} s",
+            f"at least {period * samples / MOST_SAMPLES:.2g} s for segments of {length:g} s",
+            "lengthen the sampling period or write a scenario of your own",
+        )
+
+    start = np.array([point.as_dict()[name] for name in process.controlled])
+    setpoints = np.tile(start, (samples, 1))
+    disturbances = np.tile(np.asarray(point.disturbances, float), (samples, 1))
+    noise = np.zeros((samples, len(process.measurements)))
+    segments: list[Segment] = []
+    begin = rest
+
+    def add_segment(kind: SegmentKind, signal: str, size: float) -> slice:
+        nonlocal begin
+        stretch = slice(begin, begin + each)
+        begin = stretch.stop
+        segments.append(Segment(kind, signal, stretch.start * period, stretch.stop * period, size))
+        return stretch
+
+    for column, name in enumerate(process.controlled):
+        size = _setpoint_step(process, point, controlled, column)
+        setpoints[add_segment("setpoint", name, size), column] += size
+        add_segment("setpoint", name, -size)
+    for column, name, size in loads:
+        disturbances[add_segment("load", name, size).start :, column] += size
+    deviation = [NOISE_SHARE * _span(process, signal) for signal in process.measurements]
+    stretch = add_segment("noise", "", 0.0)
+    random = np.random.Generator(np.random.PCG64(seed))
+    noise[stretch] = random.normal(0.0, deviation, noise[stretch].shape)
+    return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed)
+
+
+def _setpoint_step(
+    process: Process, point: OperatingPoint, model: LinearModel, column: int
+) -> float:
+    """Return the signed size of the setpoint step of one controlled measurement."""
+    name = model.outputs[column]
+    output = process.signal(name)
+    span = _span(process, output)
+    values = point.as_dict()
+    level_moves, input_moves = _moves_at_rest(process, model, column)
+    rooms = [_room(values[name], *_inner(output), 1.0)]
+    for state, move in zip(model.states, level_moves, strict=True):
+        signal, value = process.signal(state), values[state]
+        low = value - LEVEL_SHARE * (value - signal.low)
+        high = value + LEVEL_SHARE * (signal.high - value)
+        rooms.append(_room(value, low, high, move))
+    for actuator, move in zip(model.inputs, input_moves, strict=True):
+        rooms.append(_room(values[actuator], *_inner(process.signal(actuator)), move))
+    up, down = (min(room[direction] for room in rooms) for direction in (0, 1))
+    wanted = STEP_SHARE * span
+    upward = up >= min(wanted, down)
+    size = _one_digit_below(min(wanted, up if upward else down))
+    if size < SMALLEST_STEP_SHARE * span:
+        raise InputError(
+            f"{process.name}, setpoint step of {name}",
+            f"room for {100.0 * max(up, down) / span:.2g} % of its range",
+            f"room for at least {100.0 * SMALLEST_STEP_SHARE:g} %",
+            "move the operating point away from the limits or write a scenario of your own",
+        )
+    return size if upward else -size
+
+
+def _moves_at_rest(
+    process: Process, model: LinearModel, column: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far levels and inputs move, at rest, for a unit of one output alone.
+
+    0 = A Δx + B Δu and Δy = C Δx + D Δu are solved together, so that a process that
+    integrates, and has no static gain, needs no other route. Of several solutions it is the
+    smallest in shares of the ranges.
+    """
+    states = len(model.states)
+    matrix = np.block([[model.A, model.B], [model.C, model.D]])
+    scale = np.array([_scale(process.signal(name)) for name in model.states + model.inputs])
+    wanted = np.zeros(len(matrix))
+    wanted[states + column] = 1.0
+    matrix = matrix * scale
+    rows = np.max(np.abs(matrix), axis=1)
+    rows[rows == 0.0] = 1.0
+    shares = np.linalg.lstsq(matrix / rows[:, None], wanted / rows, rcond=None)[0]
+    missed = np.abs(matrix @ shares - wanted) / rows
+    if np.max(missed) > 1e-6 * np.max(wanted / rows):
+        name = model.outputs[column]
+        raise InputError(
+            f"{process.name}, setpoint step of {name}",
+            f"inputs {', '.join(model.inputs)}",
+            f"inputs that can hold a new value of {name} with the other outputs unchanged",
+            "control fewer measurements or write a scenario of your own",
+        )
+    moves = shares * scale
+    return moves[:states], moves[states:]
+
+
+def _slowest(process: Process, model: LinearModel) -> float:
+    """Return the slowest thing that a loop around the model has to wait for [s]."""
+    constants = np.abs(time_constants(model))
+    times = [LOOP_PERIODS * process.sampling_period, *constants[np.isfinite(constants)]]
+    origin = origin_radius(model.A)
+    times += [2.0 / zero.real for zero in zeros(model) if zero.real > origin]
+    if not np.all(np.isfinite(constants)):
+        # s G(s) near the origin: the rate of each output for a constant input.
+        s = 1e-6 / max(times)
+        states = np.eye(len(model.states))
+        rates = np.abs(s * model.C @ np.linalg.solve(s * states - model.A, model.B))
+        fastest = rates @ [_scale(process.signal(name)) for name in model.inputs]
+        spans = np.array([_span(process, process.signal(name)) for name in model.outputs])
+        integrating = fastest * max(times) > 1e-3 * spans
+        times += list(spans[integrating] / fastest[integrating])
+    return float(max(times))
+
+
+def _room(value: float, low: float, high: float, move: float) -> tuple[float, float]:
+    """Return how far a setpoint may go up and down until a signal meets its limits."""
+    above, below = max(0.0, high - value), max(0.0, value - low)
+    if move == 0.0:
+        return math.inf, math.inf
+    return (above / move, below / move) if move > 0.0 else (below / -move, above / -move)
+
+
+def _inner(signal: Signal) -> tuple[float, float]:
+    """Return the ends of the middle 90 % of a range."""
+    return signal.from_percent(100.0 * MARGIN), signal.from_percent(100.0 * (1.0 - MARGIN))
+
+
+def _span(process: Process, signal: Signal) -> float:
+    span = signal.high - signal.low
+    if not (math.isfinite(span) and span > 0.0):
+        raise InputError(
+            f"{process.name}, {signal.name}",
+            f"a range from {signal.low:g} to {signal.high:g} {signal.unit}",
+            "a finite range with its low end below its high end",
+            "give the sensor a range",
+        )
+    return span
+
+
+def _scale(signal: Signal) -> float:
+    """Return the width of a range, or 1 where it has none."""
+    span = signal.high - signal.low
+    return span if math.isfinite(span) and span > 0.0 else 1.0
+
+
+def _one_digit_below(value: float) -> float:
+    """Round down to one significant digit."""
+    if value <= 0.0:
+        return 0.0
+    unit = 10.0 ** math.floor(math.log10(value))
+    return float(f"{math.floor(value / unit * (1.0 + 1e-9)) * unit:.0e}")
+
+
+def _pretty_above(value: float) -> float:
+    """Round up to the next pretty number."""
+    unit = 10.0 ** math.floor(math.log10(value))
+    return next(pretty * unit for pretty in PRETTY if pretty * unit >= value * (1.0 - 1e-9))

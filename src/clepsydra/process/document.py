@@ -1,0 +1,147 @@
+"""A process file as text: found, read whole, and parsed, or the reason why not."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from clepsydra.base.errors import InputError
+from clepsydra.process.toml_lines import key_lines, line_of
+
+#: A process of a thousand tanks takes less; what is larger is something else.
+LARGEST_FILE = 1_000_000
+_LONGEST_LINE = 1_000
+
+
+@dataclass(frozen=True)
+class Document:
+    """The tables of a process file and where each key stands.
+
+    Parameters
+    ----------
+    file : str
+        As the user named it.
+    tables : dict
+        As `tomllib` reads them.
+    lines : dict
+        Key path to line number.
+    """
+
+    file: str
+    tables: dict[str, Any]
+    lines: dict[tuple[str, ...], int]
+
+    def place(self, *path: str) -> str:
+        """Return file, line and path of a key, for a message."""
+        where = f"{self.file}, line {line_of(self.lines, path)}"
+        parts = [key[:60] if key.isprintable() else ascii(key[:60]) for key in path]
+        return f"{where}, {'.'.join(parts)}" if path else where
+
+
+def read_bytes(path: Path) -> bytes:
+    """Read a file whole.
+
+    Raises
+    ------
+    InputError
+        There is no such file, it is not a file, it cannot be read, or it is too large.
+    """
+    expected, remedy = "a process file", "check the path"
+    try:
+        if not path.exists():
+            raise InputError(str(path), "no such file", expected, remedy)
+        if path.is_dir():
+            raise InputError(str(path), "a folder", expected, "name the .toml file in it")
+        if not path.is_file():
+            raise InputError(str(path), "no regular file", expected, remedy)
+        with path.open("rb") as stream:
+            content = stream.read(LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:  # ValueError: a null character in the path
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise InputError(ascii(str(path)), reason.lower(), expected, remedy) from None
+    if len(content) > LARGEST_FILE:
+        raise InputError(
+            str(path),
+            "more than 1 MB",
+            "a process file of at most 1 MB",
+            "check that this is the file you mean",
+        )
+    return content
+
+
+def parse(content: bytes, file: str) -> Document:
+    """Parse the content of a process file.
+
+    Parameters
+    ----------
+    content : bytes
+    file : str
+        Its name, for messages.
+
+    Raises
+    ------
+    InputError
+        The content is empty, is not UTF-8 text or is not TOML.
+
+    Examples
+    --------
+    >>> parse(b"[tanks.a]\\narea = '28 cm^2'\\n", "plant.toml").place("tanks", "a", "area")
+    'plant.toml, line 2, tanks.a.area'
+    """
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            f"{file}, line {line}",
+            f"byte 0x{content[error.start]:02x}",
+            "text in UTF-8",
+            "check that this is a process file, and save it as UTF-8",
+        ) from None
+    text = text.replace("\r\n", "\n")
+    if not text.strip():
+        raise InputError(
+            file, "an empty file", "a process", "begin with a copy of a file of the catalogue"
+        )
+    for number, line_text in enumerate(text.split("\n"), 1):
+        if len(line_text) > _LONGEST_LINE:
+            raise InputError(
+                f"{file}, line {number}",
+                f"{len(line_text)} characters",
+                f"a line of at most {_LONGEST_LINE} characters",
+                "break the line",
+            )
+    try:
+        tables = tomllib.loads(text)
+    except RecursionError:
+        raise InputError(
+            file, "brackets in brackets without end", "a process file", "check the brackets"
+        ) from None
+    except ValueError as error:
+        raise _syntax_error(error, text, file) from None
+    return Document(file, tables, key_lines(text))
+
+
+def _syntax_error(error: ValueError, text: str, file: str) -> InputError:
+    """Turn the parser's message into place, value, expectation and remedy."""
+    message = str(error)
+    found = re.search(r"\(at line (\d+), column \d+\)", message)
+    lines = text.rstrip().split("\n")
+    number = min(int(found[1]) if found else len(lines), len(lines))
+    value = lines[number - 1].strip()
+    value = value[:60] + "…" if len(value) > 60 else value
+    place = f"{file}, line {number}"
+    if message.startswith(("Cannot declare", "Cannot overwrite", "Duplicate")):
+        return InputError(place, value, "every name once", "rename or remove one of the two")
+    if "limit" in message:
+        return InputError(file, "a number of thousands of digits", "a number", "shorten it")
+    words = re.sub(r" \(at .*\)$", "", message)
+    return InputError(
+        place,
+        value,
+        f"valid TOML ({words[:1].lower()}{words[1:]})",
+        "correct the line, or see whether the file is cut off",
+    )

@@ -1,0 +1,262 @@
+"""A table of a process file, read key by key with a message for everything that is wrong."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import re
+from collections.abc import Iterable
+from typing import Any
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.units import from_si, split_quantity, to_si
+from clepsydra.process.document import Document
+
+#: An identifier in C and in Structured Text.
+_NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9]){0,39}")
+
+
+class TableReader:
+    """One table of a document.
+
+    Parameters
+    ----------
+    document : Document
+    path : tuple of str
+        The keys that lead to the table; empty for the whole file.
+    keys : iterable of str or None
+        The keys that the table may have; None for any.
+
+    Raises
+    ------
+    InputError
+        It is not a table, or it has a key that is unknown.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> document = parse(b"[tanks.tank_1]\\narea = '28 cm^2'\\n", "plant.toml")
+    >>> table = TableReader(document, ("tanks", "tank_1"), ("area", "height"))
+    >>> table.quantity("area", "m^2", "an area", "give the cross-section of the tank", above=0.0)
+    0.0028
+    """
+
+    def __init__(
+        self, document: Document, path: tuple[str, ...], keys: Iterable[str] | None
+    ) -> None:
+        self._document = document
+        self._path = path
+        content: Any = document.tables
+        for key in path:
+            content = content[key]
+        if not isinstance(content, dict):
+            raise InputError(
+                document.place(*path), shown_value(content), "a table", f"write [{'.'.join(path)}]"
+            )
+        self._content: dict[str, Any] = content
+        known = None if keys is None else tuple(keys)
+        for key in content:
+            if known is not None and key not in known:
+                raise InputError(
+                    self.place(key),
+                    key,
+                    f"one of {', '.join(known)}" if known else "no key in this table",
+                    suggestion(key, known, "remove or rename it"),
+                )
+
+    @property
+    def present(self) -> tuple[str, ...]:
+        """The keys that the table has, in the order of the file."""
+        return tuple(self._content)
+
+    def has(self, key: str) -> bool:
+        """Return whether the table has a key."""
+        return key in self._content
+
+    def place(self, *key: str) -> str:
+        """Return where a key, or the table itself, stands."""
+        return self._document.place(*self._path, *key)
+
+    def written(self, key: str) -> object:
+        """Return the value of a key as it was written, shortened for a message."""
+        return shown_value(self._content.get(key))
+
+    def refused(self, key: str, value: object, expected: str, remedy: str) -> InputError:
+        """Return the error that says what is wrong with the value of a key."""
+        return InputError(self.place(key), value, expected, remedy)
+
+    def table(self, key: str, expected: str, remedy: str) -> TableReader:
+        """Return the table below a key, whatever its keys."""
+        self._require(key, expected, remedy)
+        return TableReader(self._document, (*self._path, key), None)
+
+    def quantity(
+        self,
+        key: str,
+        unit: str,
+        expected: str,
+        remedy: str,
+        *,
+        above: float | None = None,
+        at_least: float | None = None,
+        at_most: float | None = None,
+        default: float | None = None,
+    ) -> float:
+        """Return the value of a key [`unit`].
+
+        Parameters
+        ----------
+        key : str
+        unit : str
+            SI unit; "1" for a pure number.
+        expected, remedy : str
+            What it is ("an area") and what to do where it is wrong.
+        above, at_least, at_most : float or None
+            Bounds [`unit`].
+        default : float or None
+            Where the key is missing; None if it must not be.
+        """
+        if default is not None and key not in self._content:
+            return default
+        value = self._require(key, expected, f'{remedy}, as in {key} = "{_example(unit)}"')
+        number = self._to_si(key, value, unit)
+        for bound, words, kept in (
+            (above, "above", above is None or number > above),
+            (at_least, "of at least", at_least is None or number >= at_least),
+            (at_most, "of at most", at_most is None or number <= at_most),
+        ):
+            if bound is not None and not kept:
+                shown = self._in_written_unit(key, bound, unit)
+                raise self.refused(key, shown_value(value), f"{expected} {words} {shown}", remedy)
+        return number
+
+    def range(self, key: str, unit: str, *, at_least: float | None = None) -> tuple[float, float]:
+        """Return the lower and upper end of a range [`unit`]."""
+        expected = "a range of two quantities"
+        remedy = f'write as in {key} = ["0 {unit}", "10 {unit}"]'
+        value = self._require(key, expected, remedy)
+        if not isinstance(value, list) or len(value) != 2:
+            raise self.refused(key, shown_value(value), expected, remedy)
+        low, high = (self._to_si(key, end, unit) for end in value)
+        if not low < high:
+            raise self.refused(
+                key,
+                shown_value(value),
+                "a lower end below the upper end",
+                "exchange or correct them",
+            )
+        if at_least is not None and low < at_least:
+            raise self.refused(
+                key,
+                shown_value(value),
+                f"a lower end of at least {self._in_written_unit(key, at_least, unit)}",
+                remedy,
+            )
+        return low, high
+
+    def name(self, key: str, expected: str) -> str:
+        """Return the name of another element."""
+        value = self._require(key, expected, f'write as in {key} = "tank_1"')
+        if not isinstance(value, str):
+            raise self.refused(key, shown_value(value), expected, f'write as in {key} = "tank_1"')
+        return value
+
+    def text(self, key: str, expected: str, remedy: str, default: str | None = None) -> str:
+        """Return one line of text."""
+        if default is not None and key not in self._content:
+            return default
+        value = self._require(key, expected, remedy)
+        if not isinstance(value, str) or not value.isprintable() or not value.strip():
+            raise self.refused(key, shown_value(value), expected, remedy)
+        return value
+
+    def names(self, key: str, expected: str, remedy: str) -> tuple[str, ...]:
+        """Return a list of names, each once and at least one."""
+        value = self._require(key, expected, remedy)
+        if (
+            not isinstance(value, list)
+            or not value
+            or not all(isinstance(name, str) for name in value)
+        ):
+            raise self.refused(key, shown_value(value), expected, remedy)
+        for name in value:
+            if value.count(name) > 1:
+                raise self.refused(key, name, "every name once", "remove one of the two")
+        return tuple(value)
+
+    def display_units(self, *keys: str) -> dict[str, str]:
+        """Return the units that the user wrote, for those of the keys that have one."""
+        units = {}
+        for key in keys:
+            value = self._content.get(key)
+            last = value[-1] if isinstance(value, list) else value
+            parts = split_quantity(last) if isinstance(last, str) else None
+            if parts is not None and parts[1]:
+                units[key] = parts[1]
+        return units
+
+    def _in_written_unit(self, key: str, value: float, unit: str) -> str:
+        """Return a value [`unit`] as text in the unit that the user wrote at a key."""
+        written = self.display_units(key).get(key, unit)
+        return f"{from_si(value, unit, written):g}" + ("" if written == "1" else f" {written}")
+
+    def _to_si(self, key: str, value: object, unit: str) -> float:
+        return to_si(value if isinstance(value, str) else shown_value(value), unit, self.place(key))
+
+    def _require(self, key: str, expected: str, remedy: str) -> Any:
+        if key not in self._content:
+            raise InputError(self.place(key), f"no {key}", expected, remedy)
+        return self._content[key]
+
+
+def checked_name(name: str, place: str) -> str:
+    """Return a name that can stand in every program that Clepsydra prints.
+
+    Raises
+    ------
+    InputError
+        It is no identifier.
+
+    Examples
+    --------
+    >>> checked_name("tank_1", "plant.toml, line 3, tanks.tank_1")
+    'tank_1'
+    """
+    if not _NAME.fullmatch(name):
+        raise InputError(
+            place,
+            shown_value(name),
+            "a name of at most 40 letters, digits and single underscores that begins with a letter",
+            "rename it, for example to tank_1",
+        )
+    return name
+
+
+def suggestion(wrong: str, known: Iterable[str], otherwise: str) -> str:
+    """Return "perhaps … was meant" where a known name is close, else what to do instead.
+
+    Examples
+    --------
+    >>> suggestion("tnak_1", ["tank_1", "basin"], "choose one")
+    "perhaps 'tank_1' was meant"
+    """
+    close = difflib.get_close_matches(wrong[:80], list(known), n=1)
+    return f"perhaps '{close[0]}' was meant" if close else otherwise
+
+
+def shown_value(value: object) -> object:
+    """Return a value as a message shows it: short, and as text unless it is a number.
+
+    Examples
+    --------
+    >>> shown_value(["0 V", "10 V"])
+    '["0 V", "10 V"]'
+    """
+    if isinstance(value, float) or (isinstance(value, int) and abs(value) < 10**18):
+        return value
+    text = value if isinstance(value, str) else json.dumps(value, default=str)
+    return text[:60] + "…" if len(text) > 60 else text
+
+
+def _example(unit: str) -> str:
+    return "1" if unit == "1" else f"1 {unit}"

@@ -1,0 +1,105 @@
+"""Line numbers of the keys of a TOML file, which the standard library does not keep."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+
+Path = tuple[str, ...]
+
+# No process file nests deeper; a deeper key is found at the line of its first parts.
+_DEEPEST = 4
+
+_BLANK = re.compile(r"(?:[ \t\r\n]+|#[^\n]*)*+")
+_KEY_PART = re.compile(r"""[ \t]*([A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')[ \t]*""")
+_VALUE_TOKEN = re.compile(
+    r'''"""(?:[^\\]|\\.)*?"""(?:"{0,2})'''
+    r"""|'''.*?'''(?:'{0,2})"""
+    r'''|"(?:[^"\\\n]|\\.)*"'''
+    r"""|'[^'\n]*'"""
+    r"""|\#[^\n]*"""
+    r"""|[\[{]|[\]}]|\n|[^"'\#\[\]{}\n]+""",
+    re.DOTALL,
+)
+
+
+def key_lines(text: str) -> dict[Path, int]:
+    """Return the line on which each key and each table of a valid TOML text begins.
+
+    A key inside an inline table is not listed: it stands on the line of the table's own key,
+    which `line_of` finds.
+
+    Parameters
+    ----------
+    text : str
+        Text that `tomllib` has accepted.
+
+    Examples
+    --------
+    >>> lines = key_lines("title = 'plant'\\n\\n[tanks.tank_1]  # left\\narea = '28 cm^2'\\n")
+    >>> lines[("title",)], lines[("tanks", "tank_1")], lines[("tanks", "tank_1", "area")]
+    (1, 3, 4)
+    """
+    lines: dict[Path, int] = {}
+    table: Path = ()
+    position, line = 0, 1
+    while True:
+        start, position = position, _end_of_blank(text, position)
+        line += text.count("\n", start, position)
+        if position >= len(text):
+            return lines
+        if text[position] == "[":
+            position += 2 if text.startswith("[[", position) else 1
+            table, position = _key(text, position)
+            path, position = table, text.find("]", position)
+        else:
+            path, position = _key(text, position)
+            path = table + path
+            position += 1  # the equals sign
+        for length in range(1, min(len(path), _DEEPEST) + 1):
+            lines.setdefault(path[:length], line)
+        start, position = position, _end_of_value(text, position)
+        line += text.count("\n", start, position)
+
+
+def line_of(lines: dict[Path, int], path: Path) -> int:
+    """Return the line of a key, or of the innermost table around it that has one.
+
+    Examples
+    --------
+    >>> line_of({("tanks",): 7}, ("tanks", "tank_1", "area"))
+    7
+    """
+    for length in range(len(path), 0, -1):
+        if path[:length] in lines:
+            return lines[path[:length]]
+    return 1
+
+
+def _end_of_blank(text: str, position: int) -> int:
+    match = _BLANK.match(text, position)
+    return match.end() if match else position
+
+
+def _key(text: str, position: int) -> tuple[Path, int]:
+    """Read a dotted key; return its parts and the place after it."""
+    parts: list[str] = []
+    while match := _KEY_PART.match(text, position):
+        part, position = match[1], match.end()
+        parts.append(tomllib.loads(f"key = {part}")["key"] if part[0] in "\"'" else part)
+        if not text.startswith(".", position):
+            break
+        position += 1
+    return tuple(parts), position
+
+
+def _end_of_value(text: str, position: int) -> int:
+    """Return the place of the line break that ends a value, brackets and strings skipped."""
+    depth = 0
+    while match := _VALUE_TOKEN.match(text, position):
+        token = match[0]
+        if token == "\n" and depth <= 0:
+            return position
+        depth += {"[": 1, "{": 1, "]": -1, "}": -1}.get(token, 0)
+        position = match.end()
+    return len(text)

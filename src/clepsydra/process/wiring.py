@@ -1,0 +1,143 @@
+"""The wiring of a plant: whether its elements fit together, and in which order flows follow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from graphlib import CycleError, TopologicalSorter
+
+from clepsydra.base.errors import InputError
+from clepsydra.process.element import Connection, Element
+from clepsydra.process.table_reader import suggestion
+
+#: Returns file, line and path of a key of an element, for a message.
+Place = Callable[..., str]
+
+
+def check_wiring(elements: Sequence[Element], place: Place) -> None:
+    """See that every connection ends where it may, and that every element is connected.
+
+    Parameters
+    ----------
+    elements : sequence of Element
+    place : callable
+        Takes a table and keys below it, returns where they stand.
+
+    Raises
+    ------
+    InputError
+        A flow to nowhere, from nowhere or in a circle, an element that no flow touches, two
+        elements or signals whose names cannot be told apart.
+    """
+    by_name: dict[str, Element] = {}
+    for element in elements:
+        twin = by_name.get(element.name.lower())
+        if twin is not None or element.name.lower() == "gravity":
+            raise InputError(
+                place(element.table, element.name),
+                element.name,
+                "a name that nothing else has, in large or small letters",
+                "rename it, since it is also the name of "
+                + (f"a {twin.kind}" if twin else "the acceleration of gravity"),
+            )
+        by_name[element.name.lower()] = element
+    for element in elements:
+        _check_connections(element, {other.name: other for other in elements}, place)
+    _check_touched(elements, place)
+    _check_identifiers(elements, place)
+    try:
+        flow_order(elements)
+    except CycleError as error:
+        circle = error.args[1]
+        first = next(element for element in elements if element.name == circle[0])
+        raise InputError(
+            place(first.table, first.name),
+            " → ".join(reversed(circle)),
+            "flows that reach a tank or reservoir",
+            "let one of them end in a tank or reservoir",
+        ) from None
+
+
+def flow_order(elements: Sequence[Element]) -> tuple[Element, ...]:
+    """Return the elements so that each that passes flows on comes after those that feed it.
+
+    Raises
+    ------
+    graphlib.CycleError
+        Elements that pass flows on feed each other in a circle.
+    """
+    passing = {element.name for element in elements if element.passes_on}
+    feeders: dict[str, set[str]] = {element.name: set() for element in elements}
+    for element in elements:
+        for connection in element.connections():
+            if connection.name in passing and connection.carries_flow:
+                feeders[connection.name].add(element.name)
+    by_name = {element.name: element for element in elements}
+    return tuple(by_name[name] for name in TopologicalSorter(feeders).static_order())
+
+
+def _check_connections(element: Element, by_name: dict[str, Element], place: Place) -> None:
+    connections = element.connections()
+    for connection in connections:
+        fitting = [name for name, other in by_name.items() if _fits(other, connection)]
+        if connection.name not in fitting:
+            wanted = "tank, reservoir or splitter" if connection.wanted == "receiver" else None
+            raise InputError(
+                place(element.table, element.name, *connection.key),
+                connection.name[:60],
+                f"the name of a {wanted or connection.wanted}",
+                suggestion(
+                    connection.name,
+                    fitting,
+                    f"choose from {', '.join(fitting)}" if fitting else "add one to the file",
+                ),
+            )
+        around = [other.name for other in connections if other.name == connection.name]
+        if len(around) > 1 or connection.name == element.name:
+            raise InputError(
+                place(element.table, element.name, *connection.key),
+                connection.name,
+                "a flow from one element to another",
+                "let it begin or end somewhere else",
+            )
+
+
+def _fits(other: Element, connection: Connection) -> bool:
+    return other.receives if connection.wanted == "receiver" else other.kind == connection.wanted
+
+
+def _check_touched(elements: Sequence[Element], place: Place) -> None:
+    """Refuse a tank, splitter or reservoir that no flow enters or leaves."""
+    touched = {
+        connection.name
+        for element in elements
+        for connection in element.connections()
+        if connection.carries_flow
+    }
+    for element in elements:
+        if element.receives and element.name not in touched:
+            raise InputError(
+                place(element.table, element.name),
+                element.name,
+                f"a {element.kind} that some flow enters or leaves",
+                "connect it, or remove it",
+            )
+
+
+def _check_identifiers(elements: Sequence[Element], place: Place) -> None:
+    """Refuse names such as tank "a" (level a.level) beside a pump "a_level"."""
+    owners: dict[str, Element] = {}
+    for element in elements:
+        groups = (element.states(), element.inputs(), element.disturbances())
+        for signal in [
+            *(signal for group in groups for signal in group),
+            *element.measurements(),
+            *element.parameters(),
+        ]:
+            owner = owners.setdefault(signal.identifier.lower(), element)
+            if owner is not element:
+                raise InputError(
+                    place(element.table, element.name),
+                    element.name,
+                    f"a name that does not read like {signal.identifier} of {owner.name}",
+                    "rename one of the two",
+                )
