@@ -9,7 +9,7 @@ import numpy as np
 from clepsydra.process.process import Process
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class OperatingPoint:
     """An equilibrium of a process, in SI.
 
@@ -23,7 +23,15 @@ class OperatingPoint:
     residual : float
         Largest |dx/dt| left [state unit per second].
     warnings : tuple of str
-        What is unusual about it: an input outside its range, a level above its rim.
+        What is unusual about it: an empty tank, a level that the given signals leave open.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.process.reader import load_process
+    >>> point = find_equilibrium(load_process("quadruple-tank"))
+    >>> round(point.as_dict()["level_1"], 6)
+    6.131484
     """
 
     process: Process

@@ -1,0 +1,133 @@
+"""The equilibrium of a process: from given inputs, or from given outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from clepsydra.base.errors import ClepsydraError
+from clepsydra.linear.equilibrium_reasons import (
+    reasons_outside_ranges,
+    reasons_without_solution,
+    undetermined,
+)
+from clepsydra.linear.equilibrium_request import read_request
+from clepsydra.linear.equilibrium_search import EquilibriumSearch, Iterate
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.process.process import Process
+
+# Starts that are tried where the search from the initial levels fails: shares of the height.
+_OTHER_STARTS = (0.1, 0.9)
+
+
+class NoEquilibrium(ClepsydraError):
+    """There is no equilibrium, and why.
+
+    Parameters
+    ----------
+    name : str
+        Of the process.
+    reasons : sequence of str
+        Sentences with the names of the signals, without the full stop.
+
+    Examples
+    --------
+    >>> print(NoEquilibrium("plant", ["tank_1.level accumulates"]))
+    plant has no equilibrium as asked: tank_1.level accumulates.
+    """
+
+    def __init__(self, name: str, reasons: tuple[str, ...] | list[str]) -> None:
+        self.reasons = tuple(reasons)
+        super().__init__(f"{name} has no equilibrium as asked: {'; '.join(self.reasons)}.")
+
+
+def find_equilibrium(
+    process: Process,
+    inputs: Mapping[str, float] | None = None,
+    outputs: Mapping[str, float] | None = None,
+    disturbances: Mapping[str, float] | None = None,
+) -> OperatingPoint:
+    """Find the state in which nothing moves.
+
+    Without `outputs` the inputs are given and f(x, u, d, p) = 0 is solved for the state. With
+    `outputs` the inputs that are not given are found together with the state. With neither, the
+    process's own nominal outputs are taken, or else the nominal values of its inputs.
+
+    Newton's method with exact derivatives, damped, in the square root of each level above its
+    floor, in which Torricelli's outflow is linear.
+
+    Parameters
+    ----------
+    process : Process
+    inputs : mapping, optional
+        Manipulated input to its value, SI; without `outputs`, an input that is not named keeps
+        its nominal value.
+    outputs : mapping, optional
+        Measurement to the value asked for [its SI unit], as many as there are inputs not given.
+    disturbances : mapping, optional
+        Disturbance to its value, SI; nominal where not named.
+
+    Returns
+    -------
+    OperatingPoint
+        Exact to rounding. A level that the given signals leave open keeps its initial value,
+        with a warning.
+
+    Raises
+    ------
+    NoEquilibrium
+        A state accumulates, an input would leave its range, a level would stand above its rim
+        or below its floor, the outputs cannot be set independently, or nothing was found.
+    InputError
+        A name is unknown, a value is no number or out of range, or too much or too little is
+        given.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> point = find_equilibrium(process, inputs={"pump_1": 3.0, "pump_2": 3.0})
+    >>> round(100 * point.as_dict()["tank_1.level"], 4)
+    12.263
+    """
+    request = read_request(process, inputs, outputs, disturbances)
+    search = EquilibriumSearch(process, request)
+    solution = _first_found(search)
+    if not solution.solved:
+        raise NoEquilibrium(process.name, reasons_without_solution(search, solution))
+    outside = reasons_outside_ranges(search, solution)
+    if outside:
+        raise NoEquilibrium(process.name, outside)
+    state, manipulated = search.values(solution.unknowns)
+    local = search.derivatives.at(state, manipulated, request.disturbances)
+    warnings = [
+        f"{signal.name} stands on its floor: the tank is empty and has no linear model there"
+        for signal, value in zip(process.state, state, strict=True)
+        if signal.unit == "m" and value <= signal.low
+    ]
+    free_names = undetermined(search, solution)
+    if free_names:
+        warnings.append(
+            f"{' and '.join(free_names)} may take other values as well: the given signals do not "
+            "determine them, and they were left near their initial values"
+        )
+    return OperatingPoint(
+        process=process,
+        state=state,
+        inputs=manipulated,
+        disturbances=request.disturbances,
+        measurements=local.measured,
+        residual=float(np.abs(local.rates).max(initial=0.0)),
+        warnings=tuple(warnings),
+    )
+
+
+def _first_found(search: EquilibriumSearch) -> Iterate:
+    """Return the first solution with all levels on or above their floor, or the first attempt."""
+    first = search.run(None)
+    for share in (None, *_OTHER_STARTS):
+        attempt = first if share is None else search.run(share)
+        if attempt.solved and not search.below_floor(attempt.unknowns).any():
+            return attempt
+    return first

@@ -1,0 +1,186 @@
+"""Why there is no equilibrium, in words and with the names of the signals."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clepsydra.base.signal import Signal
+from clepsydra.base.units import from_si
+from clepsydra.linear.equilibrium_search import RANK, EquilibriumSearch, Iterate
+from clepsydra.process.process import Process
+
+# A share of the range that rounding may add to a value at its limit.
+_AT_LIMIT = 1e-9
+# A component of a null vector below this share of the largest plays no part.
+_PART = 1e-6
+
+
+def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[str, ...]:
+    """Return a sentence for each input outside its range and each level beyond rim or floor.
+
+    Parameters
+    ----------
+    search : EquilibriumSearch
+    solved : Iterate
+        Where all derivatives vanish.
+    """
+    process = search.process
+    state, inputs = search.values(solved.unknowns)
+    reasons = _inputs_outside(process, inputs)
+    for signal, value in zip(process.state, state, strict=True):
+        if value > signal.high + _AT_LIMIT * abs(signal.high):
+            where = "its rim" if signal.unit == "m" else "the top of its range,"
+            reasons.append(
+                f"{signal.name} would stand at {shown(signal, value)}, above {where} at "
+                f"{shown(signal, signal.high)}"
+            )
+    # An input that pumps backwards is the cause; the levels below the floor only follow.
+    return tuple(reasons or _levels_below(search, solved.unknowns))
+
+
+def reasons_without_solution(search: EquilibriumSearch, stuck: Iterate) -> tuple[str, ...]:
+    """Return why the search ended without a solution.
+
+    Parameters
+    ----------
+    search : EquilibriumSearch
+    stuck : Iterate
+        Its last one.
+    """
+    if not stuck.finite:
+        names = [
+            name
+            for name, slopes in zip(_row_names(search), stuck.jacobian, strict=True)
+            if not np.isfinite(slopes).all()
+        ]
+        return (f"the equations of {' and '.join(names)} have no finite derivative on the way",)
+    reasons = _accumulation(search, stuck)
+    if reasons:
+        return reasons
+    below = _levels_below(search, stuck.unknowns + stuck.newton_step())
+    if below:
+        return tuple(below)
+    worst = int(np.argmax(np.abs(stuck.residuals) / stuck.row_sizes))
+    name = _row_names(search)[worst]
+    return (
+        f"the search did not converge; the largest remainder is {stuck.residuals[worst]:.3g} "
+        f"(SI) in {name}: ask for another operating point",
+    )
+
+
+def undetermined(search: EquilibriumSearch, solved: Iterate) -> list[str]:
+    """Return the states and free inputs that may take other values in the same equilibrium.
+
+    Parameters
+    ----------
+    search : EquilibriumSearch
+    solved : Iterate
+    """
+    _, right = _null_spaces(search, solved)
+    return _taking_part(_unknown_names(search), right)
+
+
+def shown(signal: Signal, value: float) -> str:
+    """Return a value with the unit that the reader sees.
+
+    Examples
+    --------
+    >>> shown(Signal("tank_1.level", "m"), 0.25)
+    '0.25 m'
+    """
+    return f"{from_si(float(value), signal.unit, signal.shown_unit):.4g} {signal.shown_unit}"
+
+
+def _accumulation(search: EquilibriumSearch, stuck: Iterate) -> tuple[str, ...]:
+    """Return what no choice of the unknowns can bring to zero, or nothing if there is none."""
+    process, request = search.process, search.request
+    left, right = _null_spaces(search, stuck)
+    if not np.any(np.abs(left.T @ stuck.residuals) > np.abs(left.T) @ stuck.rounding):
+        return ()
+    states = len(process.state)
+    free = [process.inputs[place].name for place in request.free_inputs]
+    if _taking_part(free, right[states:]):
+        outputs = _taking_part(_row_names(search)[states:], left[states:])
+        return (
+            f"{' and '.join(outputs)} cannot take the asked "
+            f"{'values' if len(outputs) > 1 else 'value'}: {' and '.join(free)} cannot set the "
+            "asked outputs independently",
+        )
+    levels = _taking_part(_row_names(search)[:states], right[:states])
+    if len(levels) > 1:
+        return (
+            f"{' and '.join(levels)} accumulate together: no flow changes when they rise "
+            "together, so nothing balances what flows into them",
+        )
+    end = ""
+    if not request.outputs:
+        # ẋ in the long run lies along the direction that no equation feels.
+        along = right * search.state_slopes(stuck.unknowns)[:, None]
+        rates = along @ np.linalg.lstsq(left.T @ along, left.T @ stuck.residuals, rcond=None)[0]
+        signal, rate = next(
+            (signal, rate)
+            for signal, rate in zip(process.state, rates, strict=True)
+            if signal.name == levels[0]
+        )
+        way = "rises" if rate > 0.0 else "falls"
+        end = f"; in the long run it {way} by {abs(rate):.3g} {signal.unit}/s"
+    return (
+        f"{levels[0]} accumulates: no flow changes with it, so nothing balances what flows in and "
+        f"out{end}",
+    )
+
+
+def _null_spaces(search: EquilibriumSearch, iterate: Iterate) -> tuple[np.ndarray, np.ndarray]:
+    """Return the balances that no unknown changes and the unknowns that no balance feels.
+
+    As columns, in SI by rows (left) and scaled (right). Empty tanks are left out of the latter:
+    nothing feels them because they are empty.
+    """
+    sizes = iterate.row_sizes
+    columns, values, rows = np.linalg.svd(iterate.jacobian / sizes[:, None])
+    rank = int(np.sum(values > RANK * max(float(values.max(initial=0.0)), 1.0)))
+    left, right = columns[:, rank:] / sizes[:, None], rows[rank:].T
+    state, _ = search.values(iterate.unknowns)
+    floors = [signal.low for signal in search.process.state]
+    empty = np.concatenate([state <= floors, np.zeros(len(search.request.free_inputs), bool)])
+    return left, np.where(empty[:, None], 0.0, right)
+
+
+def _taking_part(names: list[str], vectors: np.ndarray) -> list[str]:
+    largest = np.abs(vectors).max(axis=1, initial=0.0)
+    return [name for name, size in zip(names, largest, strict=True) if size > _PART]
+
+
+def _levels_below(search: EquilibriumSearch, unknowns: np.ndarray) -> list[str]:
+    states = len(search.process.state)
+    below = search.below_floor(unknowns)[:states]
+    return [
+        f"{signal.name} would have to fall below its floor: more is drawn from it than flows in"
+        for signal, is_below in zip(search.process.state, below, strict=True)
+        if is_below
+    ]
+
+
+def _inputs_outside(process: Process, inputs: np.ndarray) -> list[str]:
+    reasons = []
+    for signal, value in zip(process.inputs, inputs, strict=True):
+        slack = _AT_LIMIT * max(abs(signal.low), abs(signal.high))
+        slack = slack if np.isfinite(slack) else 0.0
+        if not signal.low - slack <= value <= signal.high + slack:
+            reasons.append(
+                f"{signal.name} would have to be {shown(signal, value)}, outside its range from "
+                f"{shown(signal, signal.low)} to {shown(signal, signal.high)}"
+            )
+    return reasons
+
+
+def _unknown_names(search: EquilibriumSearch) -> list[str]:
+    process = search.process
+    free = [process.inputs[place].name for place in search.request.free_inputs]
+    return [signal.name for signal in process.state] + free
+
+
+def _row_names(search: EquilibriumSearch) -> list[str]:
+    process = search.process
+    asked = [process.measurements[place].name for place in search.request.outputs]
+    return [signal.name for signal in process.state] + asked

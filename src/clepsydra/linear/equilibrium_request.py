@@ -1,0 +1,119 @@
+"""What is asked of an equilibrium: which signals are given, and which are to be found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.process.process import Process
+
+
+@dataclass(frozen=True)
+class EquilibriumRequest:
+    """The given values, and the inputs that are free to meet the asked outputs.
+
+    Parameters
+    ----------
+    inputs : ndarray [m]
+        Given values; where an input is free, the value to start from.
+    free_inputs : tuple of int
+        Places of the inputs to be found.
+    disturbances : ndarray [k]
+    outputs : tuple of int
+        Places of the measurements whose values are asked for, as many as free inputs.
+    targets : ndarray
+        The asked values, in the order of `outputs`.
+    """
+
+    inputs: np.ndarray
+    free_inputs: tuple[int, ...]
+    disturbances: np.ndarray
+    outputs: tuple[int, ...]
+    targets: np.ndarray
+
+
+def read_request(
+    process: Process,
+    inputs: Mapping[str, float] | None,
+    outputs: Mapping[str, float] | None,
+    disturbances: Mapping[str, float] | None,
+) -> EquilibriumRequest:
+    """Check what is asked and complete it from the process's nominal values.
+
+    Parameters
+    ----------
+    process : Process
+    inputs, outputs, disturbances : mapping, optional
+        As in `find_equilibrium`.
+
+    Raises
+    ------
+    InputError
+        A name is unknown, a value is not a finite number or outside the signal's range, or the
+        number of outputs is not that of the free inputs.
+    """
+    if inputs is None and outputs is None and process.nominal_outputs:
+        outputs = process.nominal_outputs
+    given = _checked(process.inputs, inputs or {}, "inputs", "an input")
+    asked = _checked(process.measurements, outputs or {}, "outputs", "a measurement")
+    forced = _checked(process.disturbances, disturbances or {}, "disturbances", "a disturbance")
+    free = [i for i, signal in enumerate(process.inputs) if signal.name not in given]
+    if not asked:
+        free = []
+    elif len(asked) != len(free):
+        _refuse_number(process, given, asked, free)
+    places = [i for i, signal in enumerate(process.measurements) if signal.name in asked]
+    return EquilibriumRequest(
+        inputs=np.array(
+            [given.get(signal.name, signal.initial) for signal in process.inputs], float
+        ),
+        free_inputs=tuple(free),
+        disturbances=np.array(
+            [forced.get(signal.name, signal.initial) for signal in process.disturbances], float
+        ),
+        outputs=tuple(places),
+        targets=np.array([asked[process.measurements[place].name] for place in places], float),
+    )
+
+
+def _refuse_number(
+    process: Process, given: dict[str, float], asked: dict[str, float], free: list[int]
+) -> None:
+    names = ", ".join(process.inputs[place].name for place in free) or "none"
+    if given:
+        expected = f"as many outputs as inputs that are not given ({len(free)}: {names})"
+        remedy = "give either an input or an output for each degree of freedom, not both"
+    else:
+        expected = f"exactly {len(free)} outputs, one for each manipulated input ({names})"
+        remedy = "name as many outputs as there are inputs to be found"
+    raise InputError("equilibrium, outputs", ", ".join(asked), expected, remedy)
+
+
+def _checked(
+    signals: tuple[Signal, ...], values: Mapping[str, float], what: str, one: str
+) -> dict[str, float]:
+    by_name = {signal.name: signal for signal in signals}
+    checked = {}
+    for name, value in values.items():
+        place = f"equilibrium, {what}.{name}"
+        if name not in by_name:
+            close = get_close_matches(str(name), by_name, 1)
+            remedy = f"did you mean {close[0]!r}" if close else f"use the name of {one}"
+            expected = "one of " + ", ".join(by_name) if by_name else f"no name: there is not {one}"
+            raise InputError(place, name, expected, remedy)
+        signal = by_name[name]
+        span = f"a number from {signal.low:g} to {signal.high:g} {signal.unit}"
+        number = isinstance(value, (int, float, np.integer, np.floating))
+        if not number or isinstance(value, bool) or not math.isfinite(value):
+            raise InputError(place, value, span, "give a finite number in SI units")
+        if not signal.low <= value <= signal.high:
+            remedy = "choose a value inside the range of the signal"
+            raise InputError(place, float(value), span, remedy)
+        checked[name] = float(value)
+    return checked

@@ -1,0 +1,199 @@
+"""The search for an equilibrium: Newton's method, damped, with exact derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.base.signal import Signal
+from clepsydra.linear.derivatives import Derivatives
+from clepsydra.linear.equilibrium_request import EquilibriumRequest
+from clepsydra.process.process import Process
+
+# Singular values below this share of the largest count as zero.
+RANK = 1e-12
+_ITERATIONS = 200
+_ROUNDING = 100.0 * float(np.finfo(float).eps)
+_SMALLEST_STEP = 1e-10
+# A ζ this close to zero is a level on its floor (ζ² = 1e-14 of the tank's height).
+FLOOR = 1e-7
+# The equations are continued in a straight line below this ζ; the floor has no derivative.
+_CONTINUED = 1e-20
+
+
+@dataclass(frozen=True)
+class Iterate:
+    """One step of the search, in scaled unknowns.
+
+    Parameters
+    ----------
+    unknowns : ndarray [n + f]
+        ζ of the states, then of the free inputs.
+    residuals : ndarray [n + f]
+        ẋ, then the asked outputs minus their targets, SI.
+    jacobian : ndarray [n + f, n + f]
+        Of the residuals by the unknowns.
+    rounding : ndarray [n + f]
+        What rounding alone may leave of each residual.
+    """
+
+    unknowns: np.ndarray
+    residuals: np.ndarray
+    jacobian: np.ndarray
+    rounding: np.ndarray
+
+    @property
+    def row_sizes(self) -> np.ndarray:
+        """Largest entry of each row of the Jacobian, one for a row of zeros."""
+        sizes = np.abs(self.jacobian).max(axis=1, initial=0.0)
+        return np.where(sizes > 0.0, sizes, 1.0)
+
+    @property
+    def solved(self) -> bool:
+        """Whether every residual is down to rounding."""
+        return bool(np.all(np.abs(self.residuals) <= self.rounding))
+
+    @property
+    def finite(self) -> bool:
+        """Whether the equations and their derivatives have values here."""
+        return bool(np.isfinite(self.residuals).all() and np.isfinite(self.jacobian).all())
+
+    def newton_step(self) -> np.ndarray:
+        """Return Newton's step; the shortest one where the Jacobian is singular."""
+        sizes = self.row_sizes
+        scaled = self.jacobian / sizes[:, None]
+        step: np.ndarray = np.linalg.lstsq(scaled, -self.residuals / sizes, rcond=RANK)[0]
+        return step
+
+
+class EquilibriumSearch:
+    """Newton's method for ẋ = 0 and y = target over the states and the free inputs.
+
+    A state with a floor is written as x = floor + span ζ²: Torricelli's outflow is linear in ζ,
+    so that a network of tanks takes a step or two. Below the floor the equations are continued
+    in a straight line, so that an impossible request ends with ζ < 0 where a flow would have to
+    be negative, and with the input that it would take. Other unknowns are span ζ.
+
+    Parameters
+    ----------
+    process : Process
+    request : EquilibriumRequest
+    """
+
+    def __init__(self, process: Process, request: EquilibriumRequest) -> None:
+        self.process = process
+        self.request = request
+        self.derivatives = Derivatives(process)
+        free = [process.inputs[place] for place in request.free_inputs]
+        self._signals = [*process.state, *free]
+        self._spans = np.array([_span(signal) for signal in self._signals])
+        self._floors = np.array([signal.low for signal in process.state])
+        floored = np.isfinite(self._floors)
+        self.floored = np.concatenate([floored, np.zeros(len(free), bool)])
+
+    def start(self, share: float | None) -> np.ndarray:
+        """Return unknowns with every level at a share of its height, or at its initial value."""
+        shares = np.zeros(len(self._signals))
+        for place, (signal, span) in enumerate(zip(self._signals, self._spans, strict=True)):
+            inside = signal.low < signal.initial < signal.high
+            if self.floored[place]:
+                above = (signal.initial - signal.low) / span if inside else 0.5
+                shares[place] = np.sqrt(above if share is None else share)
+            elif inside or not np.isfinite(signal.low + signal.high):
+                shares[place] = signal.initial / span
+            else:
+                shares[place] = (signal.low + signal.high) / 2.0 / span
+        return shares
+
+    def values(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the state [n] and all inputs [m] that the unknowns stand for, SI."""
+        states = len(self.process.state)
+        floored = self.floored[:states]
+        scaled, spans = unknowns[:states], self._spans[:states]
+        risen = np.where(scaled <= FLOOR, 0.0, scaled) ** 2
+        floors = np.where(floored, self._floors, 0.0)
+        state = np.where(floored, floors + spans * risen, spans * scaled)
+        inputs = self.request.inputs.copy()
+        inputs[list(self.request.free_inputs)] = unknowns[states:] * self._spans[states:]
+        return state, inputs
+
+    def state_slopes(self, unknowns: np.ndarray) -> np.ndarray:
+        """Return dx/dζ of each state [n], SI."""
+        states = len(self.process.state)
+        scaled, spans = unknowns[:states], self._spans[:states]
+        return np.where(self.floored[:states], 2.0 * spans * scaled, spans)
+
+    def run(self, share: float | None) -> Iterate:
+        """Search from one start and return the last iterate, solved or not."""
+        current = self._evaluate(self.start(share))
+        for _ in range(_ITERATIONS):
+            following = self._improved(current) if current.finite else None
+            if following is None:
+                return current
+            finished = current.solved
+            current = following
+            if finished:  # one more step than needed, for the last digit
+                return current
+        return current
+
+    def below_floor(self, unknowns: np.ndarray) -> np.ndarray:
+        """Return which unknowns [n + f] are levels below their floor."""
+        return np.asarray(self.floored & (unknowns < -FLOOR))
+
+    def _improved(self, current: Iterate) -> Iterate | None:
+        step, sizes = current.newton_step(), current.row_sizes
+        merit = float(np.linalg.norm(current.residuals / sizes))
+        length = 1.0
+        while length > _SMALLEST_STEP:
+            trial = self._evaluate(current.unknowns + length * step)
+            if np.linalg.norm(trial.residuals / sizes) < (1.0 - 1e-4 * length) * merit:
+                return trial
+            length /= 2.0
+        return None
+
+    def _evaluate(self, unknowns: np.ndarray) -> Iterate:
+        request, states = self.request, len(self.process.state)
+        rows, columns = list(request.outputs), list(request.free_inputs)
+        above = np.where(self.floored, np.maximum(unknowns, _CONTINUED), unknowns)
+        scaled, spans = above[:states], self._spans[:states]
+        risen = np.where(self.floored[:states], self._floors + spans * scaled**2, spans * scaled)
+        _, inputs = self.values(unknowns)
+        local = self.derivatives.at(risen, inputs, request.disturbances)
+        slopes = self.state_slopes(above)
+        jacobian = np.block(
+            [
+                [
+                    local.rates_by_state * slopes,
+                    local.rates_by_input[:, columns] * self._spans[states:],
+                ],
+                [
+                    local.measured_by_state[rows] * slopes,
+                    np.zeros((len(rows), len(columns))),
+                ],
+            ]
+        )
+        residuals = np.concatenate([local.rates, local.measured[rows] - request.targets])
+        # Each term of a sum may be off by its own rounding, so the terms' sizes are added.
+        terms = (
+            np.abs(local.rates_by_state) @ np.abs(risen)
+            + np.abs(local.rates_by_input) @ np.abs(inputs)
+            + np.abs(local.rates_by_disturbance) @ np.abs(request.disturbances)
+            + np.abs(local.rates_by_parameter) @ np.abs(self.process.parameter_values)
+        )
+        shown = np.abs(local.measured_by_state[rows]) @ np.abs(risen) + np.abs(request.targets)
+        largest = np.abs(jacobian).max(axis=1, initial=0.0)
+        return Iterate(
+            unknowns=unknowns,
+            residuals=residuals + jacobian @ (unknowns - above),
+            jacobian=jacobian,
+            rounding=_ROUNDING * (np.concatenate([terms, shown]) + largest),
+        )
+
+
+def _span(signal: Signal) -> float:
+    if np.isfinite(signal.high - signal.low):
+        return signal.high - signal.low
+    if np.isfinite(signal.low):
+        return max(abs(signal.initial - signal.low), 1.0)
+    return max(abs(signal.initial), 1.0)

@@ -1,0 +1,87 @@
+"""Poles and time constants of a linear model."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clepsydra.linear.linear_model import LinearModel
+
+# A root closer to the origin than this share of the fastest rate stands at the origin.
+ORIGIN = 1e-10
+
+
+def poles(model: LinearModel) -> np.ndarray:
+    """Return the eigenvalues of A, the rightmost (slowest, or least stable) first.
+
+    Every state of the model counts, also one that the inputs do not move or the outputs do
+    not show.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Returns
+    -------
+    ndarray [n], complex
+        [rad/s]
+
+    Examples
+    --------
+    >>> A, one = np.diag([-0.1, -0.02]), np.ones((2, 1))
+    >>> model = LinearModel(A, one, one[:, :0], one.T, np.zeros((1, 1)),
+    ...                     ("a", "b"), ("u",), (), ("y",))
+    >>> poles(model).real
+    array([-0.02, -0.1 ])
+    """
+    return rightmost_first(np.linalg.eigvals(model.A))
+
+
+def time_constants(model: LinearModel) -> np.ndarray:
+    """Return T = -1/Re(p) of each pole p, in the order of `poles`.
+
+    It is the time in which the mode shrinks to 1/e; infinite for a pole on the imaginary axis
+    (an integrator), negative for an unstable one, where it is the time of growth.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Returns
+    -------
+    ndarray [n]
+        [s]
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(-0.02 * one, one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> time_constants(tank)
+    array([50.])
+    """
+    rates = poles(model)
+    marginal = np.abs(rates.real) <= origin_radius(model.A)
+    return np.where(marginal, np.inf, -1.0 / np.where(marginal, 1.0, rates.real))
+
+
+def rightmost_first(roots: np.ndarray) -> np.ndarray:
+    """Sort roots by falling real part, conjugates with the positive imaginary part first.
+
+    Examples
+    --------
+    >>> rightmost_first(np.array([-2.0, 1.0, -0.5])).real
+    array([ 1. , -0.5, -2. ])
+    """
+    roots = np.asarray(roots, complex)
+    return roots[np.lexsort((-roots.imag, -roots.real))]
+
+
+def origin_radius(A: np.ndarray) -> float:
+    """Return how close to the origin a root of a system with this A counts as zero [rad/s].
+
+    Examples
+    --------
+    >>> origin_radius(np.array([[-0.02]]))
+    2e-12
+    """
+    return ORIGIN * float(np.linalg.norm(A, 2)) if A.size else 0.0

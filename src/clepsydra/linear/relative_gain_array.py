@@ -1,0 +1,168 @@
+"""The relative gain array, and the pairing of outputs with inputs that it suggests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import permutations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from clepsydra.base.errors import InputError
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.poles import origin_radius, poles
+from clepsydra.linear.response import evaluate_transfer
+
+# A pair whose relative gain is not positive costs more than any set of pairs that have one.
+_NOT_POSITIVE = 1e9
+_SINGULAR = 1e-12
+
+
+def relative_gain_array(gain: ArrayLike) -> np.ndarray:
+    """Return Λ = G ∘ (G⁻¹)ᵀ, element by element.
+
+    λ_ij is the gain from input j to output i while all other loops are open, divided by that
+    gain while they hold their outputs perfectly. For a matrix that is not square the
+    pseudo-inverse is taken; unlike the square case the result then depends on the units.
+
+    Parameters
+    ----------
+    gain : array_like [q, m]
+        Real, or complex at one frequency.
+
+    Returns
+    -------
+    ndarray [q, m]
+        [1]; rows and columns of a square array sum to one.
+
+    Raises
+    ------
+    InputError
+        An entry is not finite, or the matrix is singular: then some combination of the outputs
+        does not answer to the inputs at all, and relative gains are infinite.
+
+    References
+    ----------
+    E. H. Bristol, On a new measure of interaction for multivariable process control, IEEE
+    Transactions on Automatic Control 11(1), 1966, 133-134, doi 10.1109/TAC.1966.1098266.
+
+    Examples
+    --------
+    >>> relative_gain_array([[2.0, 1.0], [1.0, 2.0]]).round(6).tolist()
+    [[1.333333, -0.333333], [-0.333333, 1.333333]]
+    """
+    gains = np.atleast_2d(np.asarray(gain))
+    place = "relative gain array, gain"
+    if not np.all(np.isfinite(gains)):
+        raise InputError(
+            place, gains.tolist(), "finite gains", "use relative_gains(model) where tanks integrate"
+        )
+    # Rows and columns of length one: units must not decide whether the matrix is singular.
+    rows = np.linalg.norm(gains, axis=1, keepdims=True)
+    scaled = gains / np.where(rows > 0.0, rows, 1.0)
+    columns = np.linalg.norm(scaled, axis=0, keepdims=True)
+    scaled = scaled / np.where(columns > 0.0, columns, 1.0)
+    singular_values = np.linalg.svd(scaled, compute_uv=False)
+    if not singular_values.size or singular_values[-1] <= _SINGULAR * singular_values[0]:
+        raise InputError(
+            place,
+            gains.tolist(),
+            "a matrix of full rank",
+            "the outputs cannot be set independently; choose other outputs or inputs",
+        )
+    if gains.shape[0] == gains.shape[1]:
+        return np.asarray(scaled * np.linalg.inv(scaled).T)
+    return np.asarray(gains * np.linalg.pinv(gains).T)
+
+
+def relative_gains(model: LinearModel) -> np.ndarray:
+    """Return the relative gain array of a model at steady state.
+
+    Where the model integrates, G(0) is infinite but Λ has a limit as s → 0; it is found by
+    Richardson extrapolation along the positive real axis.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Returns
+    -------
+    ndarray [q, m]
+
+    Raises
+    ------
+    InputError
+        The static gain is singular.
+
+    Examples
+    --------
+    Two tanks without an outlet, one of them fed by both pumps:
+
+    >>> B = np.array([[1.0, 0.5], [0.0, 1.0]])
+    >>> model = LinearModel(np.zeros((2, 2)), B, np.zeros((2, 0)), np.eye(2), np.zeros((2, 2)),
+    ...                     ("a", "b"), ("u", "v"), (), ("y", "z"))
+    >>> relative_gains(model).round(6)
+    array([[1., 0.],
+           [0., 1.]])
+    """
+    rates = np.abs(poles(model))
+    integrating = rates <= origin_radius(model.A)
+    if not integrating.any():
+        return relative_gain_array(model.D - model.C @ np.linalg.solve(model.A, model.B))
+    moving = rates[~integrating]
+    near = 1e-5 * (float(moving.min()) if moving.size else 1.0)
+    points = np.array([near, near / 2.0])
+    gains = evaluate_transfer(model.A, model.B, model.C, model.D, points)
+    nearer, nearest = (relative_gain_array(gain) for gain in gains)
+    return 2.0 * nearest - nearer
+
+
+def suggest_pairing(
+    relative_gain: ArrayLike, outputs: Sequence[str], inputs: Sequence[str]
+) -> list[tuple[str, str]]:
+    """Pair each output with the input that suits it best, over all possible pairings.
+
+    Bristol's rules: pairs with positive relative gains, and these as close to one as can be.
+    The pairing with the smallest sum of |1 - λ| is taken, and a pair with λ ≤ 0 only where no
+    pairing avoids it. With fewer inputs than outputs some outputs stay without a partner.
+
+    Parameters
+    ----------
+    relative_gain : array_like [q, m]
+    outputs, inputs : sequence of str
+        Names of the rows and of the columns.
+
+    Returns
+    -------
+    list of (output, input)
+        In the order of the outputs.
+
+    References
+    ----------
+    E. H. Bristol, doi 10.1109/TAC.1966.1098266.
+
+    Examples
+    --------
+    >>> suggest_pairing([[-0.64, 1.64], [1.64, -0.64]], ["level_1", "level_2"], ["a", "b"])
+    [('level_1', 'b'), ('level_2', 'a')]
+    """
+    gains = np.real(np.atleast_2d(np.asarray(relative_gain)))
+    if gains.shape != (len(outputs), len(inputs)):
+        raise ValueError(f"relative gains {gains.shape} for {len(outputs)}×{len(inputs)} names")
+    cost = np.abs(1.0 - gains) + _NOT_POSITIVE * (gains <= 0.0)
+    return [(outputs[row], inputs[column]) for row, column in _cheapest_assignment(cost)]
+
+
+def _cheapest_assignment(cost: np.ndarray) -> list[tuple[int, int]]:
+    rows, columns = cost.shape
+    if rows > columns:
+        return sorted((row, column) for column, row in _cheapest_assignment(cost.T))
+    if columns <= 6:  # at most 720 choices: quicker than loading an optimiser
+        every = np.arange(rows)
+        best = min(permutations(range(columns), rows), key=lambda p: cost[every, list(p)].sum())
+        return list(enumerate(best))
+    from scipy.optimize import linear_sum_assignment
+
+    return [
+        (int(row), int(column)) for row, column in zip(*linear_sum_assignment(cost), strict=True)
+    ]

@@ -1,0 +1,64 @@
+"""The static gain of a linear model: what the outputs settle at, for a unit of each input."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.minimal_realisation import minimal_realisation
+from clepsydra.linear.response import evaluate_transfer
+
+_SINGULAR = 1e-12
+
+
+def static_gain(model: LinearModel) -> np.ndarray:
+    """Return G(0) = D - C A⁻¹ B, with infinite entries where the model integrates.
+
+    An entry is +∞ or -∞ where a constant input makes the output grow without bound; the sign
+    is that of the growth in the long run. Other entries of a model that integrates are finite:
+    each is taken from its own minimal realisation, which leaves out an integrator that the
+    input does not fill or the output does not show.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Returns
+    -------
+    ndarray [q, m]
+        [output unit / input unit]
+
+    Examples
+    --------
+    A tank with an outlet, above a tank without one:
+
+    >>> A, B = np.array([[-0.02, 0.0], [0.02, 0.0]]), np.array([[0.04], [0.0]])
+    >>> model = LinearModel(A, B, B[:, :0], np.eye(2), np.zeros((2, 1)),
+    ...                     ("upper", "lower"), ("pump",), (), ("level_1", "level_2"))
+    >>> static_gain(model).tolist()
+    [[2.0], [inf]]
+    """
+    size = float(np.linalg.norm(model.A, 2)) if model.states else 0.0
+    if not _is_singular(model.A, size):
+        return np.asarray(model.D - model.C @ np.linalg.solve(model.A, model.B))
+    gain = np.zeros((len(model.outputs), len(model.inputs)))
+    for row, column in np.ndindex(*gain.shape):
+        B, C, D = model.B[:, [column]], model.C[[row]], model.D[[row]][:, [column]]
+        gain[row, column] = _element_gain(*minimal_realisation(model.A, B, C, D), size)
+    return gain
+
+
+def _element_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, size: float) -> float:
+    if not _is_singular(A, size):
+        return float((D - C @ np.linalg.solve(A, B))[0, 0])
+    # Near the origin G is R / s^k, with k the number of integrators: its sign there is that of
+    # the growth. The eigenvalues of two integrators in series may be off by √ε.
+    rates, fastest = np.abs(np.linalg.eigvals(A)), size or 1.0
+    moving = rates[rates > 1e-6 * fastest]
+    near = 1e-4 * (float(moving.min()) if moving.size else fastest)
+    return float(np.copysign(np.inf, evaluate_transfer(A, B, C, D, np.array([near]))[0, 0, 0].real))
+
+
+def _is_singular(A: np.ndarray, size: float) -> bool:
+    """Tell whether there is an integrator, from the singular values (eigenvalues are less sure)."""
+    return bool(len(A) and np.linalg.svd(A, compute_uv=False)[-1] <= _SINGULAR * size)

@@ -1,0 +1,158 @@
+"""Transmission zeros of a linear model, and whether it is minimum phase."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.minimal_realisation import (
+    RANK_TOLERANCE,
+    minimal_realisation,
+    scaled_system,
+)
+from clepsydra.linear.poles import origin_radius, rightmost_first
+
+_System = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+def zeros(model: LinearModel) -> np.ndarray:
+    """Return the finite transmission zeros from the inputs to the outputs, rightmost first.
+
+    States that the inputs do not move or the outputs do not show are taken out first, so their
+    modes are not mistaken for zeros. The staircase reduction of Emami-Naeini and Van Dooren
+    then takes out the zeros at infinity; the eigenvalues of what remains are the zeros. It
+    serves square and non-square models and any rank of C B.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Returns
+    -------
+    ndarray [z], complex
+        [rad/s]
+
+    References
+    ----------
+    A. Emami-Naeini and P. Van Dooren, Computation of zeros of linear multivariable systems,
+    Automatica 18(4), 1982, 415-430, doi 10.1016/0005-1098(82)90070-X.
+
+    Examples
+    --------
+    (s + 3) / ((s + 1) (s + 2)):
+
+    >>> A, B = np.array([[0.0, 1.0], [-2.0, -3.0]]), np.array([[0.0], [1.0]])
+    >>> model = LinearModel(A, B, B[:, :0], np.array([[3.0, 1.0]]), np.zeros((1, 1)),
+    ...                     ("a", "b"), ("u",), (), ("y",))
+    >>> zeros(model).round(9).real
+    array([-3.])
+    """
+    from scipy.linalg import eigvals
+
+    scaled = scaled_system(*minimal_realisation(model.A, model.B, model.C, model.D))
+    A, B, C, D = _finite_part(scaled.A, scaled.B, scaled.C, scaled.D)
+    if not len(A):
+        return np.zeros(0, complex)
+    # In a basis [N R] whose N spans the null space of [C D], the pencil of the zeros is what
+    # stands in N: the outputs are zero there.
+    null = _null_space(np.hstack([C, D]))
+    left = np.hstack([A, B]) @ null
+    right = null[: len(A)]
+    return rightmost_first(scaled.rate * eigvals(left, right))
+
+
+def normal_rank(model: LinearModel) -> int:
+    """Return the rank of G(s) for almost every s.
+
+    If it is below the number of outputs, these cannot be set independently.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Examples
+    --------
+    Two sensors on one tank with one pump:
+
+    >>> one = np.eye(1)
+    >>> model = LinearModel(-one, one, one[:, :0], np.ones((2, 1)), np.zeros((2, 1)),
+    ...                     ("level",), ("pump",), (), ("y", "z"))
+    >>> normal_rank(model)
+    1
+    """
+    scaled = scaled_system(*minimal_realisation(model.A, model.B, model.C, model.D))
+    return len(_finite_part(scaled.A, scaled.B, scaled.C, scaled.D)[3])
+
+
+def minimum_phase(model: LinearModel) -> bool:
+    """Tell whether the model can be inverted by a stable system.
+
+    True when every transmission zero has a negative real part and the outputs can be set
+    independently. A zero at the origin counts against it (no steady input then moves some
+    combination of the outputs); a pole there, an integrating tank, does not.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Examples
+    --------
+    >>> A, B = np.array([[0.0, 1.0], [-2.0, -3.0]]), np.array([[0.0], [1.0]])
+    >>> model = LinearModel(A, B, B[:, :0], np.array([[-3.0, 1.0]]), np.zeros((1, 1)),
+    ...                     ("a", "b"), ("u",), (), ("y",))
+    >>> minimum_phase(model)
+    False
+    """
+    if normal_rank(model) < min(len(model.outputs), len(model.inputs)):
+        return False
+    return bool(np.all(zeros(model).real < -origin_radius(model.A)))
+
+
+def _finite_part(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> _System:
+    """Return a system with the same finite zeros and an invertible D.
+
+    The size of that D is the normal rank.
+    """
+    A, B, C, D = _rows_reduced(A, B, C, D)
+    A, B, C, D = _rows_reduced(A.T, C.T, B.T, D.T)
+    return A.T, C.T, B.T, D.T
+
+
+def _rows_reduced(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> _System:
+    """Return a system with the same finite zeros whose D has full row rank.
+
+    Where D leaves a combination of outputs untouched by the inputs, y = C̃ x = 0 fixes some
+    states to zero; their derivatives become the next outputs that must be zero.
+    """
+    size = max(float(np.linalg.norm(np.block([[A, B], [C, D]]))), np.finfo(float).tiny)
+    while True:
+        rotation, rank = _row_compression(D, size)
+        D, C = rotation.T @ D, rotation.T @ C
+        direct, untouched = C[:rank], C[rank:]
+        D = D[:rank]
+        if not len(untouched):
+            return A, B, direct, D
+        basis, fixed = _row_compression(untouched.T, size)
+        if fixed == 0:  # these outputs are zero whatever happens
+            return A, B, direct, D
+        # Columns of the basis: first the states that are fixed to zero, then the free ones.
+        A, B, direct = basis.T @ A @ basis, basis.T @ B, direct @ basis
+        C = np.vstack([direct[:, fixed:], A[:fixed, fixed:]])
+        D = np.vstack([D, B[:fixed]])
+        A, B = A[fixed:, fixed:], B[fixed:]
+
+
+def _row_compression(matrix: np.ndarray, size: float) -> tuple[np.ndarray, int]:
+    """Return an orthogonal Q, and the rank r, so that all but the first r rows of Qᵀ M vanish."""
+    if not matrix.size:
+        return np.eye(len(matrix)), 0
+    rotation, sizes, _ = np.linalg.svd(matrix)
+    return rotation, int(np.sum(sizes > RANK_TOLERANCE * size))
+
+
+def _null_space(matrix: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis of the null space of a matrix of full row rank."""
+    rows, columns = matrix.shape
+    if not rows:
+        return np.eye(columns)
+    return np.asarray(np.linalg.svd(matrix)[2][rows:].T)
