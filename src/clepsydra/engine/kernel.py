@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
 from clepsydra.engine.compiler import CompiledFunction, kernel_signature
 from clepsydra.engine.host import host
 from clepsydra.engine.object_cache import ObjectCache
@@ -77,6 +76,7 @@ class Kernel:
 
     Examples
     --------
+    >>> from clepsydra.base.signal import Signal
     >>> from clepsydra.program.reader import program_of
     >>> from clepsydra.program.step_law import Equations, step_law
     >>> law = step_law("counter", inputs=[Signal("step")], parameters=[], state=[Signal("count")],
@@ -105,6 +105,11 @@ class Kernel:
         self._cache = cache
         self._shared_names = [s.name for s in program.inputs if s.name not in self._individual]
         self._individual_names = [s.name for s in program.inputs if s.name in self._individual]
+        self._initial_inputs = {s.name: s.initial for s in program.inputs}
+        self._initial_parameters = {s.name: s.initial for s in program.parameters}
+        self._initial_state = {
+            x.name: (x.signal if isinstance(x, DelayRing) else x).initial for x in program.state
+        }
 
     def prepare(
         self,
@@ -150,9 +155,11 @@ class Kernel:
             scenarios=scenarios,
             lanes=lanes,
             every=every,
-            initial=self._columns("state", program.state, given_state, scenarios, groups, lanes),
+            initial=self._columns(
+                "state", self._initial_state, given_state, scenarios, groups, lanes
+            ),
             parameters=self._columns(
-                "parameter", program.parameters, given_parameters, scenarios, groups, lanes
+                "parameter", self._initial_parameters, given_parameters, scenarios, groups, lanes
             ),
             shared=self._shared_inputs(given_inputs, samples),
             individual=self._individual_inputs(given_inputs, samples, scenarios, groups, lanes),
@@ -194,7 +201,7 @@ class Kernel:
         sizes: dict[int, str] = {}
         for group in columns:
             for name, value in group.items():
-                if np.ndim(value) == 1:
+                if not isinstance(value, (int, float)) and np.ndim(value) == 1:
                     sizes[len(np.asarray(value))] = name
         for name in self._individual_names:
             if name in inputs:
@@ -202,38 +209,41 @@ class Kernel:
         if len(sizes) > 1:
             names = " and ".join(sizes.values())
             raise InputError(
-                f"run of {self.program.name}", sorted(sizes), "one number of scenarios",
+                f"run of {self.program.name}",
+                sorted(sizes),
+                "one number of scenarios",
                 f"give {names} the same number of entries",
-            )  # fmt: skip
+            )
         return next(iter(sizes), 1)
 
     def _columns(
         self,
         kind: str,
-        signals: tuple[Signal | DelayRing, ...] | tuple[Signal, ...],
+        initial: dict[str, float],
         given: dict[str, ArrayLike],
         scenarios: int,
         groups: int,
         lanes: int,
     ) -> Array:
-        plain = [entry.signal if isinstance(entry, DelayRing) else entry for entry in signals]
-        self._refuse_unknown(kind, given, [signal.name for signal in plain])
-        table = np.empty((len(plain), groups * lanes))
-        for row, signal in zip(table, plain, strict=True):
-            value = np.asarray(given.get(signal.name, signal.initial), dtype=float)
+        self._refuse_unknown(kind, given, initial)
+        numbers = {**initial, **given}
+        if groups * lanes == 1 and all(isinstance(v, (int, float)) for v in numbers.values()):
+            return np.array([list(numbers.values())], dtype=float).reshape(1, -1, 1)
+        table = np.empty((len(numbers), groups * lanes))
+        for row, (name, number) in zip(table, numbers.items(), strict=True):
+            value = np.asarray(number, dtype=float)
             if value.ndim > 1:
-                raise self._shape_error(signal.name, value, "a number or [scenarios]")
+                raise self._shape_error(name, value, "a number or [scenarios]")
             row[:scenarios] = value
             row[scenarios:] = row[scenarios - 1]
-        return np.ascontiguousarray(table.reshape(len(plain), groups, lanes).transpose(1, 0, 2))
+        shaped = table.reshape(len(numbers), groups, lanes)
+        return np.ascontiguousarray(shaped.transpose(1, 0, 2))
 
     def _shared_inputs(self, given: dict[str, ArrayLike], samples: int) -> Array:
-        known = [signal.name for signal in self.program.inputs]
-        self._refuse_unknown("input", given, known)
-        initial = {signal.name: signal.initial for signal in self.program.inputs}
+        self._refuse_unknown("input", given, self._initial_inputs)
         table = np.empty((samples, len(self._shared_names)))
         for index, name in enumerate(self._shared_names):
-            value = np.asarray(given.get(name, initial[name]), dtype=float)
+            value = np.asarray(given.get(name, self._initial_inputs[name]), dtype=float)
             if value.shape not in ((), (samples,)):
                 raise self._shape_error(name, value, f"a number or [{samples}]")
             table[:, index] = value
@@ -254,7 +264,9 @@ class Kernel:
             table[:, :, index, :] = rows.reshape(groups, lanes, samples).transpose(0, 2, 1)
         return table
 
-    def _refuse_unknown(self, kind: str, given: Mapping[str, object], known: list[str]) -> None:
+    def _refuse_unknown(
+        self, kind: str, given: Mapping[str, object], known: Mapping[str, float]
+    ) -> None:
         for name in given:
             if name not in known:
                 raise InputError(

@@ -45,7 +45,8 @@ class BlockBuilder:
 
     Equal operations on equal values are computed once; operations on constants are folded,
     with the same IEEE arithmetic that a target would use; what nobody reads is dropped when
-    the block is finished. None of the three changes a bit of any result.
+    the block is finished. None of the three changes a bit of any result. CasADi's form of a
+    choice is read as one `select`, which keeps a negative zero that CasADi makes positive.
 
     Parameters
     ----------

@@ -1,0 +1,206 @@
+"""Expressions of a printed program, and how one is written so that its tree survives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from clepsydra.base.errors import InputError
+from clepsydra.program.program import COMPARISONS, LOGIC
+
+# How tightly a written expression holds together; an operand that is looser than its place
+# demands is put in parentheses.
+_LOOSE, _SIGNED, _SUM, _PRODUCT, _ATOM = range(5)
+_CHOICES = frozenset({"select", "maximum", "minimum", "number"})
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A tree of operations over variables and constants.
+
+    Parameters
+    ----------
+    code : str
+        An operation code of `clepsydra.program.program`, or "variable" (a number), "flag"
+        (a truth value) or "constant".
+    operands : tuple of Expression
+    text : str
+        What is written for a variable or a flag.
+    number : float
+        The value of a constant.
+    """
+
+    code: str
+    operands: tuple[Expression, ...] = ()
+    text: str = ""
+    number: float = 0.0
+
+    @property
+    def is_atom(self) -> bool:
+        """Whether it can be written twice without being computed twice."""
+        return self.code in ("variable", "flag", "constant")
+
+    @property
+    def is_truth(self) -> bool:
+        """Whether it is a truth value."""
+        return self.code in ("flag", "truth") or self.code in COMPARISONS or self.code in LOGIC
+
+
+def variable(text: str) -> Expression:
+    """Return the expression that reads a number."""
+    return Expression("variable", text=text)
+
+
+def flag(text: str) -> Expression:
+    """Return the expression that reads a truth value."""
+    return Expression("flag", text=text)
+
+
+@dataclass(frozen=True)
+class Notation:
+    """How a language writes operations.
+
+    Parameters
+    ----------
+    language : str
+        What the reader calls it.
+    operators : mapping
+        Code of a binary operation to its sign.
+    functions : mapping
+        Code of an operation to the name of the function that computes it.
+    negation : str
+        The sign before a negated truth value.
+    statements : frozenset of str
+        Operations that this language writes as statements, not as expressions.
+    repeating : frozenset of str
+        Operations whose text holds an operand more than once.
+    rounding : frozenset of str
+        Operations that need a few steps, and so a variable of their own to do them in.
+    infinity : str
+        The text of infinity; empty where the language has none.
+    """
+
+    language: str
+    operators: Mapping[str, str]
+    functions: Mapping[str, str]
+    negation: str
+    statements: frozenset[str]
+    repeating: frozenset[str]
+    rounding: frozenset[str] = frozenset()
+    infinity: str = ""
+
+
+def decimal(value: float) -> str:
+    """Write a finite number so that C and Structured Text read back the same double.
+
+    The shortest decimal that rounds to the double, always with a point, the exponent behind
+    a capital E without a plus sign.
+
+    Examples
+    --------
+    >>> [decimal(value) for value in (1e300, 0.1, -0.0, 5e-324, 1e22, 3.0)]
+    ['1.0E300', '0.1', '-0.0', '5.0E-324', '1.0E22', '3.0']
+    """
+    if not math.isfinite(value):
+        raise ValueError(f"{value} has no decimal form")
+    mantissa, _, exponent = repr(float(value)).partition("e")
+    if "." not in mantissa:
+        mantissa += ".0"
+    return f"{mantissa}E{int(exponent)}" if exponent else mantissa
+
+
+def render(expression: Expression, notation: Notation) -> str:
+    """Write an expression in a language, with the parentheses that keep its tree.
+
+    Raises
+    ------
+    InputError
+        The language has no such function or constant.
+
+    Examples
+    --------
+    >>> signs = Notation("signs", {"add": "+", "multiply": "*"}, {}, "!", frozenset(), frozenset())
+    >>> a, b = variable("a"), variable("b")
+    >>> right = Expression("add", (a, Expression("add", (a, b))))
+    >>> render(Expression("multiply", (right, b)), signs)
+    '(a + (a + b)) * b'
+    """
+    return _written(expression, notation)[0]
+
+
+def _written(expression: Expression, notation: Notation) -> tuple[str, int]:
+    code, operands = expression.code, expression.operands
+    if code in ("variable", "flag"):
+        return expression.text, _ATOM
+    if code == "constant":
+        return _constant(expression.number, notation)
+    if code in notation.operators:
+        return _operator(expression, notation)
+    if code == "negate":
+        return "-" + _operand(operands[0], notation, _ATOM), _SIGNED
+    if code == "not":
+        # No operator over truth values binds as tightly, in either language.
+        return notation.negation + _operand(operands[0], notation, _ATOM), _ATOM
+    if code == "truth":
+        zero = Expression("constant")
+        return _operator(Expression("not_equal", (operands[0], zero)), notation)
+    if code in _CHOICES and code not in notation.statements:
+        return _choice(expression, notation), _LOOSE
+    if code in notation.functions:
+        arguments = ", ".join(_operand(operand, notation, _LOOSE) for operand in operands)
+        return f"{notation.functions[code]}({arguments})", _ATOM
+    raise InputError(
+        f"program, operation {code}",
+        code,
+        f"an operation that {notation.language} can write",
+        "write the law without this function",
+    )
+
+
+def _constant(number: float, notation: Notation) -> tuple[str, int]:
+    sign = _SIGNED if math.copysign(1.0, number) < 0 else _ATOM
+    if math.isinf(number) and notation.infinity:
+        return ("-" if number < 0 else "") + notation.infinity, sign
+    if not math.isfinite(number):
+        raise InputError(
+            "program, constant",
+            number,
+            f"a number that {notation.language} can write",
+            "write the law with finite numbers, for example 1e300 for no limit",
+        )
+    return decimal(number), sign
+
+
+def _operator(expression: Expression, notation: Notation) -> tuple[str, int]:
+    code = expression.code
+    left, right = expression.operands
+    if code in LOGIC:
+        # A chain of one operator needs no parentheses; a mixture gets them all.
+        needed = _LOOSE if left.code == code else _ATOM
+        strength, least = _LOOSE, (needed, _ATOM)
+    elif code in COMPARISONS:
+        strength, least = _LOOSE, (_SIGNED, _SIGNED)
+    elif code in ("multiply", "divide"):
+        strength, least = _PRODUCT, (_PRODUCT, _ATOM)
+    else:
+        strength, least = _SUM, (_SUM, _PRODUCT)
+    first, second = _operand(left, notation, least[0]), _operand(right, notation, least[1])
+    return f"{first} {notation.operators[code]} {second}", strength
+
+
+def _choice(expression: Expression, notation: Notation) -> str:
+    """Write a choice in the notation of C."""
+    code, operands = expression.code, expression.operands
+    texts = [_operand(operand, notation, _SIGNED) for operand in operands]
+    if code == "number":
+        return f"{_operand(operands[0], notation, _ATOM)} ? 1.0 : 0.0"
+    if code == "select":
+        return f"{_operand(operands[0], notation, _ATOM)} ? {texts[1]} : {texts[2]}"
+    sign = ">" if code == "maximum" else "<"
+    return f"{texts[0]} {sign} {texts[1]} ? {texts[0]} : {texts[1]}"
+
+
+def _operand(expression: Expression, notation: Notation, least: int) -> str:
+    text, strength = _written(expression, notation)
+    return text if strength >= least else f"({text})"

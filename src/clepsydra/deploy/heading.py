@@ -1,0 +1,125 @@
+"""The comments of a printed program: what it is, which text it came from, what a name means."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import textwrap
+from collections.abc import Iterator
+
+from clepsydra import __version__
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.entries import Entry, signal_of
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.program import Block, Loop, Program
+
+
+def digest(program: Program) -> str:
+    """Return a short digest of a program: signals, values and every operation.
+
+    Two prints with the same digest compute the same numbers from the same start.
+    """
+    text = "\n".join(_lines(program))
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _lines(program: Program) -> Iterator[str]:
+    yield program.name
+    for entry in (*program.state, *program.inputs, *program.parameters, *program.outputs):
+        yield repr(entry)
+    yield from _block_lines(program.block)
+
+
+def _block_lines(block: Block) -> Iterator[str]:
+    yield f"arguments {block.arguments}"
+    for statement in block.statements:
+        if isinstance(statement, Loop):
+            yield f"loop {statement.targets} {statement.count} {statement.tables!r}"
+            yield f"over {statement.carried} {statement.invariants}"
+            yield from _block_lines(statement.body)
+        else:
+            constant = float(statement.constant).hex()
+            yield f"{statement.target} {statement.code} {statement.arguments} {constant}"
+    yield f"results {block.results}"
+
+
+def heading(program: Program, language: str, notes: tuple[str, ...]) -> list[str]:
+    """Return the lines of the head comment."""
+    return [
+        f"{program.name}: one sample of a step law, in {language}.",
+        f"Printed by Clepsydra {__version__}; program digest {digest(program)}.",
+        "Do not edit: print it again from the law instead.",
+        *notes,
+    ]
+
+
+def comment(entry: Entry) -> str:
+    """Return unit, range and description of a signal for a comment.
+
+    Examples
+    --------
+    >>> comment(Signal("level", "m", low=0.0, high=0.2, description="level of tank 1"))
+    '[m] 0 to 0.2; level of tank 1'
+    """
+    signal = signal_of(entry)
+    parts = [] if signal.kind == "boolean" else [f"[{signal.unit}]{_bounds(signal)}"]
+    if isinstance(entry, DelayRing):
+        parts.append(f"delayed by {entry.length} sample{'s' if entry.length > 1 else ''}")
+    if signal.description:
+        parts.append(signal.description)
+    return harmless("; ".join(parts) or "truth value")
+
+
+def _bounds(signal: Signal) -> str:
+    low, high = f"{signal.low:.12g}", f"{signal.high:.12g}"
+    if math.isfinite(signal.low) and math.isfinite(signal.high):
+        return f" {low} to {high}"
+    if math.isfinite(signal.low):
+        return f" from {low}"
+    return f" up to {high}" if math.isfinite(signal.high) else ""
+
+
+def commented(line: str, text: str, opening: str, closing: str, width: int) -> list[str]:
+    """Return a line with its comment behind it, or above it where both are too wide.
+
+    Examples
+    --------
+    >>> commented("x : LREAL;", "[m] level of the tank", "(*", "*)", 24)
+    ['(* [m] level of the', '   tank *)', 'x : LREAL;']
+    """
+    together = f"{line} {opening} {text} {closing}"
+    if len(together) <= width:
+        return [together]
+    # The closing mark stays with the last word.
+    whole = f"{opening} {text}\N{NO-BREAK SPACE}{closing}"
+    above = textwrap.wrap(whole, width, subsequent_indent=" " * (len(opening) + 1))
+    return [*(row.replace("\N{NO-BREAK SPACE}", " ") for row in above), line]
+
+
+def harmless(text: str) -> str:
+    """Return a text on one line that neither opens nor closes a comment."""
+    text = " ".join(text.split())
+    for mark in ("/*", "*/", "(*", "*)"):
+        text = text.replace(mark, f"{mark[0]} {mark[1]}")
+    return text
+
+
+def refuse_fused(program: Program) -> None:
+    """Refuse a program with a fused operation.
+
+    Structured Text has none, and a controller must compute the same bits everywhere.
+
+    Raises
+    ------
+    InputError
+        Some operation is fused.
+    """
+    for operation in program.block.operations():
+        if operation.fused:
+            raise InputError(
+                f"program {program.name}, value {operation.target}",
+                f"a fused {operation.code}",
+                "a program without fused operations",
+                "print the controller's own program, not a simulation that contains it",
+            )

@@ -1,0 +1,137 @@
+"""Names of a printed program: what may be one, and new ones that clash with nothing."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from clepsydra.base.errors import InputError
+
+_IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+#: Words of C99 and the types of its standard headers that a printed file includes, and the
+#: words of C++, since the header may be included there.
+C_WORDS = frozenset(
+    """
+    auto break case char const continue default do double else enum extern float for goto if
+    inline int long register restrict return short signed sizeof static struct switch typedef
+    union unsigned void volatile while bool true false NULL asm catch class const_cast delete
+    dynamic_cast explicit export friend mutable namespace new operator private protected public
+    reinterpret_cast static_cast template this throw try typeid typename using virtual wchar_t
+    and and_eq bitand bitor compl not not_eq or or_eq xor xor_eq alignas alignof char16_t
+    char32_t constexpr decltype noexcept nullptr static_assert thread_local int8_t int16_t
+    int32_t int64_t uint8_t uint16_t uint32_t uint64_t
+    """.split()  # noqa: SIM905
+)
+
+#: Words of IEC 61131-3 (third edition): keywords, elementary types, standard functions.
+STRUCTURED_TEXT_WORDS = frozenset(
+    """
+    ABSTRACT ACTION AND ARRAY AT BY CASE CLASS CONFIGURATION CONSTANT CONTINUE DO ELSE ELSIF
+    END_ACTION END_CASE END_CLASS END_CONFIGURATION END_FOR END_FUNCTION END_FUNCTION_BLOCK
+    END_IF END_INTERFACE END_METHOD END_NAMESPACE END_PROGRAM END_PROPERTY END_REPEAT
+    END_RESOURCE END_STEP END_STRUCT END_TRANSITION END_TYPE END_UNION END_VAR END_WHILE EN ENO
+    EXIT EXTENDS FALSE FINAL FOR FROM FUNCTION FUNCTION_BLOCK F_EDGE GET IF IMPLEMENTS
+    INITIAL_STEP INTERFACE INTERNAL INTERVAL METHOD MOD NAMESPACE NON_RETAIN NOT NULL OF ON OR
+    OVERLAP OVERRIDE PRIORITY PRIVATE PROGRAM PROPERTY PROTECTED PUBLIC READ_ONLY READ_WRITE
+    REF REF_TO REPEAT RESOURCE RETAIN RETURN R_EDGE SET SINGLE STEP STRUCT SUPER TASK THEN THIS
+    TO TRANSITION TRUE TYPE UNION UNTIL USING VAR VAR_ACCESS VAR_CONFIG VAR_EXTERNAL VAR_GLOBAL
+    VAR_INPUT VAR_IN_OUT VAR_OUTPUT VAR_TEMP WHILE WITH XOR BOOL BYTE CHAR DATE DATE_AND_TIME
+    DINT DT DWORD INT LDATE LDATE_AND_TIME LDT LINT LREAL LTIME LTIME_OF_DAY LTOD LWORD REAL
+    SINT STRING TIME TIME_OF_DAY TOD UDINT UINT ULINT USINT WCHAR WORD WSTRING ANY ANY_BIT
+    ANY_INT ANY_NUM ANY_REAL ABS ACOS ADD ASIN ATAN ATAN2 CONCAT COS DELETE DIV EQ EXP EXPT
+    FIND GE GT INSERT LE LEFT LEN LIMIT LN LOG LT MAX MID MIN MOVE MUL MUX NE REPLACE RIGHT ROL
+    ROR SEL SHL SHR SIN SQRT SUB TAN TRUNC CTD CTU CTUD F_TRIG R_TRIG RS SR TOF TON TP
+    """.split()  # noqa: SIM905
+)
+
+
+class Identifiers:
+    """The names that one scope of a printed program has used.
+
+    Parameters
+    ----------
+    taken : iterable of str
+        Names and words that a new name must not equal.
+    ignore_case : bool
+        Whether the language takes ``Level`` and ``level`` for the same name.
+
+    Examples
+    --------
+    >>> names = Identifiers(["limit"], ignore_case=True)
+    >>> names.new("Limit"), names.new("error"), names.temporary()
+    ('Limit_2', 'error', 't1')
+    """
+
+    def __init__(self, taken: Iterable[str], *, ignore_case: bool) -> None:
+        self._ignore_case = ignore_case
+        self._taken = {self._key(name) for name in taken}
+        self._temporaries = 0
+
+    def new(self, wanted: str) -> str:
+        """Return the wanted name, or that name with a number where it is taken."""
+        wanted = re.sub(r"[^A-Za-z0-9]+", "_", wanted).strip("_")
+        if not wanted or wanted[0].isdigit():
+            wanted = f"value_{wanted}".rstrip("_")
+        name, number = wanted, 1
+        while self._key(name) in self._taken:
+            number += 1
+            name = f"{wanted}_{number}"
+        self._taken.add(self._key(name))
+        return name
+
+    def temporary(self) -> str:
+        """Return the next of the names t1, t2, … that is free."""
+        while True:
+            self._temporaries += 1
+            name = f"t{self._temporaries}"
+            if self._key(name) not in self._taken:
+                self._taken.add(self._key(name))
+                return name
+
+    def _key(self, name: str) -> str:
+        return name.lower() if self._ignore_case else name
+
+
+def check_identifier(
+    name: str, place: str, language: str, words: frozenset[str], *, ignore_case: bool
+) -> None:
+    """Refuse a name that a language does not accept.
+
+    Raises
+    ------
+    InputError
+        The name is no identifier or is a word of the language.
+    """
+    if not _IDENTIFIER.fullmatch(name) or "__" in name or name.endswith("_"):
+        raise InputError(
+            place,
+            name,
+            f"an identifier of {language}: letters, digits and single underscores, a letter first",
+            "rename it",
+        )
+    if (name.upper() if ignore_case else name) in words:
+        raise InputError(place, name, f"a name that is no word of {language}", "rename it")
+
+
+def check_distinct(entries: Iterable[tuple[str, str]], language: str, *, ignore_case: bool) -> None:
+    """Refuse names that a language cannot tell apart.
+
+    Parameters
+    ----------
+    entries : iterable of (str, str)
+        Name and the place where it stands.
+
+    Raises
+    ------
+    InputError
+        Two names are the same.
+    """
+    seen: dict[str, str] = {}
+    for name, place in entries:
+        key = name.lower() if ignore_case else name
+        if key in seen:
+            raise InputError(
+                place, name, f"a name that differs in {language} from {seen[key]}", "rename one"
+            )
+        seen[key] = place

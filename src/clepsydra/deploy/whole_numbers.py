@@ -1,0 +1,169 @@
+"""Proof that a value is a whole number within bounds, before a program declares it integer."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.entries import signal_of
+from clepsydra.program.program import COMPARISONS, LOGIC, Block, Operation, Program
+
+INTEGER_LOW, INTEGER_HIGH = -(2.0**31), 2.0**31 - 1.0
+#: Sums and products of whole numbers up to this size are exact.
+_EXACT = 2.0**53
+
+
+@dataclass(frozen=True)
+class WholeRange:
+    """Bounds of a whole number; with `maybe_nan` it may also be not a number."""
+
+    low: float
+    high: float
+    maybe_nan: bool = False
+
+    def within(self, low: float, high: float) -> bool:
+        """Whether every value that it may take is a number between the bounds."""
+        return not self.maybe_nan and low <= self.low and self.high <= high
+
+
+_TRUTH = WholeRange(0.0, 1.0)
+_ANY = WholeRange(-math.inf, math.inf, maybe_nan=True)
+
+
+def check_whole_results(program: Program) -> None:
+    """Refuse a program whose integer or boolean results may be anything else.
+
+    A conversion to an integer type rounds in one language, cuts off in another and is undefined
+    outside the type's range; so it is printed only where nothing of that can happen.
+
+    Raises
+    ------
+    InputError
+        A state or output is declared integer and may leave the 32-bit integers, or is declared
+        boolean and may be other than 0 or 1, or an initial value is none.
+    """
+    ranges = whole_ranges(program)
+    declared = [*map(signal_of, program.state), *program.outputs]
+    for signal, value in zip(declared, program.block.results, strict=True):
+        _check(program, signal, ranges.get(value))
+    for signal in [*map(signal_of, program.state), *program.inputs, *program.parameters]:
+        initial = signal.initial
+        _check(program, signal, _whole(initial), what="initial value of ", value=initial)
+
+
+def _check(
+    program: Program,
+    signal: Signal,
+    found: WholeRange | None,
+    *,
+    what: str = "",
+    value: object = None,
+) -> None:
+    place = f"program {program.name}, {what}{signal.name}"
+    shown = value if what else _shown(found)
+    if signal.kind == "integer" and not (found and found.within(INTEGER_LOW, INTEGER_HIGH)):
+        raise InputError(
+            place,
+            shown,
+            "a whole number of at most 32 bits",
+            "round it with floor and limit it with fmin and fmax, or declare it real",
+        )
+    if signal.kind == "boolean" and not (found and found.within(0.0, 1.0)):
+        raise InputError(place, shown, "0 or 1", "write it as a comparison, or declare it real")
+
+
+def _shown(found: WholeRange | None) -> str:
+    if found is None:
+        return "a value that may be any number"
+    beside = " or not a number" if found.maybe_nan else ""
+    return f"a whole number from {found.low:.12g} to {found.high:.12g}{beside}"
+
+
+def whole_ranges(program: Program) -> dict[int, WholeRange]:
+    """Return bounds of every value of a program that is certainly a whole number.
+
+    Interval arithmetic along the list of operations: integer signals are 32-bit integers,
+    boolean signals and comparisons 0 or 1; what comes out of a counted loop or of a real
+    signal is not known to be whole.
+    """
+    ranges: dict[int, WholeRange] = {}
+    entries = [*map(signal_of, program.state), *program.inputs, *program.parameters]
+    for value, signal in enumerate(entries):
+        if signal.kind == "integer":
+            ranges[value] = WholeRange(INTEGER_LOW, INTEGER_HIGH)
+        elif signal.kind == "boolean":
+            ranges[value] = _TRUTH
+    _follow(program.block, ranges)
+    return ranges
+
+
+def _follow(block: Block, ranges: dict[int, WholeRange]) -> None:
+    for statement in block.statements:
+        if isinstance(statement, Operation):
+            found = _range_of(statement, [ranges.get(value) for value in statement.arguments])
+            if found is not None:
+                ranges[statement.target] = found
+
+
+def _whole(number: float) -> WholeRange | None:
+    whole = math.isfinite(number) and number == math.floor(number)
+    return WholeRange(number, number) if whole else None
+
+
+def _range_of(operation: Operation, operands: list[WholeRange | None]) -> WholeRange | None:
+    code, constant = operation.code, operation.constant
+    if code == "constant":
+        return _whole(constant)
+    if code == "number" or code in COMPARISONS or code in LOGIC or code == "truth":
+        return _TRUTH
+    if code in ("floor", "ceiling"):
+        return operands[0] or _ANY
+    known = [operand for operand in operands if operand is not None]
+    if code == "select":
+        first, second = operands[1:]
+        return None if first is None or second is None else _either(first, second)
+    if len(known) != len(operands) or not known:
+        return None
+    if code in ("maximum", "minimum"):
+        return _extreme(code, known[0], known[1])
+    return _arithmetic(code, known)
+
+
+def _either(first: WholeRange, second: WholeRange) -> WholeRange:
+    return WholeRange(
+        min(first.low, second.low),
+        max(first.high, second.high),
+        first.maybe_nan or second.maybe_nan,
+    )
+
+
+def _extreme(code: str, first: WholeRange, second: WholeRange) -> WholeRange:
+    """Return the bounds of ``a > b ? a : b``: whenever a or b is not a number, it is b."""
+    take = max if code == "maximum" else min
+    found = WholeRange(take(first.low, second.low), take(first.high, second.high), second.maybe_nan)
+    return _either(found, second) if first.maybe_nan else found
+
+
+def _arithmetic(code: str, operands: list[WholeRange]) -> WholeRange | None:
+    if any(operand.maybe_nan for operand in operands):
+        return None
+    first = operands[0]
+    if code == "negate":
+        return WholeRange(-first.high, -first.low)
+    if code == "absolute":
+        return WholeRange(0.0, max(-first.low, first.high))
+    if len(operands) < 2:
+        return None
+    second = operands[1]
+    if code == "add":
+        found = WholeRange(first.low + second.low, first.high + second.high)
+    elif code == "subtract":
+        found = WholeRange(first.low - second.high, first.high - second.low)
+    elif code == "multiply":
+        corners = [a * b for a in (first.low, first.high) for b in (second.low, second.high)]
+        found = WholeRange(min(corners), max(corners))
+    else:
+        return None
+    return found if found.within(-_EXACT, _EXACT) else None

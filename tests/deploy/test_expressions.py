@@ -1,0 +1,117 @@
+import math
+
+import numpy as np
+import pytest
+from deployed import bits, need_grammar
+from hypothesis import given
+from hypothesis import strategies as st
+
+from clepsydra.base.errors import InputError
+from clepsydra.deploy.c99_statements import NOTATION as C
+from clepsydra.deploy.expressions import Expression, decimal, flag, render, variable
+from clepsydra.deploy.structured_text import NOTATION as TEXT
+
+A, B, D, P, Q = variable("a"), variable("b"), variable("d"), flag("p"), flag("q")
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_decimal_reads_back_every_bit_and_is_a_real_literal(value):
+    text = decimal(value)
+    assert bits(float(text)) == bits(value)
+    mantissa, _, exponent = text.partition("E")
+    whole, point, fraction = mantissa.removeprefix("-").partition(".")
+    assert whole.isdigit() and point and fraction.isdigit()
+    assert not exponent or exponent.removeprefix("-").isdigit()
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_decimal_has_no_text_for_what_is_not_finite(value):
+    with pytest.raises(ValueError, match="no decimal form"):
+        decimal(value)
+
+
+def two(code, left, right):
+    return Expression(code, (left, right))
+
+
+@pytest.mark.parametrize(
+    ("expression", "in_c", "in_text"),
+    [
+        (two("add", two("add", A, B), D), "a + b + d", "a + b + d"),
+        (two("add", A, two("add", B, D)), "a + (b + d)", "a + (b + d)"),
+        (two("subtract", A, two("subtract", B, D)), "a - (b - d)", "a - (b - d)"),
+        (two("multiply", two("add", A, B), D), "(a + b) * d", "(a + b) * d"),
+        (two("divide", A, two("multiply", B, D)), "a / (b * d)", "a / (b * d)"),
+        (two("divide", two("divide", A, B), D), "a / b / d", "a / b / d"),
+        (two("subtract", A, Expression("negate", (B,))), "a - (-b)", "a - (-b)"),
+        (two("multiply", Expression("constant", number=-2.0), A), "(-2.0) * a", "(-2.0) * a"),
+        (Expression("negate", (two("add", A, B),)), "-(a + b)", "-(a + b)"),
+        (Expression("not", (two("less", A, B),)), "!(a < b)", "NOT (a < b)"),
+        (two("and", Expression("not", (P,)), Q), "!p && q", "NOT p AND q"),
+        (two("and", two("and", P, Q), P), "p && q && p", "p AND q AND p"),
+        (two("or", two("and", P, Q), P), "(p && q) || p", "(p AND q) OR p"),
+        (two("and", P, two("and", Q, P)), "p && (q && p)", "p AND (q AND p)"),
+        (two("or", two("equal", A, B), P), "(a == b) || p", "(a = b) OR p"),
+        (Expression("square_root", (two("add", A, B),)), "sqrt(a + b)", "SQRT(a + b)"),
+        (Expression("truth", (A,)), "a != 0.0", "a <> 0.0"),
+    ],
+)
+def test_parentheses_keep_the_tree(expression, in_c, in_text):
+    assert render(expression, C) == in_c
+    assert render(expression, TEXT) == in_text
+
+
+def test_choices_of_c():
+    assert render(two("maximum", A, B), C) == "a > b ? a : b"
+    assert render(two("minimum", A, B), C) == "a < b ? a : b"
+    inner = Expression("select", (Q, A, B))
+    assert render(Expression("select", (P, inner, D)), C) == "p ? (q ? a : b) : d"
+    assert render(two("add", Expression("number", (P,)), A), C) == "(p ? 1.0 : 0.0) + a"
+
+
+@pytest.mark.parametrize("code", ["select", "maximum", "number", "tanh", "hypot"])
+def test_structured_text_refuses_what_it_cannot_express(code):
+    with pytest.raises(InputError, match=f"operation {code}"):
+        render(Expression(code, (P, A, B)), TEXT)
+
+
+def test_structured_text_refuses_infinity_and_c_writes_it():
+    infinite = Expression("constant", number=-math.inf)
+    assert render(infinite, C) == "-HUGE_VAL"
+    for number in (math.inf, math.nan):
+        with pytest.raises(InputError, match=r"got (inf|nan), expected a number that Structured"):
+            render(Expression("constant", number=number), TEXT)
+
+
+VALUES = {"a": 0.1, "b": -7.3, "d": 1e-9}
+COMPUTE = {"add": np.add, "subtract": np.subtract, "multiply": np.multiply, "divide": np.divide}
+TREES = st.recursive(
+    st.sampled_from([A, B, D]) | st.floats(-9, 9).map(lambda x: Expression("constant", number=x)),
+    lambda inner: (
+        st.builds(two, st.sampled_from(sorted(COMPUTE)), inner, inner)
+        | inner.map(lambda operand: Expression("negate", (operand,)))
+    ),
+    max_leaves=12,
+)
+
+
+def computed(tree: Expression) -> float:
+    if tree.code == "variable":
+        return VALUES[tree.text]
+    if tree.code == "constant":
+        return tree.number
+    operands = [np.float64(computed(operand)) for operand in tree.operands]
+    with np.errstate(all="ignore"):
+        return float(-operands[0] if tree.code == "negate" else COMPUTE[tree.code](*operands))
+
+
+@given(TREES)
+def test_the_parsed_text_computes_the_bits_of_the_tree(tree):
+    need_grammar()
+    from structured_text_interpreter import FunctionBlock
+
+    block = FunctionBlock(
+        "FUNCTION_BLOCK trees VAR_INPUT a : LREAL; b : LREAL; d : LREAL; END_VAR "
+        f"VAR_OUTPUT y : LREAL; END_VAR y := {render(tree, TEXT)}; END_FUNCTION_BLOCK"
+    )
+    assert bits(block(**VALUES)["y"]) == bits(computed(tree))

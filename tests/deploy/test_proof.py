@@ -1,0 +1,114 @@
+"""The proof in small: engine, C and Structured Text of one controller, equal in every bit."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from deployed import all_bits, run_both
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.linear_quadratic_integral import lqi_law
+from clepsydra.controllers.proportional_integral import multiloop_pi_law
+from clepsydra.deploy.defaults import with_defaults
+from clepsydra.engine.kernel import Kernel
+from clepsydra.program.program import Program
+from clepsydra.program.reader import program_of
+
+SCANS = 10_000
+STATUS_BITS = (1, 2, 4, 8, 16, 32, 64)
+
+
+def showing_its_state(program: Program) -> Program:
+    """Return the program with the next state as further outputs."""
+    shown = tuple(Signal(f"kept_{entry.name}") for entry in program.state)
+    block = program.block
+    results = block.results + program.next_state
+    return dataclasses.replace(
+        program,
+        outputs=program.outputs + shown,
+        block=dataclasses.replace(block, results=results),
+    )
+
+
+def simulated(program: Program, inputs: dict[str, np.ndarray]) -> np.ndarray:
+    """Run the engine; returns outputs and states [samples, q + n]."""
+    shown = showing_its_state(program)
+    samples = len(next(iter(inputs.values())))
+    run = Kernel(shown).run(samples, inputs=inputs)
+    return np.column_stack([run.output(signal.name)[0] for signal in shown.outputs])
+
+
+def spoilt(random: np.random.Generator, values: np.ndarray, share: float) -> np.ndarray:
+    """Replace a share of the values by what a broken channel delivers."""
+    wrong = np.array([np.nan, np.inf, -np.inf, 1e301, -1e301, -0.0, 5e-324])
+    places = random.random(len(values)) < share
+    values[places] = random.choice(wrong, size=int(places.sum()))
+    return values
+
+
+def held(random: np.random.Generator, values: list[float], chance: list[float]) -> np.ndarray:
+    """A signal that keeps a value for some 25 scans, so that the law settles and saturates."""
+    blocks = random.choice(values, size=SCANS // 25, p=chance)
+    return np.repeat(blocks, 25)
+
+
+def scans(program: Program, seed: int) -> dict[str, np.ndarray]:
+    """Ten thousand scans of a plant that goes wrong in every way the inputs can express."""
+    random = np.random.default_rng(seed)
+    inputs = {}
+    for signal in program.inputs:
+        name = signal.name
+        if name.startswith("setpoint"):
+            inputs[name] = spoilt(random, np.repeat(random.uniform(2, 8, SCANS // 50), 50), 0.02)
+        elif name.startswith("measurement"):
+            walk = 5 + np.cumsum(random.normal(scale=0.05, size=SCANS)) % 4
+            inputs[name] = spoilt(random, walk, 0.03)
+        elif name.startswith("sensor"):
+            inputs[name] = (random.random(SCANS) < 0.95).astype(float)
+        elif name.startswith("mode"):
+            inputs[name] = held(random, [0.0, 1.0, 2.0, 3.0], [0.15, 0.65, 0.15, 0.05])
+        elif name == "time_step":
+            steps = random.choice([1.0, 0.1, 1 / 3], size=SCANS)
+            places = random.random(SCANS) < 0.02
+            steps[places] = random.choice([0.0, -1.0, np.nan, np.inf], size=int(places.sum()))
+            inputs[name] = steps
+        else:
+            inputs[name] = spoilt(random, random.uniform(-2, 12, SCANS), 0.02)
+    return inputs
+
+
+def proven(program: Program, folder, seed: int) -> None:
+    inputs = scans(program, seed)
+    engine = simulated(program, inputs)
+    in_c, in_text = run_both(program, folder, inputs)
+    assert np.isfinite(engine).all()
+    assert np.array_equal(all_bits(engine), all_bits(in_c))
+    assert np.array_equal(all_bits(engine), all_bits(in_text))
+    names = [signal.name for signal in program.outputs]
+    for column, name in enumerate(names):
+        if name.startswith("status"):
+            word = engine[:, column].astype(int)
+            assert all(np.any(word & bit) and not np.all(word & bit) for bit in STATUS_BITS)
+
+
+@pytest.mark.parametrize("anti_windup", ["back_calculation", "clamping"])
+def test_pi_is_the_same_in_engine_c_and_structured_text(anti_windup, tmp_path):
+    program = program_of(multiloop_pi_law(2, anti_windup))
+    values = {
+        "proportional_gain_1": 2.7, "integral_time_1": 31.0, "setpoint_weight_1": 0.7,
+        "proportional_gain_2": -1.3, "integral_time_2": 77.7, "low_limit_2": -1.0,
+        "high_limit_1": 10.0, "high_limit_2": 9.0, "last_output_1": 3.0, "integral_1": 3.0,
+    }  # fmt: skip
+    proven(with_defaults(program, values), tmp_path, seed=1)
+
+
+def test_lqi_is_the_same_in_engine_c_and_structured_text(tmp_path):
+    program = program_of(lqi_law(4, 2, (1, 2), "back_calculation"))
+    random = np.random.default_rng(5)
+    values = {
+        signal.name: float(random.normal())
+        for signal in program.parameters
+        if signal.name.startswith(("feedback", "integral_gain"))
+    }
+    values |= {f"high_limit_{i}": 10.0 for i in (1, 2)} | {f"bias_{i}": 3.1 for i in (1, 2)}
+    proven(with_defaults(program, values), tmp_path, seed=2)

@@ -1,0 +1,238 @@
+"""What a printer refuses, and what it writes around the equations."""
+
+import dataclasses
+import subprocess
+
+import numpy as np
+import pytest
+from deployed import need_compiler, need_grammar, run_both
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.proportional_integral import multiloop_pi_law
+from clepsydra.deploy.c99 import print_c
+from clepsydra.deploy.defaults import with_defaults
+from clepsydra.deploy.heading import digest
+from clepsydra.deploy.structured_text import print_structured_text
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.program import Block, Loop, Operation, Program
+from clepsydra.program.reader import program_of
+
+DOUBLE = Block(1, (Operation(1, "add", (0, 0)),), (1,))
+
+
+def doubling(entry: Signal, output: Signal, name: str = "law") -> Program:
+    return Program(name, (), (entry,), (), (output,), DOUBLE)
+
+
+@pytest.mark.parametrize("name", ["2nd", "level__1", "level_", "pegel_ö", "a-b", ""])
+@pytest.mark.parametrize("printer", [print_c, print_structured_text])
+def test_names_that_are_no_identifiers(printer, name):
+    with pytest.raises(InputError, match="expected an identifier of"):
+        printer(doubling(Signal(name), Signal("y")))
+
+
+@pytest.mark.parametrize(
+    ("printer", "word", "accepted_by"),
+    [
+        (print_c, "double", print_structured_text),
+        (print_c, "register", print_structured_text),
+        (print_structured_text, "Limit", print_c),
+        (print_structured_text, "by", print_c),
+        (print_structured_text, "Lreal", print_c),
+    ],
+)
+def test_words_of_one_language_are_names_in_the_other(printer, word, accepted_by):
+    with pytest.raises(InputError, match=f"law, {word}: got '{word}', expected a name that is no"):
+        printer(doubling(Signal(word), Signal("y")))
+    accepted_by(doubling(Signal(word), Signal("y")))
+
+
+def test_names_that_become_one():
+    both = Block(2, (), (0, 1))
+    outputs = (Signal("y"), Signal("z"))
+    dotted = Program("law", (), (Signal("tank.level"), Signal("tank_level")), (), outputs, both)
+    for printer in (print_c, print_structured_text):
+        with pytest.raises(InputError, match="got 'tank_level', expected a name that differs"):
+            printer(dotted)
+    cases = Program("law", (), (Signal("Level"), Signal("level")), (), outputs, both)
+    print_c(cases)
+    with pytest.raises(InputError, match="differs in Structured Text from program law, Level"):
+        print_structured_text(cases)
+    ring = DelayRing(Signal("late"), 3)
+    clash = Program("law", (ring, Signal("late_position")), (), (), (), both)
+    for printer in (print_c, print_structured_text):
+        with pytest.raises(InputError, match="late_position"):
+            printer(clash)
+
+
+def test_an_output_named_like_an_input_is_printed_as_c_only():
+    program = doubling(Signal("level"), Signal("level"))
+    assert "outputs->level = level + level;" in print_c(program).source
+    with pytest.raises(InputError, match="rename one"):
+        print_structured_text(program)
+
+
+def test_fused_operations_are_refused():
+    fused = Block(1, (Operation(1, "multiply", (0, 0), fused=True),), (1,))
+    program = Program("law", (), (Signal("u"),), (), (Signal("y"),), fused)
+    for printer in (print_c, print_structured_text):
+        with pytest.raises(InputError, match="got 'a fused multiply'"):
+            printer(program)
+
+
+def test_functions_of_the_standard_only():
+    root = Block(1, (Operation(1, "tanh", (0,)),), (1,))
+    program = Program("law", (), (Signal("u"),), (), (Signal("y"),), root)
+    assert "tanh(u)" in print_c(program).source
+    with pytest.raises(InputError, match="operation tanh"):
+        print_structured_text(program)
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [("integer", "a whole number of at most 32 bits"), ("boolean", "expected 0 or 1")],
+)
+def test_results_that_may_not_fit_their_type(kind, message):
+    for source in ("real", "integer"):
+        program = doubling(Signal("u", kind=source), Signal("y", kind=kind))
+        for printer in (print_c, print_structured_text):
+            with pytest.raises(InputError, match=message):
+                printer(program)
+
+
+@pytest.mark.parametrize(
+    ("kind", "initial"), [("integer", 0.5), ("integer", 2.0**31), ("boolean", 2.0),
+                          ("integer", float("nan")), ("boolean", float("inf"))]
+)  # fmt: skip
+def test_initial_values_of_another_type(kind, initial):
+    for printer in (print_c, print_structured_text):
+        with pytest.raises(InputError, match="initial value of u"):
+            printer(doubling(Signal("u", kind=kind, initial=initial), Signal("y")))
+
+
+def test_infinite_defaults_are_for_c_only():
+    endless = Signal("u", initial=-float("inf"))
+    program = Program("law", (), (), (endless,), (Signal("y"),), DOUBLE)
+    assert "parameters->u = -HUGE_VAL;" in print_c(program).source
+    with pytest.raises(InputError, match="Structured Text can write"):
+        print_structured_text(program)
+
+
+def test_default_values():
+    program = program_of(multiloop_pi_law(1, "clamping"))
+    designed = with_defaults(program, {"proportional_gain_1": 0.1, "last_output_1": 3.0})
+    assert "parameters->proportional_gain_1 = 0.1;" in print_c(designed).source
+    assert "state->last_output_1 = 3.0;" in print_c(designed).source
+    text = print_structured_text(designed)
+    assert "  proportional_gain_1 : LREAL := 0.1;" in text
+    assert "  last_output_1 : LREAL := 3.0;" in text
+    with pytest.raises(InputError, match=r"multiloop_pi, gain_1: got 1.0, expected a value for"):
+        with_defaults(program, {"gain_1": 1.0})
+
+
+def test_the_digest_tells_programs_apart():
+    program = program_of(multiloop_pi_law(1, "clamping"))
+    assert digest(program) == digest(program_of(multiloop_pi_law(1, "clamping")))
+    others = [
+        program_of(multiloop_pi_law(1, "back_calculation")),
+        program_of(multiloop_pi_law(2, "clamping")),
+        with_defaults(program, {"proportional_gain_1": 1.0000000000000002}),
+    ]
+    assert len({digest(program), *map(digest, others)}) == 4
+    for text in (print_c(program).header, print_c(program).source, print_structured_text(program)):
+        assert digest(program) in text and "Clepsydra" in text.splitlines()[1]
+
+
+def test_the_law_keeps_its_own_names():
+    program = program_of(multiloop_pi_law(1, "clamping"))
+    for text in (print_c(program).source, print_structured_text(program)):
+        for name in ("error_1", "unlimited_1", "manipulated_1"):
+            assert f"{name} =" in text or f"{name} :=" in text or f"{name} =\n" in text
+        assert "sensor_1" in text and "<> 0.0" not in text and "!= 0.0" not in text
+    assert max(map(len, print_c(program).source.splitlines())) <= 100
+    assert max(map(len, print_structured_text(program).splitlines())) <= 100
+
+
+HOSTILE = "ends */ here *) and /* begins (* again\nnext line ?" * 3
+
+
+def test_descriptions_cannot_leave_their_comment(tmp_path):
+    program = dataclasses.replace(
+        doubling(Signal("u", "m^3/s", description=HOSTILE), Signal("y", description=HOSTILE)),
+        state=(DelayRing(Signal("late", description=HOSTILE), 3),),
+        block=Block(2, (Operation(2, "add", (0, 1)),), (1, 2)),
+    )
+    need_grammar()
+    from structured_text_interpreter import FunctionBlock
+
+    block = FunctionBlock(print_structured_text(program))
+    assert set(block.declared) == {"u", "y", "late", "late_position"}
+    compile_strictly(program, tmp_path, "-std=c99")
+
+
+def test_laws_without_any_of_their_parts_compile(tmp_path):
+    nothing = Block(0, (), ())
+    constant = Block(1, (Operation(1, "constant", (), 2.5),), (1,))
+    programs = [
+        Program("nothing", (), (), (), (), nothing),
+        Program("unread", (), (Signal("u"),), (), (Signal("y"),), constant),
+        Program("kept", (Signal("x"),), (), (), (), Block(1, (), (0,))),
+        Program("state", (Signal("state"),), (Signal("inputs"),), (), (), Block(2, (), (1,))),
+    ]
+    for program in programs:
+        compile_strictly(program, tmp_path, "-std=c99")
+
+
+def test_values_that_nothing_reads_leave_no_variable(tmp_path):
+    body = Block(
+        4,
+        (
+            Operation(4, "add", (1, 0)),
+            Operation(5, "multiply", (2, 0)),
+            Operation(6, "multiply", (5, 5)),
+            Operation(7, "square_root", (0,)),
+        ),
+        (4, 6, 7),
+    )
+    start = Operation(1, "square_root", (0,))
+    loop = Loop((2, 3, 4), 2, body, ((1.0, 10.0),), (0, 1, 0), (), "sum_up")
+    unread = Operation(5, "multiply", (1, 1))
+    block = Block(1, (start, loop, unread), (2,))
+    program = Program("law", (), (Signal("u"),), (), (Signal("y"),), block)
+    source = print_c(program).source
+    # The second carried value feeds itself, so it stays; the third is read by nothing.
+    assert "sum_up_value = " in source and "sum_up_value_2" not in source
+    compile_strictly(program, tmp_path, "-std=c99")
+    for table in run_both(program, tmp_path, {"u": np.array([0.5])}):
+        assert table.tolist() == [[11.5]]
+
+
+def test_the_header_serves_cpp(tmp_path):
+    compiler, empty = need_compiler(), tmp_path / "empty.cpp"
+    empty.write_text("")
+    check = [compiler, "-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+    if subprocess.run([*check, str(empty)], capture_output=True).returncode != 0:
+        pytest.skip("the C compiler has no C++")
+    compile_strictly(program_of(multiloop_pi_law(2, "clamping")), tmp_path, "-std=c11")
+    user = tmp_path / "user.cpp"
+    user.write_text(
+        '#include "multiloop_pi.h"\n'
+        "void run(multiloop_pi_state &state) { multiloop_pi_initialise(&state); }\n"
+    )
+    built = subprocess.run([*check, str(user)], capture_output=True, text=True)
+    assert built.returncode == 0, built.stderr
+
+
+def compile_strictly(program: Program, folder, standard: str) -> None:
+    printed = print_c(program)
+    (folder / printed.header_name).write_text(printed.header, encoding="utf-8")
+    source = folder / printed.source_name
+    source.write_text(printed.source, encoding="utf-8")
+    warnings = ["-Wall", "-Wextra", "-Wconversion", "-Wpedantic", "-Wshadow", "-Werror"]
+    built = subprocess.run(
+        [need_compiler(), standard, *warnings, "-fsyntax-only", str(source)],
+        capture_output=True,
+        text=True,
+    )
+    assert built.returncode == 0, built.stderr
