@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from clepsydra.controllers.parameters import check_initial_state, check_parameters
 from clepsydra.program.step_law import StepLaw
 
 
@@ -38,6 +37,11 @@ class Controller:
         Process input wired to manipulated_1, manipulated_2, …
     notes : tuple of str
         What the designer must tell the reader.
+
+    Raises
+    ------
+    InputError
+        A parameter or initial state is missing, unknown, not finite or outside its range.
     """
 
     name: str
@@ -51,18 +55,6 @@ class Controller:
     manipulated: tuple[str, ...]
     notes: tuple[str, ...] = ()
 
-
-@dataclass(frozen=True)
-class LinearController:
-    """A controller's linear model, for margins: u = K(s) [setpoint - measurement …].
-
-    ẋ = A x + B_setpoint r + B_measurement y,  u = C x + D_setpoint r + D_measurement y,
-    in the order of the process's controlled measurements (r), measurements (y) and inputs (u).
-    """
-
-    A: np.ndarray
-    B_setpoint: np.ndarray
-    B_measurement: np.ndarray
-    C: np.ndarray
-    D_setpoint: np.ndarray
-    D_measurement: np.ndarray
+    def __post_init__(self) -> None:
+        check_parameters(self.law, self.values, self.name)
+        check_initial_state(self.law, self.initial_state, self.name)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from clepsydra.controllers.controller import Controller
+from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.run import Run
@@ -47,8 +49,7 @@ class StudyResult:
     Parameters
     ----------
     process : Process
-    point : OperatingPoint
-    model : LinearModel
+    analysis : Analysis
     scenario : Scenario
     ranking : tuple of Candidate
         Best first.
@@ -56,13 +57,60 @@ class StudyResult:
     verdict : str
         The answer in one sentence: which controller, how good, how sure, what to watch.
     warnings : tuple of str
+        What holds for the process under any controller.
     """
 
     process: Process
-    point: OperatingPoint
-    model: LinearModel
+    analysis: Analysis
     scenario: Scenario
     ranking: tuple[Candidate, ...]
     not_applicable: tuple[tuple[str, str], ...]
     verdict: str
     warnings: tuple[str, ...]
+
+    @property
+    def point(self) -> OperatingPoint:
+        """The operating point."""
+        return self.analysis.operating_point
+
+    @property
+    def model(self) -> LinearModel:
+        """The linear model from all inputs to the controlled outputs."""
+        return self.analysis.model
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the study as values for JSON, in SI; an unreached score is infinite."""
+        return {
+            "process": self.process.name,
+            "verdict": self.verdict,
+            "ranking": [_candidate(candidate) for candidate in self.ranking],
+            "not_applicable": [
+                {"controller": name, "reason": reason} for name, reason in self.not_applicable
+            ],
+            "warnings": list(self.warnings),
+            "analysis": self.analysis.as_dict(),
+            "scenario": {
+                "sampling_period": self.scenario.sampling_period,
+                "samples": self.scenario.samples,
+                "seed": self.scenario.seed,
+                "segments": [asdict(segment) for segment in self.scenario.segments],
+            },
+        }
+
+
+def _candidate(candidate: Candidate) -> dict[str, Any]:
+    controller, run = candidate.controller, candidate.run
+    return {
+        "rank": candidate.rank,
+        "controller": controller.name,
+        "family": controller.family,
+        "design": controller.design,
+        "parameters": dict(controller.values),
+        "pairing": list(zip(controller.setpoints, controller.manipulated, strict=True)),
+        "scores": dict(candidate.scores),
+        "maximum_sensitivity": candidate.maximum_sensitivity,
+        "reason": candidate.reason,
+        "warnings": list(candidate.warnings),
+        "error_estimate": run.error_estimate,
+        "substeps": run.substeps,
+    }

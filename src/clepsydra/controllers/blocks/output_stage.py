@@ -1,0 +1,139 @@
+"""The output stage that every law ends in: mode, limits, anti-windup, hold and status."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from clepsydra.controllers.blocks.anti_windup import (
+    AntiWindup,
+    back_calculation,
+    clamping,
+    tracking_share,
+)
+from clepsydra.controllers.blocks.limits import limit
+from clepsydra.controllers.blocks.mode import Mode, followed_integral
+from clepsydra.controllers.blocks.status import status_word
+from clepsydra.controllers.blocks.validity import is_number, is_time_step
+from clepsydra.program.step_law import Symbols
+
+
+@dataclass(frozen=True)
+class OutputStage:
+    """One output of a law after its output stage.
+
+    Parameters
+    ----------
+    manipulated : casadi.SX
+        The output, always a number within its limits.
+    integral : casadi.SX
+        The next value of the integral, always a number.
+    status : casadi.SX
+        The status word.
+    unlimited : casadi.SX
+        What the law asks for in automatic, before the limits.
+    """
+
+    manipulated: ca.SX
+    integral: ca.SX
+    status: ca.SX
+    unlimited: ca.SX
+
+
+def output_stage(
+    symbols: Symbols,
+    number: int,
+    *,
+    proportional: ca.SX,
+    increment: ca.SX,
+    signals_are_numbers: ca.SX,
+    sensors_are_good: ca.SX,
+    anti_windup: AntiWindup,
+) -> OutputStage:
+    """Write the output stage of output `number`.
+
+    In automatic the output is proportional + integral, and the integral takes its increment
+    under the anti-windup rule. In manual and tracking the output follows its value and the
+    integral follows the output, so that automatic continues from there. Where an input that
+    the mode uses is unusable, the output is held and the integral frozen: a failed sensor
+    holds automatic, but an operator can still move the output by hand.
+
+    Parameters
+    ----------
+    symbols : mapping
+        The law's signals by name: integral_i, last_output_i, mode_i, manual_i, tracking_i,
+        low_limit_i, high_limit_i, tracking_time_i (back-calculation), time_step.
+    number : int
+        i, from 1.
+    proportional : casadi.SX
+        The part of the output that does not come from the integral, in its unit.
+    increment : casadi.SX
+        What the integral gains in this sample in automatic, in the unit of the output.
+    signals_are_numbers, sensors_are_good : casadi.SX
+        Whether the setpoints and measurements used are numbers, and their sensors sound.
+    anti_windup : {"back_calculation", "clamping"}
+
+    Examples
+    --------
+    An output that asks for 12 stands at its high limit of 10: automatic (1) + high limit (8).
+
+    >>> given = dict(integral=7, last_output=0, mode=1, manual=0, tracking=0, low_limit=0,
+    ...              high_limit=10)
+    >>> symbols = {f"{name}_1": ca.DM(value) for name, value in given.items()}
+    >>> true = ca.DM(1)
+    >>> stage = output_stage(symbols | {"time_step": true}, 1, proportional=ca.DM(5),
+    ...                      increment=ca.DM(1), signals_are_numbers=true, sensors_are_good=true,
+    ...                      anti_windup="clamping")
+    >>> float(stage.manipulated), float(stage.integral), float(ca.evalf(stage.status))
+    (10.0, 7.0, 9.0)
+    """
+    integral, last_output = symbols[f"integral_{number}"], symbols[f"last_output_{number}"]
+    mode, manual = symbols[f"mode_{number}"], symbols[f"manual_{number}"]
+    tracking, time_step = symbols[f"tracking_{number}"], symbols["time_step"]
+    low, high = symbols[f"low_limit_{number}"], symbols[f"high_limit_{number}"]
+
+    in_manual, in_automatic = mode == Mode.MANUAL, mode == Mode.AUTOMATIC
+    in_tracking = mode == Mode.TRACKING
+    unlimited = proportional + integral
+    signals_known = ca.logic_and(signals_are_numbers, sensors_are_good)
+    time_step_good = is_time_step(time_step)
+
+    # The last test meets parameters that were changed to something unusable at run time.
+    law_usable = ca.logic_and(ca.logic_and(signals_known, time_step_good), is_number(unlimited))
+    controls = ca.logic_and(in_automatic, law_usable)
+    by_hand = ca.logic_and(in_manual, is_number(manual))
+    tracks = ca.logic_and(in_tracking, is_number(tracking))
+    follows = ca.logic_or(by_hand, tracks)
+
+    asked = ca.if_else(tracks, tracking, last_output)
+    asked = ca.if_else(by_hand, manual, asked)
+    asked = ca.if_else(controls, unlimited, asked)
+    manipulated = limit(asked, low, high)
+
+    if anti_windup == "back_calculation":
+        share = tracking_share(time_step, symbols[f"tracking_time_{number}"])
+        integrated = back_calculation(integral, increment, unlimited, manipulated, share)
+    else:
+        integrated = clamping(integral, increment, unlimited, manipulated)
+    followed = followed_integral(integral, manipulated, last_output, proportional, signals_known)
+    next_integral = ca.if_else(controls, integrated, ca.if_else(follows, followed, integral))
+    # An increment beyond the range of numbers is not taken.
+    next_integral = ca.if_else(is_number(next_integral), next_integral, integral)
+
+    input_unusable = ca.logic_or(
+        ca.logic_not(signals_are_numbers),
+        ca.logic_not(ca.logic_or(in_automatic, follows)),
+    )
+    status = status_word(
+        {
+            "automatic": in_automatic,
+            "tracking": in_tracking,
+            "at_low_limit": manipulated <= low,
+            "at_high_limit": manipulated >= high,
+            "sensor_fault": ca.logic_not(sensors_are_good),
+            "invalid_input": input_unusable,
+            "invalid_time_step": ca.logic_not(time_step_good),
+        }
+    )
+    return OutputStage(manipulated, next_integral, status, unlimited)

@@ -1,0 +1,68 @@
+"""The status word of an output: one bit a condition."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+
+
+@dataclass(frozen=True)
+class StatusBit:
+    """One bit of the status word: its value and what it tells.
+
+    Examples
+    --------
+    >>> STATUS_BITS["at_high_limit"].value
+    8
+    """
+
+    value: int
+    meaning: str
+
+
+#: Name to bit. The word is the sum of the bits whose condition holds; the first two tell the
+#: mode that was asked for, the rest what happened in this sample.
+STATUS_BITS: dict[str, StatusBit] = {
+    "automatic": StatusBit(1, "the mode is automatic"),
+    "tracking": StatusBit(2, "the mode is tracking"),
+    "at_low_limit": StatusBit(4, "the output stands at its low limit"),
+    "at_high_limit": StatusBit(8, "the output stands at its high limit"),
+    "sensor_fault": StatusBit(16, "a sensor that the law needs reports a fault"),
+    "invalid_input": StatusBit(
+        32, "an input in use is not a number, or the mode is none of manual, automatic, tracking"
+    ),
+    "invalid_time_step": StatusBit(64, "the time step is not a number above zero"),
+}
+
+
+def status_word(conditions: Mapping[str, ca.SX]) -> ca.SX:
+    """Return the sum of the bits whose condition holds.
+
+    Parameters
+    ----------
+    conditions : mapping
+        Every name of `STATUS_BITS` to a truth value.
+
+    Examples
+    --------
+    >>> held = {name: ca.DM(name in ("automatic", "sensor_fault")) for name in STATUS_BITS}
+    >>> int(status_word(held))
+    17
+    """
+    word = ca.SX(0)
+    for name, bit in STATUS_BITS.items():
+        word = word + ca.if_else(conditions[name], bit.value, 0)
+    return word
+
+
+def read_status(word: int) -> tuple[str, ...]:
+    """Return the names of the bits that are set.
+
+    Examples
+    --------
+    >>> read_status(9)
+    ('automatic', 'at_high_limit')
+    """
+    return tuple(name for name, bit in STATUS_BITS.items() if word & bit.value)

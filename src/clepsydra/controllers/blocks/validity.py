@@ -1,0 +1,63 @@
+"""Validity of what arrives from outside: numbers, and a time step that can be integrated."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+#: Above this magnitude a value counts as not a number.
+LARGEST_NUMBER = 1e300
+
+
+def is_number(value: ca.SX) -> ca.SX:
+    """Return whether a value is a finite number: |value| <= 1e300.
+
+    The comparison is false for a not-a-number; ``value == value`` would not do, since CasADi
+    folds it to true.
+
+    Examples
+    --------
+    >>> [bool(is_number(ca.DM(value))) for value in (3.0, float("nan"), float("-inf"))]
+    [True, False, False]
+    """
+    return ca.fabs(value) <= LARGEST_NUMBER
+
+
+def value_or_zero(value: ca.SX, valid: ca.SX) -> ca.SX:
+    """Return the value where it is valid and zero elsewhere.
+
+    Zero enters the arithmetic in its place, so that what is computed is a number even where
+    it must not be used.
+
+    Examples
+    --------
+    >>> float(value_or_zero(ca.DM(float("nan")), ca.DM(0)))
+    0.0
+    >>> float(value_or_zero(ca.DM(2.5), ca.DM(1)))
+    2.5
+    """
+    return ca.if_else(valid, value, 0)
+
+
+def is_time_step(time_step: ca.SX) -> ca.SX:
+    """Return whether a time step [s] is a number above zero.
+
+    Examples
+    --------
+    >>> [bool(is_time_step(ca.DM(value))) for value in (1.0, 0.0, -1.0, float("nan"))]
+    [True, False, False, False]
+    """
+    return ca.logic_and(time_step > 0, time_step <= LARGEST_NUMBER)
+
+
+def all_of(conditions: list[ca.SX]) -> ca.SX:
+    """Return whether all of the conditions hold.
+
+    Examples
+    --------
+    >>> bool(all_of([ca.DM(1), ca.DM(1)])), bool(all_of([ca.DM(1), ca.DM(0)]))
+    (True, False)
+    """
+    result = conditions[0]
+    for condition in conditions[1:]:
+        result = ca.logic_and(result, condition)
+    return result

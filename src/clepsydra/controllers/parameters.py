@@ -1,0 +1,96 @@
+"""Checks of a controller's numbers before it may run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from clepsydra.base.errors import InputError
+from clepsydra.program.step_law import StepLaw
+
+
+def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> None:
+    """Refuse parameter values that a law cannot run with.
+
+    Parameters
+    ----------
+    law : StepLaw
+    values : mapping
+        Parameter name to value, in the law's units.
+    place : str
+        The controller's name, for the message.
+
+    Raises
+    ------
+    InputError
+        A parameter is missing, unknown, not a finite number or outside its range (an integral
+        time at or below zero, say), or a low limit is not below its high limit.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
+    >>> law = multiloop_pi_law(1, "clamping")
+    >>> check_parameters(law, {parameter.name: 0.0 for parameter in law.parameters}, "PI")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: PI, integral_time_1: got 0.0, expected a number from \
+1e-06 to 1e+09 s; give a value in this range.
+    """
+    _check_names([parameter.name for parameter in law.parameters], values, place)
+    for parameter in law.parameters:
+        value = values[parameter.name]
+        _check_finite(f"{place}, {parameter.name}", value)
+        if not parameter.low <= value <= parameter.high:
+            unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+            raise InputError(
+                f"{place}, {parameter.name}",
+                value,
+                f"a number from {parameter.low:g} to {parameter.high:g}{unit}",
+                "give a value in this range",
+            )
+    for name, low in values.items():
+        if name.startswith("low_limit_") and not low < values["high" + name.removeprefix("low")]:
+            raise InputError(
+                f"{place}, {name}",
+                low,
+                f"a value below high{name.removeprefix('low')}",
+                "exchange the limits or widen them",
+            )
+
+
+def check_initial_state(law: StepLaw, values: Mapping[str, float], place: str) -> None:
+    """Refuse an initial state that is incomplete or not finite.
+
+    Raises
+    ------
+    InputError
+        A state is missing, unknown or not a finite number.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
+    >>> check_initial_state(multiloop_pi_law(1), {"integral_1": 3.0}, "PI")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: PI: got ['integral_1'], expected values for integral_1, \
+last_output_1; add last_output_1.
+    """
+    _check_names([state.name for state in law.state], values, place)
+    for name, value in values.items():
+        _check_finite(f"{place}, {name}", value)
+
+
+def _check_names(names: list[str], values: Mapping[str, float], place: str) -> None:
+    missing = [name for name in names if name not in values]
+    unknown = [name for name in values if name not in names]
+    if missing or unknown:
+        steps = [f"add {', '.join(missing)}"] if missing else []
+        steps += [f"remove {', '.join(unknown)}"] if unknown else []
+        raise InputError(
+            place, sorted(values), f"values for {', '.join(names)}", " and ".join(steps)
+        )
+
+
+def _check_finite(place: str, value: float) -> None:
+    if not math.isfinite(value):
+        raise InputError(place, value, "a finite number", "give a finite number")

@@ -1,0 +1,242 @@
+"""The signals that every step law has: what it is wired to, and what its output stage needs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.anti_windup import AntiWindup
+from clepsydra.controllers.blocks.mode import Mode
+
+#: The smallest time that a parameter may be set to [s].
+SHORTEST_TIME = 1e-6
+#: The largest magnitude of a gain or a limit that is taken for a reasonable one.
+LARGEST_PARAMETER = 1e9
+
+
+def wired_signals(
+    prefix: str, count: int, wired: Sequence[Signal] | None, place: str
+) -> tuple[Signal, ...]:
+    """Return the process signals that a law is wired to, or nameless ones of unit 1.
+
+    Raises
+    ------
+    InputError
+        The number of signals is not `count`, or `count` is below one.
+
+    Examples
+    --------
+    >>> [signal.name for signal in wired_signals("measurement", 2, None, "law")]
+    ['measurement_1', 'measurement_2']
+    """
+    if count < 1:
+        raise InputError(place, count, "at least 1", "give the number of signals of the law")
+    if wired is None:
+        return tuple(Signal(f"{prefix}_{number}") for number in range(1, count + 1))
+    if len(wired) != count:
+        raise InputError(
+            place, [signal.name for signal in wired], f"{count} signals", "give one for each"
+        )
+    return tuple(wired)
+
+
+def measurement_inputs(measured: Sequence[Signal]) -> list[Signal]:
+    """Return measurement_j and sensor_j for each measured signal.
+
+    Examples
+    --------
+    >>> [signal.name for signal in measurement_inputs([Signal("level_1", "V")])]
+    ['measurement_1', 'sensor_1']
+    """
+    inputs = []
+    for number, signal in enumerate(measured, start=1):
+        inputs += [
+            _like(signal, f"measurement_{number}", f"measured {signal.name}"),
+            Signal(
+                f"sensor_{number}",
+                low=0.0,
+                high=1.0,
+                initial=1.0,
+                kind="boolean",
+                description=f"sensor of {signal.name} is good",
+            ),
+        ]
+    return inputs
+
+
+def setpoint_inputs(controlled: Sequence[Signal]) -> list[Signal]:
+    """Return setpoint_j for each controlled signal.
+
+    Examples
+    --------
+    >>> setpoint_inputs([Signal("level_1", "V")])[0].name
+    'setpoint_1'
+    """
+    return [
+        _like(signal, f"setpoint_{number}", f"setpoint of {signal.name}")
+        for number, signal in enumerate(controlled, start=1)
+    ]
+
+
+def output_inputs(manipulated: Sequence[Signal]) -> list[Signal]:
+    """Return mode_i, manual_i and tracking_i for each output, and the time step.
+
+    Examples
+    --------
+    >>> [signal.name for signal in output_inputs([Signal("pump_1", "V")])]
+    ['mode_1', 'manual_1', 'tracking_1', 'time_step']
+    """
+    inputs = []
+    for number, signal in enumerate(manipulated, start=1):
+        inputs += [
+            Signal(
+                f"mode_{number}",
+                low=float(min(Mode)),
+                high=float(max(Mode)),
+                initial=float(Mode.AUTOMATIC),
+                kind="integer",
+                description=f"mode of {signal.name}: 0 manual, 1 automatic, 2 tracking",
+            ),
+            _like(signal, f"manual_{number}", f"value of {signal.name} in manual"),
+            _like(signal, f"tracking_{number}", f"value of {signal.name} in tracking"),
+        ]
+    return [
+        *inputs,
+        Signal(
+            "time_step",
+            "s",
+            low=0.0,
+            initial=1.0,
+            description="time since the last sample",
+        ),
+    ]
+
+
+def output_parameters(number: int, signal: Signal, anti_windup: AntiWindup) -> list[Signal]:
+    """Return low_limit_i and high_limit_i, and tracking_time_i for back-calculation.
+
+    Examples
+    --------
+    >>> [p.name for p in output_parameters(1, Signal("pump_1", "V"), "back_calculation")]
+    ['low_limit_1', 'high_limit_1', 'tracking_time_1']
+    """
+    low = signal.low if math.isfinite(signal.low) else 0.0
+    high = signal.high if math.isfinite(signal.high) else 100.0
+    parameters = [
+        gain(f"low_limit_{number}", signal.unit, low, f"low limit of {signal.name}"),
+        gain(f"high_limit_{number}", signal.unit, high, f"high limit of {signal.name}"),
+    ]
+    if anti_windup == "back_calculation":
+        parameters.append(
+            duration(
+                f"tracking_time_{number}",
+                "time in which back-calculation takes the integral out of saturation",
+            )
+        )
+    return parameters
+
+
+def output_state(number: int, signal: Signal) -> list[Signal]:
+    """Return integral_i and last_output_i.
+
+    Examples
+    --------
+    >>> [state.name for state in output_state(1, Signal("pump_1", "V"))]
+    ['integral_1', 'last_output_1']
+    """
+    return [
+        Signal(f"integral_{number}", signal.unit, description=f"integral part of {signal.name}"),
+        Signal(
+            f"last_output_{number}",
+            signal.unit,
+            initial=signal.initial,
+            description=f"{signal.name} in the last sample",
+        ),
+    ]
+
+
+def output_signals(number: int, signal: Signal) -> list[Signal]:
+    """Return manipulated_i and status_i.
+
+    Examples
+    --------
+    >>> [output.name for output in output_signals(1, Signal("pump_1", "V"))]
+    ['manipulated_1', 'status_1']
+    """
+    return [
+        _like(signal, f"manipulated_{number}", signal.description or f"value of {signal.name}"),
+        Signal(
+            f"status_{number}",
+            low=0.0,
+            high=127.0,
+            kind="integer",
+            description=(
+                "sum of 1 automatic, 2 tracking, 4 at low limit, 8 at high limit, "
+                "16 sensor fault, 32 invalid input, 64 invalid time step"
+            ),
+        ),
+    ]
+
+
+def ratio_of_units(numerator: str, *denominators: str) -> str:
+    """Return the unit of a gain.
+
+    Examples
+    --------
+    >>> ratio_of_units("V", "m"), ratio_of_units("V", "V"), ratio_of_units("V", "V", "s")
+    ('V/m', 'V/V', 'V/(V s)')
+    """
+    below = [unit for unit in denominators if unit != "1"]
+    if not below:
+        return numerator
+    return f"{numerator}/({' '.join(below)})" if len(below) > 1 else f"{numerator}/{below[0]}"
+
+
+def gain(name: str, unit: str, initial: float, description: str) -> Signal:
+    """Return a parameter that may have either sign: a gain, a bias, a limit.
+
+    Examples
+    --------
+    >>> gain("bias_1", "V", 3.0, "output at the operating point").initial
+    3.0
+    """
+    return Signal(
+        name,
+        unit,
+        low=-LARGEST_PARAMETER,
+        high=LARGEST_PARAMETER,
+        initial=initial,
+        description=description,
+    )
+
+
+def duration(name: str, description: str) -> Signal:
+    """Return a parameter that is a time above zero [s].
+
+    Examples
+    --------
+    >>> duration("integral_time_1", "integral time").unit
+    's'
+    """
+    return Signal(
+        name,
+        "s",
+        low=SHORTEST_TIME,
+        high=LARGEST_PARAMETER,
+        initial=60.0,
+        description=description,
+    )
+
+
+def _like(signal: Signal, name: str, description: str) -> Signal:
+    return Signal(
+        name,
+        signal.unit,
+        display_unit=signal.display_unit,
+        low=signal.low,
+        high=signal.high,
+        initial=signal.initial,
+        description=description,
+    )

@@ -1,0 +1,110 @@
+"""One element g(s) of a linear model, by its poles, zeros and gain."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.minimal_realisation import minimal_realisation
+from clepsydra.linear.poles import origin_radius, rightmost_first
+from clepsydra.linear.response import evaluate_transfer
+from clepsydra.linear.zeros import zeros
+
+
+@dataclass(frozen=True)
+class Element:
+    """g(s) = gain / s^integrators · Π(1 − s/z) / Π(1 − s/p).
+
+    Parameters
+    ----------
+    gain : float
+        Static gain, [output unit / input unit]; per second for each integrator.
+    poles, zeros : tuple of complex
+        Those away from the origin [rad/s].
+    integrators : int
+        Poles at the origin; negative for zeros there.
+
+    Examples
+    --------
+    >>> tank = Element(2.0, (-0.02,), (), 0)
+    >>> tank.magnitude(0.02) * math.sqrt(2.0), math.degrees(tank.phase(0.02))
+    (2.0, -45.0)
+    """
+
+    gain: float
+    poles: tuple[complex, ...]
+    zeros: tuple[complex, ...]
+    integrators: int
+
+    @property
+    def sign(self) -> float:
+        """The direction in which the output finally moves: 1 or −1."""
+        return math.copysign(1.0, self.gain)
+
+    def magnitude(self, omega: float) -> float:
+        """Return |g(jω)| at ω [rad/s]."""
+        size = abs(self.gain) / omega**self.integrators
+        for zero in self.zeros:
+            size *= abs(1.0 - 1j * omega / zero)
+        for pole in self.poles:
+            size /= abs(1.0 - 1j * omega / pole)
+        return float(size)
+
+    def phase(self, omega: float) -> float:
+        """Return the phase of sign·g(jω) [rad], continuous in ω > 0, for a stable g.
+
+        Each root turns by atan((ω − b)/a) with the root at −a + jb, so no multiple of 2π is
+        lost.
+        """
+        angle = -0.5 * math.pi * self.integrators
+        angle += sum(math.atan((omega - z.imag) / -z.real) for z in map(complex, self.zeros))
+        angle -= sum(math.atan((omega - p.imag) / -p.real) for p in map(complex, self.poles))
+        return angle
+
+
+def element(model: LinearModel, output: str, input_name: str) -> Element | None:
+    """Return the element from an input to an output; None where the input does not move it.
+
+    Parameters
+    ----------
+    model : LinearModel
+    output, input_name : str
+
+    Raises
+    ------
+    InputError
+        A name is unknown.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> round(element(tank, "level", "pump").gain, 9)
+    2.0
+    """
+    chosen = model.select(outputs=[output], inputs=[input_name])
+    A, B, C, D = minimal_realisation(chosen.A, chosen.B, chosen.C, chosen.D)
+    if not len(A) and D[0, 0] == 0.0:
+        return None
+    radius = origin_radius(model.A)
+    roots = rightmost_first(np.linalg.eigvals(A)) if len(A) else np.zeros(0)
+    found_zeros = zeros(chosen)
+    moving_poles = _away_from_origin(roots, radius)
+    moving_zeros = _away_from_origin(found_zeros, radius)
+    integrators = (len(roots) - len(moving_poles)) - (len(found_zeros) - len(moving_zeros))
+    # The gain is read off where g is neither near a root nor far from all of them.
+    rates = [abs(root) for root in (*moving_poles, *moving_zeros)]
+    point = 2.0 * max(rates, default=1.0)
+    value = evaluate_transfer(A, B, C, D, np.array([point]))[0, 0, 0]
+    shape = math.prod((1.0 - point / zero for zero in moving_zeros), start=1.0 + 0.0j)
+    shape /= point**integrators
+    shape /= math.prod((1.0 - point / pole for pole in moving_poles), start=1.0 + 0.0j)
+    return Element(float((value / shape).real), moving_poles, moving_zeros, integrators)
+
+
+def _away_from_origin(roots: np.ndarray, radius: float) -> tuple[complex, ...]:
+    return tuple(complex(root) for root in roots if abs(root) > radius)

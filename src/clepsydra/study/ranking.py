@@ -1,0 +1,160 @@
+"""The order of the controllers of a study, and the reason in words.
+
+The rule, printed with every ranking: first what is safe and robust, then what is stable, then
+the rest; among equals the smaller mean of the integral absolute errors, each as a multiple of
+the best; within 2 % of each other the smaller total variation of the manipulated variables.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.loop.run import Run
+from clepsydra.process.process import Process
+from clepsydra.study.result import Candidate
+from clepsydra.study.warnings import leaves_its_tanks
+
+RULE = (
+    "Safe and robust controllers first (levels stay in their tanks, max|S| at most 2.0), then "
+    "stable ones, then the rest; among these the smaller integral absolute error, averaged over "
+    "the controlled variables as multiples of the best; within 2 % the smaller total variation "
+    "of the manipulated variables."
+)
+
+_ROBUST = 2.0
+#: The designs stop exactly at the limit; this much above it is rounding.
+_ROUNDING = 1e-6
+_TIE = 1.02
+
+
+class Standing(IntEnum):
+    """How far a controller can be trusted; a smaller number ranks first."""
+
+    ROBUST = 0
+    STABLE = 1
+    UNSAFE = 2
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One controller with its run and scores, before it has a rank."""
+
+    controller: Controller
+    run: Run
+    scores: dict[str, float]
+    maximum_sensitivity: float
+    warnings: tuple[str, ...]
+
+    @property
+    def standing(self) -> Standing:
+        """How far it can be trusted."""
+        if not math.isfinite(self.maximum_sensitivity) or leaves_its_tanks(self.run):
+            return Standing.UNSAFE
+        if self.maximum_sensitivity <= _ROBUST * (1 + _ROUNDING):
+            return Standing.ROBUST
+        return Standing.STABLE
+
+    def mean_score(self, score: str, best: dict[str, float]) -> float:
+        """Return the mean over signals of a score as a multiple of the best one."""
+        ratios = [
+            _ratio(value, best[key])
+            for key, value in self.scores.items()
+            if key.startswith(f"{score}[")
+        ]
+        return float(np.mean(ratios)) if ratios else math.inf
+
+
+def rank(trials: Sequence[Trial]) -> tuple[Candidate, ...]:
+    """Return the candidates, best first, each with its reason.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        All of one process and one scenario.
+    """
+    best = {
+        key: min(trial.scores[key] for trial in trials)
+        for key in (trials[0].scores if trials else {})
+    }
+    errors = {id(trial): trial.mean_score("iae", best) for trial in trials}
+    wear = {id(trial): trial.mean_score("total_variation", best) for trial in trials}
+    ordered = sorted(trials, key=lambda trial: (trial.standing, errors[id(trial)]))
+    for place in range(len(ordered) - 1):
+        first, second = ordered[place], ordered[place + 1]
+        tied = (
+            first.standing == second.standing
+            and errors[id(second)] <= _TIE * errors[id(first)]
+            and wear[id(second)] < wear[id(first)]
+        )
+        if tied:
+            ordered[place], ordered[place + 1] = second, first
+    return tuple(
+        Candidate(
+            controller=trial.controller,
+            run=trial.run,
+            scores=trial.scores,
+            maximum_sensitivity=trial.maximum_sensitivity,
+            rank=place,
+            reason=_reason(trial, errors[id(trial)], wear[id(trial)]),
+            warnings=trial.warnings,
+        )
+        for place, trial in enumerate(ordered, 1)
+    )
+
+
+def verdict(process: Process, ranking: Sequence[Candidate]) -> str:
+    """Return the answer of a study in one sentence."""
+    if not ranking:
+        return f"No controller of this study applies to {process.name}; the reasons are listed."
+    best, *others = ranking
+    watch = best.warnings[0].rstrip(".") if best.warnings else "no level leaves its tank"
+    return (
+        f"{best.controller.name} controls {process.title} best{_lead(best, others)}; max|S| is "
+        f"{best.maximum_sensitivity:.2f}; watch: {watch}."
+    )
+
+
+def _lead(best: Candidate, others: Sequence[Candidate]) -> str:
+    """Return how the winner's error compares with the smallest of the others."""
+    rivals = [(_error(other), other.controller.name) for other in others]
+    if not rivals or not math.isfinite(min(rivals)[0]) or _error(best) == 0.0:
+        return ""
+    error, name = min(rivals)
+    saved = 100 * (1 - _error(best) / error)
+    if saved >= 0:
+        return f", with an integral absolute error {saved:.0f} % below that of {name}"
+    return f", being more robust than {name}, whose integral absolute error is smaller"
+
+
+def _error(candidate: Candidate) -> float:
+    return sum(value for key, value in candidate.scores.items() if key.startswith("iae["))
+
+
+def _ratio(value: float, best: float) -> float:
+    if math.isinf(value):
+        return math.inf
+    return value / best if best > 0 else (1.0 if value == 0 else math.inf)
+
+
+def _reason(trial: Trial, error: float, wear: float) -> str:
+    standing = {
+        Standing.ROBUST: f"robust (max|S| {trial.maximum_sensitivity:.2f})",
+        Standing.STABLE: f"stable with thin margins (max|S| {trial.maximum_sensitivity:.2f})",
+        Standing.UNSAFE: (
+            "unstable by its linear model"
+            if not math.isfinite(trial.maximum_sensitivity)
+            else "a level leaves its tank"
+        ),
+    }[trial.standing]
+    best = "the smallest integral absolute error" if error < 1.0005 else (
+        f"{error:.2f} times the smallest integral absolute error"
+    )  # fmt: skip
+    return (
+        f"{standing[0].upper()}{standing[1:]}; {best}; {wear:.2f} times the least total variation."
+    )

@@ -1,0 +1,96 @@
+"""A study: every design that applies, simulated in one scenario, scored and ranked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from clepsydra.design.applicability import NotApplicable
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.linearise import linearise
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.run import Run
+from clepsydra.loop.sampled_model import sampled_model
+from clepsydra.process.process import Process
+from clepsydra.process.reader import load_process
+from clepsydra.scores.evaluate import score_run
+from clepsydra.study.designs import DESIGNS
+from clepsydra.study.ranking import Trial, rank, verdict
+from clepsydra.study.result import StudyResult
+from clepsydra.study.warnings import run_warnings
+
+
+def study(
+    process: Process | str | Path, *, seed: int = 1, report: Callable[[str], None] = lambda _: None
+) -> StudyResult:
+    """Design, simulate, score and rank every controller that applies to a process.
+
+    Parameters
+    ----------
+    process : Process, str or Path
+        A process, a name of the catalogue or a process file.
+    seed : int
+        Of the measurement noise.
+    report : callable
+        Told in a few words what is being done, for a progress display.
+
+    Returns
+    -------
+    StudyResult
+
+    Raises
+    ------
+    NoEquilibrium
+        The process has no operating point.
+    InputError
+        The process file cannot be used.
+    """
+    if not isinstance(process, Process):
+        process = load_process(process)
+    report("analysing the process")
+    analysis = analyse(process)
+    point, model = analysis.operating_point, linearise(process, analysis.operating_point)
+    scenario = default_scenario(process, point, analysis.model, seed=seed)
+    trials: list[Trial] = []
+    refused: list[tuple[str, str]] = []
+    for name, design in DESIGNS.items():
+        report(f"designing and simulating {name}")
+        try:
+            controller = design(process, analysis)
+        except NotApplicable as reason:
+            refused.append((name, str(reason)))
+            continue
+        run = Loop(process, controller, point, model).run_checked(scenario)
+        trials.append(
+            Trial(
+                controller=controller,
+                run=run,
+                scores=scores_of(run),
+                maximum_sensitivity=sampled_model(controller, model, process).maximum_sensitivity,
+                warnings=run_warnings(run),
+            )
+        )
+    ranking = rank(trials)
+    return StudyResult(
+        process=process,
+        analysis=analysis,
+        scenario=scenario,
+        ranking=ranking,
+        not_applicable=tuple(refused),
+        verdict=verdict(process, ranking),
+        warnings=tuple(analysis.words),
+    )
+
+
+def scores_of(run: Run) -> dict[str, float]:
+    """Return every score of a run; errors are those of the true levels, without noise."""
+    process = run.process
+    return score_run(
+        run.time,
+        {name: run.values[f"{name}.setpoint"] for name in process.controlled},
+        {name: run.true_measurement(name) for name in process.controlled},
+        {u.name: run.values[u.name] for u in process.inputs},
+        {u.name: (u.low, u.high) for u in process.inputs},
+        run.scenario.segments,
+    )

@@ -1,0 +1,133 @@
+"""What a controller refuses to be built with, and its linear model."""
+
+import math
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.linear_step_law import linear_step_law
+from clepsydra.controllers.linear_quadratic_integral import lqi_law
+from clepsydra.controllers.proportional_integral import multiloop_pi_law
+from clepsydra.process.process import Process
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.step_law import Equations, step_law
+
+
+def process(period=2.0):
+    x, u, none = ca.SX.sym("x", 3), ca.SX.sym("u", 2), ca.SX(0, 1)
+    return Process(
+        "p", "", "",
+        state=tuple(Signal(f"tank_{i}.level", "m") for i in (1, 2, 3)),
+        inputs=(Signal("pump_1", "V"), Signal("pump_2", "V")),
+        disturbances=(),
+        measurements=tuple(Signal(f"level_{i}", "V") for i in (1, 2, 3)),
+        controlled=("level_1", "level_2"),
+        parameters=(),
+        dynamics=ca.Function("f", [x, u, none, none], [-x]),
+        measure=ca.Function("g", [x, none], [x]),
+        measured_state={f"level_{i}": f"tank_{i}.level" for i in (1, 2, 3)},
+        elements=(),
+        nominal_outputs={},
+        sampling_period=period,
+    )  # fmt: skip
+
+
+PI_VALUES = {
+    "proportional_gain_1": 3.0, "integral_time_1": 30.0, "setpoint_weight_1": 0.5,
+    "low_limit_1": 0.0, "high_limit_1": 10.0, "tracking_time_1": 30.0,
+    "proportional_gain_2": -2.0, "integral_time_2": 8.0, "setpoint_weight_2": 1.0,
+    "low_limit_2": 0.0, "high_limit_2": 10.0, "tracking_time_2": 8.0,
+}  # fmt: skip
+PI_STATE = {"integral_1": 3.0, "last_output_1": 3.0, "integral_2": 3.0, "last_output_2": 3.0}
+
+
+def cross_paired_pi(**changed):
+    return Controller(
+        "PI", "multiloop PI", "by hand", multiloop_pi_law(2), PI_VALUES | changed, PI_STATE,
+        ("level_1", "level_2"), ("level_1", "level_2"), ("pump_2", "pump_1"),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"integral_time_1": 0.0}, "PI, integral_time_1: got 0.0, expected a number from 1e-06"),
+        ({"integral_time_2": -3.0}, "PI, integral_time_2: got -3.0"),
+        ({"tracking_time_1": math.nan}, "PI, tracking_time_1: got nan, expected a finite number"),
+        ({"proportional_gain_1": math.inf}, "PI, proportional_gain_1: got inf"),
+        (
+            {"setpoint_weight_1": 1.5},
+            "PI, setpoint_weight_1: got 1.5, expected a number from 0 to 1",
+        ),
+        ({"low_limit_2": 10.0}, "PI, low_limit_2: got 10.0, expected a value below high_limit_2"),
+        ({"derivative_time_1": 1.0}, "remove derivative_time_1"),
+    ],
+)
+def test_a_controller_with_unusable_values_is_refused(changed, message):
+    with pytest.raises(InputError) as refusal:
+        cross_paired_pi(**changed)
+    assert message in str(refusal.value)
+
+
+def test_a_controller_without_a_value_is_refused():
+    fewer = {name: value for name, value in PI_VALUES.items() if name != "high_limit_1"}
+    with pytest.raises(InputError, match="add high_limit_1"):
+        Controller(
+            "PI", "", "", multiloop_pi_law(2), fewer, PI_STATE,
+            ("level_1", "level_2"), ("level_1", "level_2"), ("pump_1", "pump_2"),
+        )  # fmt: skip
+
+
+def test_linear_model_of_cross_paired_pi_has_the_textbook_matrices():
+    model = linear_step_law(cross_paired_pi(), process())
+    assert np.array_equal(model.A, np.eye(2))
+    rates = process().sampling_period * np.diag([3.0 / 30.0, -2.0 / 8.0])
+    assert model.B_setpoint == pytest.approx(rates, abs=1e-15)
+    assert model.B_measurement == pytest.approx(np.hstack([-rates, np.zeros((2, 1))]), abs=1e-15)
+    # Loop 1 moves pump_2, the second input of the process.
+    swap = np.array([[0.0, 1.0], [1.0, 0.0]])
+    assert np.array_equal(model.C, swap)
+    assert np.array_equal(model.D_setpoint, swap @ np.diag([3.0 * 0.5, -2.0]))
+    assert np.array_equal(model.D_measurement, swap @ np.array([[-3.0, 0, 0], [0, 2.0, 0]]))
+
+
+def test_linear_model_of_lqi_has_the_textbook_matrices():
+    rng = np.random.default_rng(0)
+    F, G = rng.normal(size=(2, 3)), rng.normal(size=(2, 2))
+    values, state = {}, {}
+    for i in (1, 2):
+        values |= {f"feedback_{i}_{j}": F[i - 1, j - 1] for j in (1, 2, 3)}
+        values |= {f"integral_gain_{i}_{j}": G[i - 1, j - 1] for j in (1, 2)}
+        values |= {f"bias_{i}": 0.0, f"low_limit_{i}": -1.0, f"high_limit_{i}": 1.0}
+        state |= {f"integral_{i}": 0.0, f"last_output_{i}": 0.0}
+    values |= {f"reference_measurement_{j}": 50.0 for j in (1, 2, 3)}  # far beyond the limits
+    controller = Controller(
+        "LQI", "LQI", "by hand", lqi_law(3, 2, [1, 2], "clamping"), values, state,
+        ("level_1", "level_2", "level_3"), ("level_1", "level_2"), ("pump_1", "pump_2"),
+    )  # fmt: skip
+    model = linear_step_law(controller, process())
+    assert np.array_equal(model.A, np.eye(2))
+    rates = process().sampling_period * G
+    assert model.B_setpoint == pytest.approx(rates, rel=1e-14)
+    assert model.B_measurement == pytest.approx(np.hstack([-rates, np.zeros((2, 1))]), rel=1e-14)
+    assert np.array_equal(model.C, np.eye(2))
+    assert np.array_equal(model.D_setpoint, np.zeros((2, 2)))
+    assert model.D_measurement == pytest.approx(-F, rel=1e-14)
+
+
+def test_a_law_with_a_delay_ring_has_no_linear_model():
+    law = step_law(
+        "delayed",
+        inputs=[Signal("measurement_1")],
+        parameters=[],
+        state=[DelayRing(Signal("past"), 3)],
+        outputs=[Signal("manipulated_1")],
+        equations=lambda s: Equations({"past": s["measurement_1"]}, {"manipulated_1": s["past"]}),
+    )
+    delayed = Controller("D", "", "", law, {}, {"past": 0.0}, ("level_1",), (), ("pump_1",))
+    with pytest.raises(ClepsydraError, match="delay ring"):
+        linear_step_law(delayed, process())

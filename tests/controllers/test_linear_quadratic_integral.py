@@ -1,0 +1,104 @@
+"""The LQI law against matrices, and how a fault or a mode acts on its outputs."""
+
+import math
+
+import numpy as np
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.linear_quadratic_integral import lqi_law
+
+rng = np.random.default_rng(3)
+FEEDBACK, INTEGRAL = rng.normal(size=(2, 3)), 0.1 * rng.normal(size=(2, 2))
+REFERENCE, BIAS = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0])
+CONTROLLED = [3, 1]
+
+
+def values(anti_windup, low=0.0, high=10.0):
+    numbers = {}
+    for i in range(2):
+        numbers |= {f"feedback_{i + 1}_{j + 1}": FEEDBACK[i, j] for j in range(3)}
+        numbers |= {f"integral_gain_{i + 1}_{j + 1}": INTEGRAL[i, j] for j in range(2)}
+        numbers |= {f"bias_{i + 1}": BIAS[i]}
+        numbers |= {f"low_limit_{i + 1}": low, f"high_limit_{i + 1}": high}
+        if anti_windup == "back_calculation":
+            numbers[f"tracking_time_{i + 1}"] = 4.0
+    return numbers | {f"reference_measurement_{j + 1}": REFERENCE[j] for j in range(3)}
+
+
+def inputs(measurements, setpoints, **changed):
+    numbers = {"time_step": 0.5}
+    for j in range(3):
+        numbers |= {f"measurement_{j + 1}": measurements[j], f"sensor_{j + 1}": 1.0}
+    numbers |= {f"setpoint_{j + 1}": setpoints[j] for j in range(2)}
+    for i in (1, 2):
+        numbers |= {f"mode_{i}": 1, f"manual_{i}": 0.0, f"tracking_{i}": 0.0}
+    return numbers | changed
+
+
+REST = {"integral_1": 0.0, "integral_2": 0.0, "last_output_1": 4.0, "last_output_2": 5.0}
+
+
+@pytest.mark.parametrize("anti_windup", ["back_calculation", "clamping"])
+def test_equals_the_matrix_equations(driven, anti_windup):
+    law = driven(lqi_law(3, 2, CONTROLLED, anti_windup), values(anti_windup), REST)
+    integral, saturated = np.zeros(2), 0
+    for _ in range(300):
+        y, r = REFERENCE + rng.normal(size=3) * 3.0, rng.normal(size=2) + [3.0, 1.0]
+        unlimited = BIAS - FEEDBACK @ (y - REFERENCE) + integral
+        output = np.clip(unlimited, 0.0, 10.0)
+        increment = 0.5 * INTEGRAL @ (r - y[[2, 0]])
+        if anti_windup == "back_calculation":
+            integral = integral + increment + 0.5 / 4.0 * (output - unlimited)
+        else:
+            stops = ((unlimited > 10) & (increment > 0)) | ((unlimited < 0) & (increment < 0))
+            integral = integral + np.where(stops, 0.0, increment)
+        found = law.scan(**inputs(y, r))
+        assert [found["manipulated_1"], found["manipulated_2"]] == pytest.approx(output, abs=1e-12)
+        assert [law.state["integral_1"], law.state["integral_2"]] == pytest.approx(
+            integral, abs=1e-11
+        )
+        saturated += int(np.any(output != unlimited))
+    assert saturated > 20
+
+
+def test_at_the_operating_point_it_stands_still(driven):
+    law = driven(lqi_law(3, 2, CONTROLLED), values("back_calculation"), REST)
+    found = law.scan(**inputs(REFERENCE, REFERENCE[[2, 0]]))
+    assert (found["manipulated_1"], found["manipulated_2"]) == (4.0, 5.0)
+    assert law.state == REST
+
+
+def test_a_fault_of_any_sensor_holds_the_automatic_output_only(driven):
+    law = driven(lqi_law(3, 2, CONTROLLED), values("back_calculation"), REST)
+    y = REFERENCE + [0.0, math.nan, 0.0]
+    found = law.scan(**inputs(y, [0.0, 0.0], mode_2=0, manual_2=7.0, sensor_2=0.0))
+    assert (found["manipulated_1"], found["manipulated_2"]) == (4.0, 7.0)
+    assert (found["status_1"], found["status_2"]) == (1 + 16 + 32, 16 + 32)
+    assert law.state["integral_1"] == 0.0
+    # With the sensor back at its place the second output continues from 7.
+    found = law.scan(**inputs(REFERENCE, REFERENCE[[2, 0]]))
+    assert found["manipulated_2"] == pytest.approx(7.0, abs=1e-14)
+
+
+def test_one_output_by_hand_returns_without_a_bump(driven):
+    law = driven(lqi_law(3, 2, CONTROLLED), values("back_calculation"), REST)
+    y, r = REFERENCE + [0.3, -0.2, 0.4], [3.1, 1.2]
+    law.scan(**inputs(y, r, mode_1=2, tracking_1=8.5))
+    assert law.scan(**inputs(y, r))["manipulated_1"] == pytest.approx(8.5, abs=1e-14)
+
+
+def test_infinities_of_both_signs_hold_the_output(driven):
+    law = driven(lqi_law(3, 2, CONTROLLED, "clamping"), values("clamping"), REST)
+    law.values |= {"feedback_1_1": 1e9, "feedback_1_2": -1e9}
+    # 1e9 · 1e300 overflows with both signs: their sum is not a number.
+    found = law.scan(**inputs([1e300, 1e300, 3.0], [3.0, 1.0]))
+    assert found["manipulated_1"] == 4.0
+    assert all(math.isfinite(value) for value in law.state.values())
+
+
+def test_a_setpoint_without_measurement_is_refused():
+    with pytest.raises(InputError, match="from 1 to 3"):
+        lqi_law(3, 2, [1, 4])
+    with pytest.raises(InputError, match="from 1 to 3"):
+        lqi_law(3, 2, [])
