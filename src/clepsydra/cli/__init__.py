@@ -1,1 +1,21 @@
 """The command line, one file a verb."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit: 0 done, 2 an input or usage error, 130 interrupted."""
+    from clepsydra.base.errors import ClepsydraError
+    from clepsydra.cli.application import application
+
+    try:
+        application(args=arguments)
+    except ClepsydraError as error:
+        print(f"clepsydra: {error}", file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        print("clepsydra: interrupted; nothing was left half-written", file=sys.stderr)
+        sys.exit(130)

@@ -20,7 +20,7 @@ class Host:
     features : str
         LLVM's feature list.
     lanes : int
-        Scenarios that a batch kernel computes side by side.
+        Doubles in one vector.
     fuses : bool
         Whether multiply-adds are fused in hardware.
     """
@@ -41,12 +41,11 @@ class Host:
 def host() -> Host:
     """Return this machine's processor."""
     features = llvm.get_host_cpu_features()
-    # Two vectors a lane group: the second hides the latency of the first one's roots.
     if features.get("avx512f"):
-        lanes = 16
-    elif features.get("avx"):
         lanes = 8
-    else:
+    elif features.get("avx"):
         lanes = 4
+    else:
+        lanes = 2
     fuses = bool(features.get("fma") or features.get("neon") or features.get("fullfp16"))
     return Host(llvm.get_host_cpu_name(), features.flatten(), lanes, fuses)

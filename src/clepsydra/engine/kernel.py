@@ -20,6 +20,8 @@ from clepsydra.program.program import Program
 
 Array = NDArray[np.float64]
 
+_LARGE_PROGRAM = 200
+
 
 @dataclass(frozen=True)
 class Trajectories:
@@ -70,7 +72,7 @@ class Kernel:
     record : bool
         Whether outputs are stored.
     lanes : int, optional
-        Lanes of a batch; the host's own number if omitted.
+        Lanes of a batch; chosen from the host and the size of the program if omitted.
     cache : ObjectCache, optional
         Where compiled objects are kept; the user's cache folder if omitted.
 
@@ -101,7 +103,7 @@ class Kernel:
         self._individual = frozenset(individual)
         self._fuse = fuse and host().fuses
         self.records = record
-        self._batch_lanes = host().lanes if lanes is None else lanes
+        self._batch_lanes = _batch_lanes(program) if lanes is None else lanes
         self._cache = cache
         self._shared_names = [s.name for s in program.inputs if s.name not in self._individual]
         self._individual_names = [s.name for s in program.inputs if s.name in self._individual]
@@ -279,6 +281,16 @@ class Kernel:
             f"run of {self.program.name}, {name}", list(value.shape), f"the shape of {expected}",
             "give one value, or one value for each",
         )  # fmt: skip
+
+
+def _batch_lanes(program: Program) -> int:
+    """Return two vectors for a small program, one for a large one, which fills the units alone.
+
+    A second vector hides the latency of the first, but a large program then runs out of
+    registers. The limit lies between one tank (95 operations) and four (281).
+    """
+    operations = sum(1 for _ in program.block.operations())
+    return host().lanes * (2 if operations < _LARGE_PROGRAM else 1)
 
 
 @dataclass(frozen=True)

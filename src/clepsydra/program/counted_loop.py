@@ -70,7 +70,9 @@ def counted_loop(
 
 def _kept_as_call(body: ca.Function) -> ca.Function:
     arguments = [ca.SX.sym(f"a{i}", body.numel_in(i)) for i in range(body.n_in())]
-    return ca.Function(body.name(), arguments, [body(*arguments)], {"never_inline": True})
+    return ca.Function(
+        body.name(), arguments, [ca.densify(body(*arguments))], {"never_inline": True}
+    )
 
 
 @dataclass(frozen=True)

@@ -88,6 +88,18 @@ def inline(
     ClepsydraError
         The function is not an SX function or uses an operation that no target prints.
     """
+    outputs = _read(builder, function, arguments, fused)
+    return [
+        _entry(builder, function, outputs, i, entry)
+        for i in range(function.n_out())
+        for entry in range(function.numel_out(i))
+    ]
+
+
+def _read(
+    builder: BlockBuilder, function: ca.Function, arguments: Sequence[int], fused: bool
+) -> dict[tuple[int, int], int]:
+    """Append the instructions; return the value of every structural nonzero of every output."""
     if not function.is_a("SXFunction"):
         raise ClepsydraError(
             f"{function.name()}: a {function.class_name()} cannot become a step program; "
@@ -122,14 +134,10 @@ def inline(
         else:
             operands = [work[entry] for entry in source]
             work[target[0]] = _operation(builder, function, code, operands, fused)
-    return [
-        _output(builder, function, outputs, i, entry)
-        for i in range(function.n_out())
-        for entry in range(function.numel_out(i))
-    ]
+    return outputs
 
 
-def _output(
+def _entry(
     builder: BlockBuilder,
     function: ca.Function,
     outputs: dict[tuple[int, int], int],
@@ -183,7 +191,10 @@ def _call(
 ) -> list[int]:
     loop = recover_loop(called)
     if loop is None:
-        return inline(builder, called, arguments, fused=fused)
+        found = _read(builder, called, arguments, fused)
+        return [
+            found[i, nonzero] for i in range(called.n_out()) for nonzero in range(called.nnz_out(i))
+        ]
     carried = called.numel_in(0)
     body = read_body(loop, fused=fused)
     return list(

@@ -1,9 +1,4 @@
-"""The order of the controllers of a study, and the reason in words.
-
-The rule, printed with every ranking: first what is safe and robust, then what is stable, then
-the rest; among equals the smaller mean of the integral absolute errors, each as a multiple of
-the best; within 2 % of each other the smaller total variation of the manipulated variables.
-"""
+"""The order of the controllers of a study by a printed rule, and the reason in words."""
 
 from __future__ import annotations
 
@@ -21,7 +16,7 @@ from clepsydra.study.result import Candidate
 from clepsydra.study.warnings import leaves_its_tanks
 
 RULE = (
-    "Safe and robust controllers first (levels stay in their tanks, max|S| at most 2.0), then "
+    "safe and robust controllers first (levels stay in their tanks, max|S| at most 2.0), then "
     "stable ones, then the rest; among these the smaller integral absolute error, averaged over "
     "the controlled variables as multiples of the best; within 2 % the smaller total variation "
     "of the manipulated variables."
@@ -113,10 +108,14 @@ def verdict(process: Process, ranking: Sequence[Candidate]) -> str:
     if not ranking:
         return f"No controller of this study applies to {process.name}; the reasons are listed."
     best, *others = ranking
-    watch = best.warnings[0].rstrip(".") if best.warnings else "no level leaves its tank"
+    watch = (
+        f"watch: {best.warnings[0].rstrip('.')}"
+        if best.warnings
+        else "no level leaves its tank and no input saturates for long"
+    )
     return (
         f"{best.controller.name} controls {process.title} best{_lead(best, others)}; max|S| is "
-        f"{best.maximum_sensitivity:.2f}; watch: {watch}."
+        f"{best.maximum_sensitivity:.2f}; {watch}."
     )
 
 

@@ -1,0 +1,1 @@
+"""Clepsydra measured beside a hand-written C++ program, JAX and python-control."""

@@ -1,0 +1,60 @@
+"""``python -m benchmarks``: measure, print the tables, and with ``--write`` document them."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from benchmarks import machine, page
+from benchmarks.cplusplus import CompilerMissing
+from benchmarks.experiments import FULL, QUICK, Disagreement, Experiments, Measured
+
+
+def _progress(what: str, measure: Callable[[], Measured]) -> Measured:
+    print(f"measuring: {what} …", file=sys.stderr, flush=True)
+    return measure()
+
+
+def main() -> int:
+    """Run everything and return the exit status."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="few rounds, to see that it works")
+    parser.add_argument("--write", action="store_true", help=f"update {page.PAGE.name}")
+    arguments = parser.parse_args()
+    size = QUICK if arguments.quick else FULL
+    try:
+        facts = machine.description()
+        with tempfile.TemporaryDirectory() as folder:
+            experiments = Experiments(size, Path(folder))
+            results = page.Results(
+                machine=facts,
+                rounds=f"{size.rounds} rounds ({size.slow_rounds} on two cores, "
+                "for first calls and for the command line)",
+                batch=_progress("batch on one core", experiments.batch),
+                one_run=_progress("one run", experiments.one_run),
+                two_cores=_progress("large batch on two cores", experiments.two_cores),
+                first_call=_progress("first calls", experiments.first_call),
+                command_line=_progress("command line", experiments.command_line),
+            )
+    except (CompilerMissing, Disagreement, RuntimeError) as error:
+        print(f"benchmarks: {error}", file=sys.stderr)
+        return 1
+    except ModuleNotFoundError as error:
+        print(
+            f"benchmarks: {error.name} is not installed; pip install '.[bench]' brings it",
+            file=sys.stderr,
+        )
+        return 1
+    text = page.render(results)
+    print(text)
+    if arguments.write:
+        page.write(text)
+        print(f"written: {page.PAGE}", file=sys.stderr)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,181 @@
+"""The tables as text, and their place in the documentation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks import experiments as e
+from benchmarks.experiments import Measured
+from benchmarks.measure import Spread
+
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "benchmarks.md"
+BEGIN = "<!-- measured: begin -->"
+END = "<!-- measured: end -->"
+
+
+@dataclass(frozen=True)
+class Results:
+    """Everything that was measured on one machine."""
+
+    machine: list[tuple[str, str]]
+    rounds: str
+    batch: Measured
+    one_run: Measured
+    two_cores: Measured
+    first_call: Measured
+    command_line: Measured
+
+
+@dataclass(frozen=True)
+class _Figure:
+    """A figure that was aimed at, and what came of it."""
+
+    text: str
+    wanted: str
+    found: Spread
+    digits: int
+    met: Callable[[float], bool]
+
+    def row(self) -> list[str]:
+        verdict = "yes" if self.met(self.found.median) else "**no**"
+        return [self.text, self.wanted, _shown(self.found, self.digits), verdict]
+
+
+def _shown(spread: Spread, digits: int) -> str:
+    median, low, high = (f"{v:,.{digits}f}" for v in (spread.median, spread.low, spread.high))
+    return f"{median} ({low} to {high})"
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    body = [list(heads), *map(list, rows)]
+    widths = [max(len(row[column]) for row in body) for column in range(len(heads))]
+
+    def line(cells: Sequence[str]) -> str:
+        return "| " + " | ".join(c.ljust(w) for c, w in zip(cells, widths, strict=True)) + " |"
+
+    rule = "|" + "|".join("-" * (width + 2) for width in widths) + "|"
+    return "\n".join([line(heads), rule, *map(line, rows)])
+
+
+def _timed(
+    measured: Measured,
+    heads: tuple[str, str],
+    shown: Callable[[Spread], Spread],
+    digits: int,
+    *,
+    reference: str,
+    faster: bool,
+) -> str:
+    rows = []
+    for name in measured.timings.seconds:
+        ratio = measured.timings.ratio(*((reference, name) if faster else (name, reference)))
+        label = f"{name} ({measured.notes[name]})" if name in measured.notes else name
+        rows.append([label, _shown(shown(measured.timings.of(name)), digits), _shown(ratio, 2)])
+    return _table(["way", *heads], rows)
+
+
+def _figures(r: Results) -> list[_Figure]:
+    batch, run = r.batch.timings, r.one_run.timings
+    cores, waits = r.two_cores.timings, r.command_line.timings
+    return [
+        _Figure("batch, speed over C++ by hand", "at least 0.85",
+                batch.ratio(e.CPP, e.ENGINE), 2, lambda v: v >= 0.85),
+        _Figure("batch, speed over JAX", "above 1",
+                batch.ratio(e.JAX, e.ENGINE), 2, lambda v: v > 1),
+        _Figure("one run, time over C++ by hand", "at most 1.8",
+                run.ratio(e.ENGINE, e.CPP), 2, lambda v: v <= 1.8),
+        _Figure("the same, whole call", "at most 1.8",
+                run.ratio(e.WHOLE, e.CPP), 2, lambda v: v <= 1.8),
+        _Figure("one run, whole call, speed over python-control's fastest form", "at least 300",
+                run.ratio(e.ONE_SYSTEM, e.WHOLE), 0, lambda v: v >= 300),
+        _Figure("one run, whole call, speed over python-control's usual form", "at least 300",
+                run.ratio(e.JOINED, e.WHOLE), 0, lambda v: v >= 300),
+        _Figure("large batch on two cores [s]", "under 1.5",
+                cores.of(e.WHOLE), 2, lambda v: v < 1.5),
+        _Figure("first table of study, new machine [s]", "under 5",
+                waits.of(e.NEW_MACHINE), 2, lambda v: v < 5),
+        _Figure("first table of study, second time [s]", "under 2",
+                waits.of(e.SECOND_TIME), 2, lambda v: v < 2),
+    ]  # fmt: skip
+
+
+def _rounded(factor: float) -> str:
+    return f"{factor:,.0f}" if factor >= 100 else f"{factor:.3g}"
+
+
+def _comparison(subject: str, speed: float, other: str) -> str:
+    if speed >= 1:
+        return f"- **Win.** {subject}: {_rounded(speed)} times as fast as {other}."
+    return f"- **Loss.** {subject}: {speed:.2f} of the speed of {other}."
+
+
+def _wins_and_losses(r: Results) -> str:
+    batch, run, first = r.batch.timings, r.one_run.timings, r.first_call.timings
+    lines = [
+        _comparison("Batch", batch.ratio(e.CPP, e.ENGINE).median, "C++ by hand"),
+        _comparison("Batch, arguments to results", batch.ratio(e.CPP, e.WHOLE).median, "C++ alone"),
+        _comparison("Batch", batch.ratio(e.JAX, e.ENGINE).median, "JAX"),
+        _comparison("One run", run.ratio(e.CPP, e.ENGINE).median, "C++ by hand"),
+        _comparison("One run, arguments to results", run.ratio(e.CPP, e.WHOLE).median, "C++ alone"),
+        _comparison("One run, arguments to results", run.ratio(e.ONE_SYSTEM, e.WHOLE).median,
+                    "python-control in its fastest form"),
+        _comparison("One run, arguments to results", run.ratio(e.JOINED, e.WHOLE).median,
+                    "python-control as two joined systems"),
+        _comparison("First call", first.of(e.CPP).median / first.of(e.FRESH).median,
+                    "the C++ compiler"),
+        _comparison("First call", first.of(e.JAX).median / first.of(e.FRESH).median, "JAX"),
+    ]  # fmt: skip
+    return "\n".join(sorted(lines, key=lambda line: "Loss" in line))
+
+
+def render(r: Results) -> str:
+    """Return all tables as Markdown."""
+    steps = r.batch.steps
+
+    def largest(measured: Measured) -> str:
+        return f"Largest relative difference between the ways: {measured.difference:.0e}."
+
+    first, waits = r.first_call.timings, r.command_line.timings
+    parts = [
+        _table(["", ""], r.machine),
+        f"Median over {r.rounds}, smallest and largest in brackets. Ratios are taken within "
+        "each round. All ways that stand in one table gave the same answer.",
+        "### The figures aimed at",
+        _table(["figure", "wanted", "measured", "met"], [f.row() for f in _figures(r)]),
+        "### Wins and losses",
+        _wins_and_losses(r),
+        "### Batch of 8,192 scenarios and 1,000 samples, one core",
+        _timed(r.batch, ("million scenario-steps a second", "speed over C++"),
+               lambda s: s.inverse(steps / 1e6), 1, reference=e.CPP, faster=True),
+        largest(r.batch),
+        "### One run of 10,000 samples, recorded",
+        _timed(r.one_run, ("ns a sample", "time over C++"),
+               lambda s: s.times(1e9 / r.one_run.steps), 1, reference=e.CPP, faster=False),
+        largest(r.one_run),
+        "### 100,000 scenarios and 1,000 samples, two cores",
+        _timed(r.two_cores, ("seconds", "time over C++"),
+               lambda s: s, 3, reference=e.CPP, faster=False),
+        largest(r.two_cores),
+        "### First call: from source to the answer of the batch, imports excluded",
+        _table(["way", "seconds"], [[n, _shown(first.of(n), 2)] for n in first.seconds]),
+        "### The command line",
+        _table(["`clepsydra`", "seconds"], [[n, _shown(waits.of(n), 2)] for n in waits.seconds]),
+    ]  # fmt: skip
+    return "\n\n".join(parts)
+
+
+def write(text: str, page: Path = PAGE) -> None:
+    """Put the tables between the marks of the page; everything else on it stays.
+
+    Raises
+    ------
+    ValueError
+        The page lacks the marks.
+    """
+    before, begin, rest = page.read_text(encoding="utf-8").partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise ValueError(f"{page} lacks the marks {BEGIN} and {END}")
+    page.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")

@@ -1,0 +1,148 @@
+"""The case in Clepsydra: the catalogue's process, the package's own PI law and closed loop."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.case import (
+    FINAL,
+    HIGH_LIMIT,
+    LOW_LIMIT,
+    NOMINAL,
+    NOMINAL_VOLTAGE,
+    RECORDED,
+    Case,
+    Solution,
+)
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.proportional_integral import FAMILY, multiloop_pi_law
+from clepsydra.engine.kernel import Job, Kernel, Trajectories
+from clepsydra.engine.object_cache import ObjectCache
+from clepsydra.loop.closed_loop import closed_loop, controller_name, loop_inputs
+from clepsydra.process.process import Process
+from clepsydra.process.reader import load_process
+from clepsydra.program.program import Program
+
+#: The case's names and Clepsydra's, where they differ by more than the pattern below.
+_PATTERNS = {
+    "tank_area": "tank_{}.area",
+    "outlet_area": "outlet_{}.area",
+    "pump_gain": "pump_{}.gain",
+    "split": "splitter_{0}.tank_{0}",
+    "proportional_gain": "controller.proportional_gain_{}",
+    "integral_time": "controller.integral_time_{}",
+    "tracking_time": "controller.tracking_time_{}",
+    "level": "tank_{}.level",
+    "integral": "controller.integral_{}",
+    "integral_absolute_error": "iae[level_{}]",
+    "pump": "pump_{}",
+}
+
+
+def name_of(entry: str) -> str:
+    """Return Clepsydra's name of a parameter or result of the case.
+
+    Examples
+    --------
+    >>> name_of("tank_area_3"), name_of("split_1")
+    ('tank_3.area', 'splitter_1.tank_1')
+    """
+    stem, number = entry.rsplit("_", 1)
+    return _PATTERNS[stem].format(number)
+
+
+def _controller() -> Controller:
+    law = multiloop_pi_law(2, "back_calculation")
+    values = {signal.name: signal.initial for signal in law.parameters}
+    for loop in (1, 2):
+        values[f"low_limit_{loop}"], values[f"high_limit_{loop}"] = LOW_LIMIT, HIGH_LIMIT
+    state = {signal.name: 0.0 for signal in law.state}
+    state |= {f"integral_{loop}": NOMINAL_VOLTAGE for loop in (1, 2)}
+    return Controller(
+        name="PI",
+        family=FAMILY,
+        design="Johansson's gains",
+        law=law,
+        values=values,
+        initial_state=state,
+        measurements=("level_1", "level_2"),
+        setpoints=("level_1", "level_2"),
+        manipulated=("pump_1", "pump_2"),
+    )
+
+
+def _program(process: Process, controller: Controller) -> Program:
+    # The case has neither noise nor load, sound sensors, and stays in automatic.
+    setpoints = {f"{name}.setpoint" for name in process.controlled}
+    constant = {s.name: s.initial for s in loop_inputs(process) if s.name not in setpoints}
+    return closed_loop(process, controller, substeps=1, constant=constant, running_scores=True)
+
+
+@dataclass(frozen=True)
+class Clepsydra:
+    """The closed loop as a kernel.
+
+    Parameters
+    ----------
+    kernel : Kernel
+    controller : Controller
+    """
+
+    kernel: Kernel
+    controller: Controller
+
+    @classmethod
+    def build(cls, cache: ObjectCache, *, record: bool, lanes: int | None = None) -> Clepsydra:
+        """Read the process, write the program; machine code is made in the first run."""
+        process, controller = load_process("quadruple-tank"), _controller()
+        kernel = Kernel(_program(process, controller), record=record, lanes=lanes, cache=cache)
+        return cls(kernel, controller)
+
+    def arguments(self, case: Case) -> dict[str, Any]:
+        """Return the case as the arguments of `Kernel.prepare` and `Kernel.run`."""
+        columns = {
+            name_of(entry): row if case.scenarios > 1 else float(row[0])
+            for entry, row in zip(NOMINAL, case.parameters, strict=True)
+        }
+        given = {controller_name(name): value for name, value in self.controller.values.items()}
+        start = {
+            controller_name(name): value for name, value in self.controller.initial_state.items()
+        }
+        levels = {name_of(f"level_{i + 1}"): float(h) for i, h in enumerate(case.initial_levels)}
+        return {
+            "samples": case.samples,
+            "inputs": {f"level_{i + 1}.setpoint": case.setpoints[:, i] for i in (0, 1)},
+            "parameters": {**given, **columns},
+            "state": start | levels,
+        }
+
+    def prepare(self, case: Case) -> Job:
+        """Lay out the case in memory."""
+        return self.kernel.prepare(**self.arguments(case))
+
+
+def solution(found: Trajectories) -> Solution:
+    """Return what a kernel computed in the order of the case."""
+    final = np.array([found.state(name_of(entry)) for entry in FINAL])
+    if not found.record.size:
+        return Solution(final)
+    recorded = np.stack([found.output(name_of(entry))[0] for entry in RECORDED], axis=1)
+    return Solution(final, recorded)
+
+
+def first_call(case: Case, folder: Path, *, cached: bool) -> Callable[[], Trajectories]:
+    """Return a call from process file to finished run, with or without a compiled object."""
+    cache = ObjectCache(folder)
+
+    def run() -> Trajectories:
+        if not cached:
+            shutil.rmtree(folder, ignore_errors=True)
+        return Clepsydra.build(cache, record=case.scenarios == 1).prepare(case).run()
+
+    return run

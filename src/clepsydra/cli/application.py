@@ -1,0 +1,39 @@
+"""The command with its verbs; loads nothing numeric, so that help is immediate."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from clepsydra import __version__
+from clepsydra.cli.analyse import analyse
+from clepsydra.cli.study import study
+
+application = typer.Typer(
+    name="clepsydra",
+    help="From a liquid-tank process on paper to a proven controller in the PLC.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog="Start with: clepsydra study quadruple-tank",
+)
+application.command()(study)
+application.command()(analyse)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"clepsydra {__version__}")
+        raise typer.Exit
+
+
+@application.callback()
+def clepsydra(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    """From a liquid-tank process on paper to a proven controller in the PLC."""

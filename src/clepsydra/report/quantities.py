@@ -1,0 +1,145 @@
+"""Numbers as the reader sees them: display units, few digits, and levels behind a sensor."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.base.signal import Signal
+from clepsydra.base.units import from_si
+from clepsydra.process.process import Process
+
+_SUPERSCRIPTS = {"^2": "²", "^3": "³", "**2": "²", "**3": "³"}
+
+
+def unit_text(unit: str) -> str:
+    """Return a unit as it is printed, empty for a pure number.
+
+    Examples
+    --------
+    >>> unit_text("cm^3/(s V)"), unit_text("1")
+    ('cm³/(s V)', '')
+    """
+    if unit in ("1", "dimensionless"):
+        return ""
+    for plain, printed in _SUPERSCRIPTS.items():
+        unit = unit.replace(plain, printed)
+    return unit
+
+
+def number_text(value: float, digits: int = 3) -> str:
+    """Return a number rounded to some significant digits, without trailing noise.
+
+    Parameters
+    ----------
+    value : float
+        May be infinite or not a number, printed as ∞ and as a dash.
+    digits : int
+        Significant digits.
+
+    Examples
+    --------
+    >>> number_text(12.2629), number_text(-0.000123456), number_text(123456.0)
+    ('12.3', '−1.23e−4', '123456')
+    """
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    if value == 0.0:
+        return "0"
+    exponent = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
+    if -4 < exponent < 6:
+        text = f"{value:.{max(digits - 1 - exponent, 0)}f}"
+    else:
+        mantissa, power = f"{value:.{digits - 1}e}".split("e")
+        text = f"{mantissa}e{int(power)}"
+    return text.replace("-", "−")
+
+
+def short_text(value: float) -> str:
+    """Return a number in at most four digits and no more than it needs.
+
+    Examples
+    --------
+    >>> short_text(20.000000000000004), short_text(-0.7)
+    ('20', '−0.7')
+    """
+    return f"{value:.4g}".replace("-", "−")
+
+
+def display_factor(signal: Signal) -> float:
+    """Return how many display units one SI unit of the signal is.
+
+    Examples
+    --------
+    >>> display_factor(Signal("tank_1.level", "m", display_unit="cm"))
+    100.0
+    """
+    return from_si(1.0, signal.unit, signal.shown_unit)
+
+
+def quantity_text(signal: Signal, value: float, digits: int = 3) -> str:
+    """Return a signal's value [SI] in its display unit, with the unit.
+
+    Examples
+    --------
+    >>> quantity_text(Signal("tank_1.level", "m", display_unit="cm"), 0.122629)
+    '12.3 cm'
+    """
+    shown = from_si(value, signal.unit, signal.shown_unit)
+    return f"{number_text(shown, digits)} {unit_text(signal.shown_unit)}".strip()
+
+
+@dataclass(frozen=True)
+class SensorScale:
+    """The straight line between a state and the measurement that shows it.
+
+    Attributes
+    ----------
+    gain : float
+        Measurement unit per state unit.
+    offset : float
+        Measurement where the state is zero.
+    """
+
+    gain: float
+    offset: float
+
+    def to_state(self, measurement: np.ndarray) -> np.ndarray:
+        """Return the state [SI] that a measurement (or its setpoint) stands for."""
+        return (measurement - self.offset) / self.gain
+
+
+def sensor_scale(process: Process, measurement: str) -> SensorScale:
+    """Read the scale of a sensor from the process's own measurement equation.
+
+    The equation is evaluated at both ends of the state's range, so that the setpoint is drawn
+    where the sensor would read it even if the sensor's range is not the tank's.
+
+    Parameters
+    ----------
+    process : Process
+    measurement : str
+        A name in ``process.measured_state``.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> sensor_scale(load_process("quadruple-tank"), "level_1").gain  # [V/m]
+    50.0
+    """
+    names = [signal.name for signal in process.state]
+    place = names.index(process.measured_state[measurement])
+    row = [signal.name for signal in process.measurements].index(measurement)
+    low, high = process.state[place].low, process.state[place].high
+    readings = []
+    for level in (low, high):
+        state = np.array([signal.low for signal in process.state])
+        state[place] = level
+        output = process.measure(state, process.parameter_values)
+        readings.append(float(np.asarray(output).ravel()[row]))
+    gain = (readings[1] - readings[0]) / (high - low)
+    return SensorScale(gain, readings[0] - gain * low)

@@ -1,0 +1,152 @@
+"""Scores as rows of text: the ranking, and all scores of one controller with their units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from clepsydra.base.signal import Signal
+from clepsydra.process.process import Process
+from clepsydra.report.quantities import display_factor, number_text, unit_text
+from clepsydra.scores.catalogue import SCORES
+from clepsydra.study.ranking import RULE
+from clepsydra.study.result import Candidate, StudyResult
+
+
+@dataclass(frozen=True)
+class RankingColumn:
+    """A column of numbers in the ranking: its title, its unit, and where the number is from."""
+
+    title: str
+    unit: str
+    value: Callable[[Process, Candidate], float]
+
+
+@dataclass(frozen=True)
+class RankingRow:
+    """One controller in the ranking: `cells` follow `RANKING_COLUMNS`, decimals aligned."""
+
+    rank: int
+    controller: str
+    cells: tuple[str, ...]
+    reason: str
+
+
+def _worst(score: str, in_percent: bool = False) -> Callable[[Process, Candidate], float]:
+    """Return the largest value of a score over its signals, in percent of range if asked."""
+
+    def value(process: Process, candidate: Candidate) -> float:
+        found = []
+        for key, number in candidate.scores.items():
+            name, _, signal = key.removesuffix("]").partition("[")
+            if name == score:
+                scale = process.signal(signal)
+                found.append(100.0 * number / (scale.high - scale.low) if in_percent else number)
+        return max(found, default=math.nan)
+
+    return value
+
+
+#: What a ranking shows of each controller; each number is that of the worst signal.
+RANKING_COLUMNS = (
+    RankingColumn("IAE", "% s", _worst("iae", in_percent=True)),
+    RankingColumn("overshoot", "%", _worst("overshoot")),
+    RankingColumn("settling", "s", _worst("settling_time")),
+    RankingColumn("load peak", "%", _worst("peak_deviation", in_percent=True)),
+    RankingColumn("moves", "%", _worst("total_variation", in_percent=True)),
+    RankingColumn("at limit", "s", _worst("time_in_saturation")),
+    RankingColumn("max|S|", "", lambda _, candidate: candidate.maximum_sensitivity),
+)
+
+RANKING_NOTE = (
+    "Each number is that of the worst signal. IAE, load peak and moves (total variation) are in "
+    "percent of the signal's range; max|S| is the peak of the sensitivity, below 2 is robust."
+    f" Order: {RULE}"
+)
+
+
+def ranking_rows(result: StudyResult) -> list[RankingRow]:
+    """Return the ranking as text, best first, for a terminal and for a page.
+
+    Parameters
+    ----------
+    result : StudyResult
+
+    Returns
+    -------
+    list of RankingRow
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import study
+    >>> [row.rank for row in ranking_rows(study("quadruple-tank"))]
+    [1, 2, 3]
+    """
+    columns = [
+        _aligned([column.value(result.process, candidate) for candidate in result.ranking])
+        for column in RANKING_COLUMNS
+    ]
+    return [
+        RankingRow(
+            candidate.rank,
+            candidate.controller.name,
+            tuple(column[place] for column in columns),
+            candidate.reason,
+        )
+        for place, candidate in enumerate(result.ranking)
+    ]
+
+
+def _aligned(values: Sequence[float]) -> list[str]:
+    """Return numbers with one count of decimals, so that a right-aligned column lines up.
+
+    The largest number has three significant digits, but none has more than three decimals.
+    """
+    largest = max((abs(value) for value in values if math.isfinite(value)), default=0.0)
+    decimals = 2 - math.floor(math.log10(largest)) if largest > 0.0 else 0
+    decimals = min(max(decimals, 0), 3)
+    return [
+        f"{value:.{decimals}f}".replace("-", "−") if math.isfinite(value) else number_text(value)
+        for value in values
+    ]
+
+
+@dataclass(frozen=True)
+class ScoreTable:
+    """Scores of some signals: `rows` are (title, description, [(value, unit), …])."""
+
+    signals: tuple[str, ...]
+    rows: tuple[tuple[str, str, tuple[tuple[str, str], ...]], ...]
+
+
+def score_tables(process: Process, candidate: Candidate) -> list[ScoreTable]:
+    """Return the scores of a controller, those of outputs and those of inputs apart.
+
+    Values and units are those that the reader sees of each signal.
+    """
+    tables = []
+    for names in (process.controlled, tuple(signal.name for signal in process.inputs)):
+        rows = []
+        for key, description in SCORES.items():
+            if not any(f"{key}[{name}]" in candidate.scores for name in names):
+                continue
+            cells = tuple(
+                _score_text(
+                    process.signal(name),
+                    candidate.scores.get(f"{key}[{name}]", math.nan),
+                    description.unit_rule,
+                )
+                for name in names
+            )
+            rows.append((description.title, description.description, cells))
+        tables.append(ScoreTable(tuple(names), tuple(rows)))
+    return tables
+
+
+def _score_text(signal: Signal, value: float, unit_rule: str) -> tuple[str, str]:
+    """Return a score [SI] and its unit as the reader sees them."""
+    unit = unit_text(signal.shown_unit)
+    power = 2 if "signal unit²" in unit_rule else 1 if "signal unit" in unit_rule else 0
+    words = unit_rule.replace("signal unit²", f"{unit}²").replace("signal unit", unit)
+    return number_text(value * display_factor(signal) ** power), words.replace(" × ", " ")

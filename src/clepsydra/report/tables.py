@@ -1,0 +1,118 @@
+"""Tables for a terminal of 100 columns."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from clepsydra.linear.analysis import Analysis
+from clepsydra.report.analysis_tables import Grid, analysis_grids, operating_point_grid
+from clepsydra.report.score_tables import RANKING_COLUMNS, RANKING_NOTE, ranking_rows
+from clepsydra.study.result import StudyResult
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.table import Table
+
+
+def ranking_table(result: StudyResult) -> RenderableType:
+    """Return the verdict, the ranking with its reasons, and what to do next, for Rich.
+
+    Parameters
+    ----------
+    result : StudyResult
+
+    Returns
+    -------
+    rich.console.RenderableType
+        At most 100 columns wide on a console of that width.
+    """
+    from rich import box
+    from rich.console import Group
+    from rich.padding import Padding
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
+    table.add_column("", justify="right")
+    table.add_column("controller", overflow="fold", max_width=26)
+    for column in RANKING_COLUMNS:
+        table.add_column(f"{column.title}\n{column.unit}", justify="right", no_wrap=True)
+    rows = ranking_rows(result)
+    for row in rows:
+        style = "bold" if row.rank == 1 else ""
+        cells = [Text(text, style=style) for text in (str(row.rank), row.controller, *row.cells)]
+        table.add_row(*cells)
+    parts: list[RenderableType] = [Text(result.verdict, style="bold"), table]
+    parts.append(Padding(Text(RANKING_NOTE, style="dim"), (0, 0, 1, 0)))
+    parts += [_hanging(f"{row.rank}  {row.controller}: {row.reason}") for row in rows]
+    for candidate in result.ranking:
+        for warning in candidate.warnings:
+            parts.append(_hanging(f"!  {candidate.controller.name}: {warning}", "yellow"))
+    for name, reason in result.not_applicable:
+        parts.append(_hanging(f"–  {name} does not apply: {reason}"))
+    parts.append(Text(f"\nNext: {_next_step(result)}"))
+    return Group(*parts)
+
+
+def analysis_table(analysis: Analysis) -> RenderableType:
+    """Return an operating point and what the linear model says about it, for Rich.
+
+    Parameters
+    ----------
+    analysis : Analysis
+    """
+    from rich.columns import Columns
+    from rich.console import Group
+    from rich.text import Text
+
+    point = analysis.operating_point
+    grids = [operating_point_grid(point), *analysis_grids(analysis)]
+    parts: list[RenderableType] = [
+        Text(f"{point.process.title} ({point.process.name})", style="bold"),
+        Columns([_grid(grid) for grid in grids], padding=(0, 4)),
+    ]
+    parts += [_hanging(f"•  {sentence}") for sentence in analysis.words]
+    parts += [_hanging(f"!  {warning}", "yellow") for warning in point.warnings]
+    target = point.process.path or point.process.name
+    parts.append(Text(f"\nNext: design and compare controllers with 'clepsydra study {target}'."))
+    return Group(*parts)
+
+
+def _next_step(result: StudyResult) -> str:
+    if not result.ranking:
+        return "no controller applies; the reasons above say what the process lacks."
+    return (
+        f"open the report and read the page of {result.ranking[0].controller.name}: its "
+        "parameters, pictures and warnings."
+    )
+
+
+def _grid(grid: Grid) -> Table:
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(
+        title=Text(grid.title, style="bold"),
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+    )
+    for place, head in enumerate(grid.head):
+        table.add_column(Text(head), justify="right" if place else "left")
+    for row in grid.rows:
+        table.add_row(*[Text(cell) for cell in row])
+    return table
+
+
+def _hanging(sentence: str, style: str = "") -> RenderableType:
+    """Return a sentence whose further lines start under its first word."""
+    from rich.table import Table
+    from rich.text import Text
+
+    mark, _, words = sentence.partition("  ")
+    line = Table.grid(padding=(0, 2))
+    line.add_column(width=2, justify="right")
+    line.add_column()
+    line.add_row(Text(mark, style=style), Text(words, style=style))
+    return line

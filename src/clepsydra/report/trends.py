@@ -1,0 +1,162 @@
+"""Trend pictures: small multiples on one time axis, with the scenario above them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from clepsydra.loop.run import Run
+from clepsydra.loop.scenario import Segment
+from clepsydra.process.process import Process
+from clepsydra.report.colours import INK, MUTED, signal_colours
+from clepsydra.report.panels import Panel, draw_panel
+from clepsydra.report.quantities import display_factor, sensor_scale, short_text, unit_text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+#: Figure style. The font comes with Matplotlib, so that text has the same width everywhere.
+STYLE: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 7.5,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.unicode_minus": True,
+    "grid.color": "#e6e9ed",
+    "grid.linewidth": 0.6,
+    "hatch.linewidth": 0.4,
+    "legend.frameon": False,
+    "legend.fontsize": 7.5,
+    "legend.borderpad": 0.1,
+    "legend.borderaxespad": 0.1,
+    "legend.handlelength": 2.2,
+    "legend.columnspacing": 1.6,
+    "path.simplify": True,
+    "text.color": INK,
+    "text.parse_math": False,
+    "xtick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.color": MUTED,
+    "ytick.labelcolor": INK,
+}
+
+_WIDTH = 7.4
+_LEFT, _RIGHT = 0.62, 0.6
+_HEADER, _LEGEND, _FOOTER = 0.5, 0.27, 0.42
+
+
+def trend_figure(run: Run, panels: Sequence[Panel]) -> Figure:
+    """Draw panels of a run above each other with a shared time axis.
+
+    Levels are drawn in the tank's display unit with percent of the range on the right, setpoints
+    dashed, limits shaded; a bar on the time axis marks where a manipulated variable stands at a
+    limit; the strip on top says what happens.
+
+    Parameters
+    ----------
+    run : Run
+    panels : sequence of Panel
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Without pyplot: it belongs to nobody but the caller.
+    """
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    unit, seconds = time_unit(float(run.time[-1] - run.time[0]))
+    time = run.time / seconds
+    colours = signal_colours(run.process)
+    height = _HEADER + sum(panel.height + _LEGEND for panel in panels) + _FOOTER
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(_WIDTH, height))
+        top = height - _HEADER
+        strip = figure.add_axes(_box(top + 0.02, _HEADER - 0.06, height))
+        first: Axes | None = None
+        for panel in panels:
+            top -= panel.height + _LEGEND
+            axes = figure.add_axes(_box(top, panel.height, height), sharex=first)
+            first = first or axes
+            draw_panel(axes, panel, run, time, colours[panel.signal.name])
+            for segment in run.scenario.segments:
+                axes.axvline(segment.start / seconds, color=MUTED, linewidth=0.5, alpha=0.6)
+            axes.tick_params(labelbottom=False)
+        axes.tick_params(labelbottom=True)
+        axes.set_xlabel(f"time [{unit}]")
+        end = float(time[-1]) + run.scenario.sampling_period / seconds
+        axes.set_xlim(float(time[0]) - 0.012 * end, end)
+        figure.align_ylabels([entry for entry in figure.axes if entry is not strip])
+        _draw_strip(strip, run, seconds, axes.get_xlim())
+    return figure
+
+
+def time_unit(duration: float) -> tuple[str, float]:
+    """Return the unit of a time axis and its length [s].
+
+    Examples
+    --------
+    >>> time_unit(90.0), time_unit(3000.0)
+    (('s', 1.0), ('min', 60.0))
+    """
+    if duration <= 600.0:
+        return "s", 1.0
+    return ("min", 60.0) if duration <= 4 * 3600.0 else ("h", 3600.0)
+
+
+def segment_words(process: Process, segment: Segment) -> tuple[str, str, str]:
+    """Return what happens in a segment: the kind, the signal and the size with its unit."""
+    if segment.kind == "noise":
+        return "measurement", "noise", ""
+    signal = process.signal(segment.signal)
+    size = _signed(segment.size * display_factor(signal), signal.shown_unit)
+    if segment.signal in process.measured_state:
+        level = process.signal(process.measured_state[segment.signal])
+        if level.shown_unit != signal.shown_unit:
+            change = segment.size / sensor_scale(process, segment.signal).gain
+            size += f" = {_signed(change * display_factor(level), level.shown_unit)}"
+    return segment.kind, segment.signal, size
+
+
+def _signed(value: float, unit: str) -> str:
+    sign = "" if value < 0 else "+"
+    return f"{sign}{short_text(value)} {unit_text(unit)}".strip()
+
+
+def _box(bottom: float, axes_height: float, height: float) -> tuple[float, float, float, float]:
+    width = (_WIDTH - _LEFT - _RIGHT) / _WIDTH
+    return (_LEFT / _WIDTH, bottom / height, width, axes_height / height)
+
+
+def _draw_strip(axes: Axes, run: Run, seconds: float, limits: tuple[float, float]) -> None:
+    """Write above the panels what happens when."""
+    axes.set_xlim(limits)
+    axes.set_ylim(0.0, 1.0)
+    axes.set_axis_off()
+    inches = (_WIDTH - _LEFT - _RIGHT) / (limits[1] - limits[0])
+    for index, segment in enumerate(run.scenario.segments):
+        start, stop = segment.start / seconds, min(segment.stop / seconds, limits[1])
+        axes.axvspan(start, stop, facecolor="#f0f2f5" if index % 2 == 0 else "#e4e8ed", lw=0)
+        letters = max(int((stop - start) * inches / 0.062), 1)
+        lines = [_cut(word, letters) for word in segment_words(run.process, segment) if word]
+        axes.text(
+            float(np.mean([start, stop])),
+            0.5,
+            "\n".join(lines),
+            ha="center",
+            va="center",
+            fontsize=6.5,
+            linespacing=1.15,
+        )
+
+
+def _cut(word: str, letters: int) -> str:
+    return word if len(word) <= letters else word[: letters - 1] + "…"

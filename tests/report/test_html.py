@@ -1,0 +1,147 @@
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+
+from clepsydra.report import html
+from clepsydra.report.html import report_text, write_report
+
+VOID = {"meta", "br", "link", "img", "hr", "input"}
+
+
+class Reader(HTMLParser):
+    """Collects tags, attributes and words, and checks that elements close in order."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.tags, self.attributes, self.words = [], [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        self.attributes += attributes
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.tags.append(tag)
+        self.attributes += attributes
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+@pytest.fixture(scope="module")
+def text(result):
+    return report_text(result)
+
+
+@pytest.fixture(scope="module")
+def reader(text):
+    return Reader(text)
+
+
+def test_nothing_is_loaded_from_anywhere(text, reader):
+    assert not {"script", "link", "img", "iframe", "object", "embed", "base"} & set(reader.tags)
+    for name, value in reader.attributes:
+        if name in ("src", "srcset", "href", "xlink:href", "action", "data", "poster"):
+            assert value.startswith("#"), (name, value)
+        if name.startswith("on"):
+            raise AssertionError(name)
+    assert all(target.startswith("#") for target in re.findall(r"url\(['\"]?([^)]*)\)", text))
+    assert "@import" not in text
+    addresses = set(re.findall(r"https?://[^\"' <>]+", text))
+    assert addresses == {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
+
+
+def test_elements_close_in_order_and_ids_are_unique(reader):
+    assert reader.open == []
+    ids = [value for name, value in reader.attributes if name == "id"]
+    assert len(ids) == len(set(ids)) > 100
+    wanted = {value[1:] for name, value in reader.attributes if name.endswith("href")}
+    assert wanted <= set(ids)
+
+
+def test_the_first_words_are_the_verdict_and_the_first_picture_that_of_the_best(result, text):
+    body = text[text.index("<body>") :]
+    verdict, picture, table = (body.index(part) for part in (result.verdict, "<svg", "<table"))
+    assert verdict < picture < table
+    assert "under PI, phase margin" in body[picture : picture + 400]
+
+
+def test_sections_come_in_the_order_of_the_readers_questions(text):
+    heads = [re.sub(r"<.*?>", "", head) for head in re.findall(r"<h2>(.*?)</h2>", text)]
+    assert heads == [
+        "Ranking",
+        "The process at its operating point",
+        "What the linear model says",
+        "1. PI, phase margin multiloop PI",
+        "2. PI, &lt;SIMC&gt; &amp; detuned multiloop PI",
+        "Not applicable",
+        "How this was computed",
+    ]
+
+
+def test_the_reader_finds_reasons_warnings_numbers_and_how_they_came_about(result, reader):
+    words = " ".join(" ".join(reader.words).split())
+    for candidate in result.ranking:
+        assert candidate.reason in words
+        assert candidate.controller.design in words
+        assert all(warning in words for warning in candidate.warnings)
+    assert "the process has no dead time" in words
+    assert "error 3.2e-09 of the state's range" in words
+    assert "samples 2800" in words
+    assert "seed of the noise 7" in words
+    assert "Python 3." in words
+
+
+def test_words_of_a_user_are_never_markup(result):
+    attack = '<script>alert("x")</script>'
+    first = result.ranking[0]
+    hostile = replace(
+        result,
+        process=replace(result.process, title=attack, source=attack),
+        verdict=attack,
+        ranking=(replace(first, reason=attack, warnings=(attack,)),),
+        not_applicable=((attack, attack),),
+    )
+    assert "<script" not in report_text(hostile)
+
+
+def test_colours_in_tables_are_those_of_the_pictures(text):
+    assert 'style="background:#0072B2"></i>tank_1.level' in text
+    assert 'style="background:#0072B2"></i>level_1' in text
+    assert text.count('stroke="#E69F00"') >= 2  # pipes of pump_1 in the drawing
+    assert "stroke: #e69f00" in text  # its trend
+
+
+def test_two_reports_of_one_result_are_equal(result, text):
+    assert report_text(result) == text
+
+
+def test_a_report_is_written_whole(result, tmp_path):
+    path = tmp_path / "report.html"
+    write_report(result, path)
+    assert path.read_text("utf-8") == report_text(result)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["report.html"]
+
+
+def test_a_failure_leaves_the_old_report_and_nothing_else(result, tmp_path, monkeypatch):
+    path = tmp_path / "report.html"
+    path.write_text("the old one")
+    monkeypatch.setattr(html, "report_text", lambda _: "cut \ud800 off")  # cannot be encoded
+    with pytest.raises(UnicodeEncodeError):
+        write_report(result, path)
+    assert path.read_text() == "the old one"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["report.html"]
+
+
+def test_a_study_without_any_controller_still_says_why(result):
+    words = " ".join(Reader(report_text(replace(result, ranking=()))).words)
+    assert "No controller applies" in words
+    assert "the process has no dead time" in words

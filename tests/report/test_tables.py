@@ -1,0 +1,162 @@
+import io
+import re
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from clepsydra.base.signal import Signal
+from clepsydra.report.analysis_tables import relative_gain_grid, roots_grid, static_gain_grid
+from clepsydra.report.controller_tables import parameter_tables, wiring
+from clepsydra.report.score_tables import RANKING_COLUMNS, ranking_rows, score_tables
+from clepsydra.report.tables import analysis_table, ranking_table
+
+
+def printed(renderable):
+    stream = io.StringIO()
+    Console(file=stream, width=100, force_terminal=False).print(renderable)
+    return stream.getvalue()
+
+
+def column(rows, title):
+    place = [entry.title for entry in RANKING_COLUMNS].index(title)
+    return [row.cells[place] for row in rows]
+
+
+def test_the_ranking_shows_the_worst_signal_in_percent_of_its_range(result):
+    expected = [
+        # level sensors have a range of 10 V
+        max(candidate.scores["iae[level_1]"], candidate.scores["iae[level_2]"]) * 10
+        for candidate in result.ranking
+    ]
+    shown = [float(cell) for cell in column(ranking_rows(result), "IAE")]
+    assert shown == pytest.approx(expected, rel=0.005)
+
+
+def test_rows_keep_the_order_and_the_reasons_of_the_study(result):
+    rows = ranking_rows(result)
+    assert [row.rank for row in rows] == [1, 2]
+    assert [row.reason for row in rows] == [entry.reason for entry in result.ranking]
+
+
+def test_decimals_of_a_column_line_up(result):
+    lines = printed(ranking_table(result)).splitlines()
+    numbered = [line for line in lines if re.match(r"\s*[12]  PI, .*\d\s*$", line)][:2]
+    assert len(numbered) == 2
+    points = [[match.start() for match in re.finditer(r"\.", line)] for line in numbered]
+    assert points[0] == points[1] and points[0]
+
+
+def test_a_score_that_is_never_reached_is_shown_as_infinite(result):
+    first = result.ranking[0]
+    never = replace(first, scores=first.scores | {"settling_time[level_1]": np.inf})
+    changed = replace(result, ranking=(never, *result.ranking[1:]))
+    assert column(ranking_rows(changed), "settling") == ["∞", "140"]
+
+
+def test_the_terminal_table_fits_100_columns_and_ends_with_what_to_do(result):
+    text = printed(ranking_table(result))
+    assert max(len(line) for line in text.splitlines()) <= 100
+    assert text.rstrip().splitlines()[-1].startswith("Next: open the report")
+    assert result.verdict.split(":")[0] in text
+    assert "Smith predictor does not apply: the process has no dead time" in text
+
+
+def test_names_are_not_read_as_markup(result):
+    first = result.ranking[0]
+    renamed = replace(first, controller=replace(first.controller, name="[red]PI[/red]"))
+    assert "[red]PI[/red]" in printed(ranking_table(replace(result, ranking=(renamed,))))
+
+
+def test_a_study_without_any_controller_is_shown_too(result):
+    text = printed(ranking_table(replace(result, ranking=())))
+    assert "no controller applies" in text
+
+
+def test_scores_carry_the_units_of_their_signal(result):
+    outputs, inputs = score_tables(result.process, result.ranking[0])
+    units = {title: cells[0][1] for title, _, cells in (*outputs.rows, *inputs.rows)}
+    assert units["IAE"] == "V s"
+    assert units["ISE"] == "V² s"
+    assert units["Rise time"] == "s"
+    assert units["Total variation"] == "V"
+    assert outputs.signals == ("level_1", "level_2")
+    assert inputs.signals == ("pump_1", "pump_2")
+
+
+def test_scores_of_a_level_in_metres_are_shown_in_centimetres(result):
+    process = result.process
+    sensors = tuple(
+        replace(signal, unit="m", display_unit="cm", high=0.2) for signal in process.measurements
+    )
+    candidate = replace(
+        result.ranking[0],
+        scores={"iae[level_1]": 0.5, "ise[level_1]": 0.03, "rise_time[level_1]": 7},
+    )
+    table, _ = score_tables(replace(process, measurements=sensors), candidate)
+    assert [cells[0] for _, _, cells in table.rows] == [
+        ("50.0", "cm s"),
+        ("300", "cm² s"),
+        ("7.00", "s"),
+    ]
+
+
+def test_parameters_with_an_index_stand_side_by_side(result):
+    (table,) = parameter_tables(result.ranking[0].controller)
+    assert table.columns == ("1", "2")
+    assert table.rows == (
+        ("proportional_gain", "", ("3.000", "2.700")),
+        ("integral_time", "s", ("30.00", "40.00")),
+    )
+
+
+def test_rows_of_a_matrix_stand_together():
+    names = ("gain_1_1", "gain_1_2", "bias_1", "bias_2", "gain_2_1", "gain_2_2", "floor")
+    controller = SimpleNamespace(
+        law=SimpleNamespace(parameters=[Signal(name, "V") for name in names]),
+        values={name: float(place) for place, name in enumerate(names)},
+    )
+    indexed, single = parameter_tables(controller)
+    assert indexed.rows == (
+        ("gain_1", "V", ("0", "1.000")),
+        ("gain_2", "V", ("4.000", "5.000")),
+        ("bias", "V", ("2.000", "3.000")),
+    )
+    assert single.rows == (("floor", "V", ("6.000",)),)
+
+
+def test_the_wiring_names_what_stands_behind_each_index(result):
+    assert wiring(result.ranking[0].controller)[2] == (
+        "manipulated variables",
+        "1 = pump_1, 2 = pump_2",
+    )
+
+
+def test_the_analysis_shows_johanssons_relative_gain_and_time_constants(result):
+    # λ = γ1 γ2 / (γ1 + γ2 − 1) = 0.42 / 0.3; T = (A / a) √(2 h / g)
+    grid = relative_gain_grid(result.analysis)
+    assert grid.rows == (
+        ("level_1", "● 1.400", "−0.400"),
+        ("level_2", "−0.400", "● 1.400"),
+    )
+    level = result.point.state
+    times = np.array([28, 32, 28, 32]) / np.array([0.071, 0.057] * 2) * np.sqrt(2 * level / 9.81)
+    shown = [float(row[2].split()[0]) for row in roots_grid(result.analysis).rows[:4]]
+    assert shown == pytest.approx(sorted(times, reverse=True), rel=0.005)
+
+
+def test_static_gains_name_their_units(result):
+    grid = static_gain_grid(result.analysis)
+    assert grid.head == ("", "pump_1 [V]", "pump_2 [V]")
+    # dh/dv at rest: h = (γ k v + …)² / (2 g a²), so dh1/dv1 = 2 h1 γ1 k1 / q1; 0.5 V/cm.
+    level, flow = 100 * result.point.state[0], 0.7 * 3.33 * 3 + 0.4 * 3.35 * 3
+    assert float(grid.rows[0][1]) == pytest.approx(0.5 * 2 * level * 0.7 * 3.33 / flow, rel=0.005)
+
+
+def test_the_analysis_fits_100_columns_and_ends_with_what_to_do(result):
+    text = printed(analysis_table(result.analysis))
+    assert max(len(line) for line in text.splitlines()) <= 100
+    assert text.rstrip().splitlines()[-1].startswith("Next: ")
+    assert "12.26 cm" in text

@@ -1,0 +1,126 @@
+"""The ways that the benchmarks time give the same answer, by routes that share no code."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from benchmarks import page, with_clepsydra, with_python_control
+from benchmarks.case import (
+    HIGH_LIMIT,
+    RECORDED,
+    STEP_SAMPLE,
+    Case,
+    largest_difference,
+    make_case,
+    solve,
+)
+from benchmarks.cplusplus import VECTOR_COUNTS, CPlusPlus, recording_arrays
+from benchmarks.experiments import AGREEMENT
+from benchmarks.measure import Timings, Way, interleave
+from clepsydra.engine.object_cache import ObjectCache
+
+ONE_RUN = make_case(1, 400)
+BATCH = make_case(53, 400)
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> CPlusPlus:
+    if shutil.which("g++") is None:
+        pytest.skip("no C++ compiler here")
+    return CPlusPlus.build(tmp_path_factory.mktemp("program"))
+
+
+def test_without_a_step_the_case_stays_at_rest() -> None:
+    setpoints = np.tile(ONE_RUN.setpoints[0], (200, 1))
+    rest = solve(Case(ONE_RUN.parameters, setpoints, ONE_RUN.initial_levels))
+    expected = np.tile([*ONE_RUN.initial_levels, 3.0, 3.0], (200, 1))
+    assert rest.recorded is not None
+    np.testing.assert_allclose(rest.recorded, expected, rtol=1e-13)
+
+
+def test_the_step_drives_a_pump_into_its_limit_and_the_loop_settles_at_the_setpoints() -> None:
+    found = solve(make_case(1, 3_000))
+    assert found.recorded is not None
+    pump_1 = found.recorded[:, RECORDED.index("pump_1")]
+    assert pump_1[STEP_SAMPLE - 1] == pytest.approx(3.0)
+    assert pump_1[STEP_SAMPLE] == HIGH_LIMIT
+    np.testing.assert_allclose(50.0 * found.recorded[-1, :2], ONE_RUN.setpoints[-1], rtol=1e-6)
+
+
+@pytest.mark.parametrize("vectors", VECTOR_COUNTS)
+def test_cplusplus_batch_equals_numpy(program: CPlusPlus, vectors: int) -> None:
+    assert largest_difference(program.batch(BATCH, vectors), solve(BATCH)) < AGREEMENT
+
+
+def test_cplusplus_threads_change_no_bit(program: CPlusPlus) -> None:
+    one, two = (program.batch(BATCH, 2, threads=threads).final for threads in (1, 2))
+    np.testing.assert_array_equal(one, two)
+
+
+def test_roots_alone_are_roots(program: CPlusPlus) -> None:
+    # Every chain goes to the x with x = sqrt(x) + 0.1, that is (x - 0.1)^2 = x.
+    np.testing.assert_allclose(program.roots_alone(10_000), 0.6 + np.sqrt(0.35), rtol=1e-14)
+
+
+def test_cplusplus_single_run_equals_numpy(program: CPlusPlus) -> None:
+    found = program.single(ONE_RUN, *recording_arrays(ONE_RUN))
+    assert largest_difference(found, solve(ONE_RUN)) < AGREEMENT
+
+
+@pytest.mark.parametrize("case", [ONE_RUN, BATCH], ids=["one run", "batch"])
+def test_clepsydra_equals_numpy(case: Case, tmp_path: Path) -> None:
+    clepsydra = with_clepsydra.Clepsydra.build(
+        ObjectCache(tmp_path / "kernels"), record=case is ONE_RUN
+    )
+    found = with_clepsydra.solution(clepsydra.prepare(case).run())
+    assert (found.recorded is not None) == (case is ONE_RUN)
+    assert largest_difference(found, solve(case)) < AGREEMENT
+
+
+@pytest.mark.parametrize(
+    "form", [with_python_control.one_system, with_python_control.joined_systems]
+)
+@pytest.mark.filterwarnings("ignore")
+def test_python_control_equals_numpy(form: object) -> None:
+    assert callable(form)
+    assert largest_difference(form(ONE_RUN)(), solve(ONE_RUN)) < AGREEMENT
+
+
+@pytest.mark.skipif(importlib.util.find_spec("jax") is None, reason="JAX is not installed")
+@pytest.mark.filterwarnings("ignore")
+def test_jax_equals_numpy() -> None:
+    from benchmarks import with_jax
+
+    assert largest_difference(with_jax.batch(BATCH)(), solve(BATCH)) < AGREEMENT
+
+
+def test_every_round_times_every_way_in_rotating_order() -> None:
+    calls: list[str] = []
+    ways = [Way(name, lambda name=name: calls.append(name)) for name in "abc"]
+    timings = interleave(ways, 3, warm_up=False)
+    assert "".join(calls) == "abcbcacab"
+    assert all(len(seconds) == 3 for seconds in timings.seconds.values())
+
+
+def test_ratios_pair_the_rounds() -> None:
+    timings = Timings({"a": [1.0, 20.0, 3.0], "b": [2.0, 10.0, 6.0]})
+    ratio = timings.ratio("a", "b")
+    assert (ratio.median, ratio.low, ratio.high) == (0.5, 0.5, 2.0)
+
+
+def test_the_page_keeps_everything_outside_its_marks(tmp_path: Path) -> None:
+    path = tmp_path / "page.md"
+    path.write_text(f"before\n{page.BEGIN}\nold\n{page.END}\nafter\n", encoding="utf-8")
+    page.write("new", path)
+    assert path.read_text(encoding="utf-8") == (f"before\n{page.BEGIN}\nnew\n{page.END}\nafter\n")
+    path.write_text("no marks", encoding="utf-8")
+    with pytest.raises(ValueError, match="lacks the marks"):
+        page.write("new", path)
