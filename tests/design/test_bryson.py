@@ -108,6 +108,9 @@ def test_outputs_that_cannot_be_held_independently_are_refused(minimum_phase):
     single = model.select(inputs=["pump_1"])
     with pytest.raises(NotApplicable, match="1 inputs cannot hold 2 outputs"):
         design_lqi(minimum_phase.process, single)
+    spare = model.select(outputs=["level_1"])
+    with pytest.raises(NotApplicable, match="2 inputs move 1 controlled outputs"):
+        design_lqi(minimum_phase.process, spare)
 
 
 @pytest.mark.parametrize(

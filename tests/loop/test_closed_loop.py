@@ -1,6 +1,7 @@
 """The closed loop: kernel against CasADi, lanes against runs, against CVODES, and its order."""
 
 from dataclasses import replace
+from importlib.resources import files
 
 import casadi as ca
 import numpy as np
@@ -12,7 +13,7 @@ from clepsydra.engine.reference import LawEvaluation
 from clepsydra.engine.runge_kutta import runge_kutta
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
-from clepsydra.loop.closed_loop import closed_loop, controller_name, loop_inputs
+from clepsydra.loop.closed_loop import closed_loop, controller_name
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.reader import load_process
@@ -53,7 +54,7 @@ def test_a_loop_without_fused_operations_is_casadi_bit_for_bit(name, substeps):
     process, controller = loop.process, loop.controller
     scenario = step_scenario(loop, 200, size=3.0, noise=0.05)
     program = closed_loop(process, controller, substeps=substeps)
-    at_rest = {signal.name: signal.initial for signal in loop_inputs(process)}
+    at_rest = loop.at_rest()
     given = {
         **at_rest,
         **{f"{n}.setpoint": scenario.setpoints[:, i] for i, n in enumerate(process.controlled)},
@@ -78,11 +79,12 @@ def test_a_loop_without_fused_operations_is_casadi_bit_for_bit(name, substeps):
     for k in range(scenario.samples):
         true = np.array(process.measure(state, parameters)).ravel()
         measured = true + scenario.noise[k]
-        inputs = loop._law_inputs(
-            dict(zip([y.name for y in process.measurements], measured, strict=True)),
-            dict(zip(process.controlled, scenario.setpoints[k], strict=True)),
-            at_rest,
-        )
+        now = dict(zip([y.name for y in process.measurements], measured, strict=True))
+        now |= {
+            f"{name}.setpoint": value
+            for name, value in zip(process.controlled, scenario.setpoints[k], strict=True)
+        }
+        inputs = loop.law_inputs(at_rest | now)
         outputs = law.step(inputs)
         moved = outputs[[2 * i for i in order]]
         for x, value in zip(process.state, np.array(state).ravel(), strict=True):
@@ -101,8 +103,8 @@ def test_folding_constant_inputs_changes_no_bit():
     run = Kernel(program).run(
         300,
         inputs={
-            **{s.name: s.initial for s in loop_inputs(loop.process)},
-            **loop._inputs(scenario),
+            **loop.at_rest(),
+            **loop.inputs_of(scenario),
         },
         state=loop.initial_state(),
         parameters={controller_name(k): v for k, v in loop.controller.values.items()},
@@ -125,7 +127,7 @@ def test_every_lane_of_a_loop_equals_its_own_run_bit_for_bit(name):
     }
     varied = {k: v * (1 + 0.05 * random.uniform(-1, 1, scenarios)) for k, v in nominal.items()}
     state = loop.initial_state()
-    inputs = loop._inputs(scenario)
+    inputs = loop.inputs_of(scenario)
     batch = kernel.run(samples, inputs=inputs, parameters=varied, state=state, threads=2)
     for lane in range(scenarios):
         own = {k: v[lane] for k, v in varied.items()}
@@ -141,7 +143,7 @@ def test_running_scores_are_the_sums_of_the_trajectory():
     program = closed_loop(loop.process, loop.controller, substeps=2, running_scores=True)
     final = Kernel(program).run(
         400,
-        inputs=loop._inputs(scenario),
+        inputs=loop.inputs_of(scenario),
         parameters={controller_name(k): v for k, v in loop.controller.values.items()},
         state=loop.initial_state(),
     )
@@ -203,3 +205,20 @@ def test_a_scenario_of_another_process_is_refused():
         loop.run(replace(scenario, sampling_period=2.0))
     with pytest.raises(Exception, match="setpoints"):
         loop.run(replace(scenario, setpoints=scenario.setpoints[:, :1]))
+
+
+def test_an_input_that_no_loop_moves_stays_at_its_operating_point(tmp_path):
+    """Two pumps, one controlled level: the second pump stands at its own nominal voltage."""
+    text = files("clepsydra.process.catalogue").joinpath("quadruple-tank.toml").read_text()
+    path = tmp_path / "one-loop.toml"
+    path.write_text(text.replace('controlled = ["level_1", "level_2"]', 'controlled = ["level_1"]'))
+    process = load_process(path)
+    analysis = analyse(process)
+    point = analysis.operating_point
+    controller = design_simc(process, analysis.model, [("level_1", "pump_1")])
+    loop = Loop(process, controller, point, linearise(process, point))
+    scenario = step_scenario(loop, 100)
+    for solver in ("kernel", "reference"):
+        run = loop.run(scenario, solver=solver)
+        assert np.all(run.values["pump_2"] == point.as_dict()["pump_2"])
+        assert np.ptp(run.values["pump_1"]) > 0.1

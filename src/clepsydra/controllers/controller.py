@@ -58,3 +58,24 @@ class Controller:
     def __post_init__(self) -> None:
         check_parameters(self.law, self.values, self.name)
         check_initial_state(self.law, self.initial_state, self.name)
+
+    @property
+    def input_wires(self) -> dict[str, str]:
+        """Law input to the loop's signal, "mode_1" → "pump_1.mode"; time_step is not wired."""
+        wires: dict[str, str] = {}
+        for number, name in enumerate(self.measurements, 1):
+            wires |= {f"measurement_{number}": name, f"sensor_{number}": f"{name}.sensor"}
+        for number, name in enumerate(self.setpoints, 1):
+            wires[f"setpoint_{number}"] = f"{name}.setpoint"
+        for number, name in enumerate(self.manipulated, 1):
+            for what in ("mode", "manual", "tracking"):
+                wires[f"{what}_{number}"] = f"{name}.{what}"
+        return wires
+
+    @property
+    def output_wires(self) -> dict[str, str]:
+        """Law output to the loop's signal, "status_1" → "pump_1.status"."""
+        wires: dict[str, str] = {}
+        for number, name in enumerate(self.manipulated, 1):
+            wires |= {f"manipulated_{number}": name, f"status_{number}": f"{name}.status"}
+        return wires

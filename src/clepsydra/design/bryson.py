@@ -73,6 +73,13 @@ def design_lqi(
     """
     if model.point is None:
         raise NotApplicable(METHOD, "the model does not come from an operating point")
+    if len(model.inputs) > len(model.outputs):
+        # With more inputs, integrals that differ without effect would never settle.
+        raise NotApplicable(
+            METHOD,
+            f"{len(model.inputs)} inputs move {len(model.outputs)} controlled outputs, and it "
+            "integrates one error for each input",
+        )
     check_ranges(process, model.outputs, model.inputs, METHOD)
     at = model.point.as_dict()
     measurements = _measurements_of_states(process, model)

@@ -26,8 +26,9 @@ def closed_loop(
     """Join a process and a controller to the program of one sampling period.
 
     At the start of a sample the sensors are read, the step law computes the manipulated
-    variables, and these are held while RK4 carries the process to the next sample. The
-    process may be computed with fused multiply-adds, the controller never.
+    variables, and these are held while RK4 carries the process to the next sample. An input
+    that the law does not move stands at its manual value. The process may be computed with
+    fused multiply-adds, the controller never.
 
     Parameters
     ----------
@@ -118,33 +119,31 @@ class _Join:
         parameters = [value[p.name] for p in process.parameters]
         state = [value[x.name] for x in process.state]
         true = inline(builder, process.measure, [*state, *parameters], fused=True)
-        measured = {
-            y.name: builder.operation("add", reading, value[f"{y.name}.noise"])
-            for y, reading in zip(process.measurements, true, strict=True)
-        }
-        next_law, outputs = self._control(measured, time_step)
-        moved = [outputs[u.name] for u in process.inputs]
+        for y, reading in zip(process.measurements, true, strict=True):
+            noise = value[f"{y.name}.noise"]
+            value[y.name] = builder.operation("add", reading, noise)
+        for u in process.inputs:
+            value[u.name] = value[f"{u.name}.manual"]  # where the law does not move it
+        next_law = self._control(time_step)
+        moved = [value[u.name] for u in process.inputs]
         disturbed = [value[d.name] for d in process.disturbances]
         arguments = [time_step, *state, *moved, *disturbed, *parameters]
         next_state = inline(
             builder, runge_kutta(process.dynamics, self.substeps), arguments, fused=True
         )
         readings = {y.name: v for y, v in zip(process.measurements, true, strict=True)}
-        recorded = [
-            *((x, value[x.name]) for x in process.state),
-            *((y, measured[y.name]) for y in process.measurements),
-            *((u, outputs[u.name]) for u in process.inputs),
-            *(
-                (Signal(f"{u}.status", kind="integer"), outputs[f"{u}.status"])
-                for u in controller.manipulated
-            ),
-        ]
+        recorded = (
+            *process.state,
+            *process.measurements,
+            *process.inputs,
+            *(Signal(f"{u}.status", kind="integer") for u in controller.manipulated),
+        )
         block = builder.finish(
             [
                 *next_state,
                 *next_law,
                 *self._scores(readings, time_step),
-                *(v for _, v in recorded),
+                *(value[signal.name] for signal in recorded),
             ]
         )
         return Program(
@@ -152,40 +151,23 @@ class _Join:
             self.state,
             self.inputs,
             self.parameters,
-            tuple(signal for signal, _ in recorded),
+            recorded,
             block,
         )
 
-    def _control(
-        self, measured: dict[str, int], time_step: int
-    ) -> tuple[list[int], dict[str, int]]:
-        """Inline the step law; return its next state and its outputs by process name."""
-        controller, law, value = self.controller, self.controller.law, self.value
-        wires = {"time_step": time_step}
-        for number, name in enumerate(controller.measurements, 1):
-            wires[f"measurement_{number}"] = measured[name]
-            wires[f"sensor_{number}"] = value[f"{name}.sensor"]
-        for number, name in enumerate(controller.setpoints, 1):
-            wires[f"setpoint_{number}"] = value[f"{name}.setpoint"]
-        for number, name in enumerate(controller.manipulated, 1):
-            for what in ("mode", "manual", "tracking"):
-                wires[f"{what}_{number}"] = value[f"{name}.{what}"]
+    def _control(self, time_step: int) -> list[int]:
+        """Inline the step law, name its outputs in the loop, and return its next state."""
+        law, value = self.controller.law, self.value
+        wires = self.controller.input_wires
         arguments = [
             *(value[controller_name(entry.name)] for entry in law.state),
-            *(wires[signal.name] for signal in law.inputs),
+            *(time_step if s.name == "time_step" else value[wires[s.name]] for s in law.inputs),
             *(value[controller_name(signal.name)] for signal in law.parameters),
         ]
         results = inline(self.builder, law.function, arguments)
-        next_law = results[: len(law.state)]
-        by_law = {
-            signal.name: v
-            for signal, v in zip(law.outputs, results[len(law.state) :], strict=False)
-        }
-        outputs = {}
-        for number, name in enumerate(controller.manipulated, 1):
-            outputs[name] = by_law[f"manipulated_{number}"]
-            outputs[f"{name}.status"] = by_law[f"status_{number}"]
-        return next_law, outputs
+        outputs = zip(law.outputs, results[len(law.state) :], strict=False)
+        value |= {self.controller.output_wires[s.name]: number for s, number in outputs}
+        return results[: len(law.state)]
 
     def _scores(self, readings: dict[str, int], time_step: int) -> list[int]:
         builder, value = self.builder, self.value

@@ -122,7 +122,8 @@ class Loop:
                     f"give one column for each of the {width} signals",
                 )  # fmt: skip
 
-    def _inputs(self, scenario: Scenario) -> dict[str, np.ndarray]:
+    def inputs_of(self, scenario: Scenario) -> dict[str, np.ndarray]:
+        """Return the inputs of the closed loop in a scenario by name [samples]."""
         process = self.process
         return {
             **{f"{n}.setpoint": scenario.setpoints[:, i] for i, n in enumerate(process.controlled)},
@@ -131,8 +132,8 @@ class Loop:
         }
 
     def _by_kernel(self, scenario: Scenario, substeps: int) -> dict[str, np.ndarray]:
-        given = self._inputs(scenario)
-        constant = {s.name: s.initial for s in loop_inputs(self.process) if s.name not in given}
+        given = self.inputs_of(scenario)
+        constant = {k: v for k, v in self.at_rest().items() if k not in given}
         program = closed_loop(self.process, self.controller, substeps=substeps, constant=constant)
         result = Kernel(program).run(
             scenario.samples,
@@ -151,7 +152,8 @@ class Loop:
 
     def _by_reference(self, scenario: Scenario) -> dict[str, np.ndarray]:
         process, controller, law = self.process, self.controller, self.controller.law
-        at_rest = {s.name: s.initial for s in loop_inputs(process)}
+        given = self.inputs_of(scenario)
+        at_rest = self.at_rest()
         parameters = process.parameter_values
         scale = max(x.high for x in process.state)
         advance = ReferenceIntegrator(process.dynamics, process.sampling_period, scale)
@@ -160,54 +162,50 @@ class Loop:
             np.array([controller.values[p.name] for p in law.parameters]),
             np.array([controller.initial_state[x.name] for x in law.state]),
         )
-        names = [u.name for u in process.inputs]
-        order = [names.index(name) for name in controller.manipulated]
         state = self.point.state
-        rows = []
+        rows: list[dict[str, float]] = []
         for k in range(scenario.samples):
+            now = at_rest | {name: float(column[k]) for name, column in given.items()}
+            now |= {u.name: now[f"{u.name}.manual"] for u in process.inputs}
+            now |= {x.name: float(v) for x, v in zip(process.state, state, strict=True)}
             true = np.array(process.measure(state, parameters)).ravel()
-            measured = dict(
-                zip((y.name for y in process.measurements), true + scenario.noise[k], strict=True)
-            )
-            setpoints = dict(zip(process.controlled, scenario.setpoints[k], strict=True))
-            outputs = evaluation.step(self._law_inputs(measured, setpoints, at_rest))
-            by_name = dict(zip((s.name for s in law.outputs), outputs, strict=True))
-            moved = np.empty(len(names))
-            statuses = []
-            for number, place in enumerate(order, 1):
-                moved[place] = by_name[f"manipulated_{number}"]
-                statuses.append(by_name[f"status_{number}"])
-            rows.append([*state, *measured.values(), *moved, *statuses])
+            for y, reading in zip(process.measurements, true, strict=True):
+                now[y.name] = float(reading) + now[f"{y.name}.noise"]
+            outputs = evaluation.step(self.law_inputs(now))
+            for signal, value in zip(law.outputs, outputs, strict=True):
+                now[controller.output_wires[signal.name]] = float(value)
+            rows.append(now)
+            moved = np.array([now[u.name] for u in process.inputs])
             state = advance(state, moved, scenario.disturbances[k], parameters)
-        columns = [
-            *(x.name for x in process.state),
-            *(y.name for y in process.measurements),
-            *names,
-            *(f"{name}.status" for name in controller.manipulated),
-        ]
-        return dict(zip(columns, np.array(rows).T, strict=True))
+        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
-    def _law_inputs(
-        self, measured: dict[str, float], setpoints: dict[str, float], at_rest: dict[str, float]
-    ) -> np.ndarray:
-        controller = self.controller
-        wires = {"time_step": self.process.sampling_period}
-        for number, name in enumerate(controller.measurements, 1):
-            wires[f"measurement_{number}"] = measured[name]
-            wires[f"sensor_{number}"] = at_rest[f"{name}.sensor"]
-        for number, name in enumerate(controller.setpoints, 1):
-            wires[f"setpoint_{number}"] = setpoints[name]
-        for number, name in enumerate(controller.manipulated, 1):
-            for what in ("mode", "manual", "tracking"):
-                wires[f"{what}_{number}"] = at_rest[f"{name}.{what}"]
-        return np.array([wires[signal.name] for signal in controller.law.inputs])
+    def at_rest(self) -> dict[str, float]:
+        """Return the inputs of the closed loop at the operating point, in automatic."""
+        at = self.point.as_dict()
+        values = {signal.name: signal.initial for signal in loop_inputs(self.process)}
+        values |= {f"{name}.setpoint": at[name] for name in self.process.controlled}
+        values |= {d.name: at[d.name] for d in self.process.disturbances}
+        for u in self.process.inputs:
+            values |= {f"{u.name}.manual": at[u.name], f"{u.name}.tracking": at[u.name]}
+        return values
+
+    def law_inputs(self, now: dict[str, float]) -> np.ndarray:
+        """Return the inputs of the step law from the loop's signals by name."""
+        wires = self.controller.input_wires
+        period = self.process.sampling_period
+        return np.array(
+            [
+                period if signal.name == "time_step" else now[wires[signal.name]]
+                for signal in self.controller.law.inputs
+            ]
+        )
 
     def _collect(
         self, scenario: Scenario, computed: dict[str, np.ndarray], *, substeps: int
     ) -> Run:
         process = self.process
         statuses = [f"{name}.status" for name in self.controller.manipulated]
-        given = self._inputs(scenario)
+        given = self.inputs_of(scenario)
         setpoints = [f"{name}.setpoint" for name in process.controlled]
         signals = (
             *process.state,

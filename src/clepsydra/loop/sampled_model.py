@@ -13,6 +13,9 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.sensitivity import largest_gain
 from clepsydra.process.process import Process
 
+#: An eigenvalue this near to the unit circle stands on it.
+_ROUNDING = 1e-10
+
 
 @dataclass(frozen=True)
 class SampledModel:
@@ -36,8 +39,8 @@ class SampledModel:
 
     @property
     def is_stable(self) -> bool:
-        """Whether every eigenvalue stands inside the unit circle."""
-        return bool(np.max(np.abs(np.linalg.eigvals(self.A))) < 1.0)
+        """Whether every eigenvalue stands inside the unit circle, and none on it."""
+        return bool(np.max(np.abs(np.linalg.eigvals(self.A))) < 1.0 - _ROUNDING)
 
     @property
     def maximum_sensitivity(self) -> float:

@@ -18,8 +18,8 @@ from clepsydra.study.warnings import leaves_its_tanks
 RULE = (
     "safe and robust controllers first (levels stay in their tanks, max|S| at most 2.0), then "
     "stable ones, then the rest; among these the smaller integral absolute error, averaged over "
-    "the controlled variables as multiples of the best; within 2 % the smaller total variation "
-    "of the manipulated variables."
+    "the controlled variables as multiples of the best; within 2 % of each other the smaller "
+    "total variation of the manipulated variables."
 )
 
 _ROBUST = 2.0
@@ -36,7 +36,7 @@ class Standing(IntEnum):
     UNSAFE = 2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trial:
     """One controller with its run and scores, before it has a rank."""
 
@@ -79,16 +79,17 @@ def rank(trials: Sequence[Trial]) -> tuple[Candidate, ...]:
     }
     errors = {id(trial): trial.mean_score("iae", best) for trial in trials}
     wear = {id(trial): trial.mean_score("total_variation", best) for trial in trials}
-    ordered = sorted(trials, key=lambda trial: (trial.standing, errors[id(trial)]))
-    for place in range(len(ordered) - 1):
-        first, second = ordered[place], ordered[place + 1]
-        tied = (
-            first.standing == second.standing
-            and errors[id(second)] <= _TIE * errors[id(first)]
-            and wear[id(second)] < wear[id(first)]
-        )
-        if tied:
-            ordered[place], ordered[place + 1] = second, first
+    ordered: list[Trial] = []
+    waiting = sorted(trials, key=lambda trial: (trial.standing, errors[id(trial)]))
+    while waiting:
+        first = waiting[0]
+        tied = [
+            trial
+            for trial in waiting
+            if trial.standing == first.standing and errors[id(trial)] <= _TIE * errors[id(first)]
+        ]
+        ordered += sorted(tied, key=lambda trial: wear[id(trial)])
+        waiting = [trial for trial in waiting if trial not in tied]
     return tuple(
         Candidate(
             controller=trial.controller,
@@ -151,9 +152,13 @@ def _reason(trial: Trial, error: float, wear: float) -> str:
             else "a level leaves its tank"
         ),
     }[trial.standing]
-    best = "the smallest integral absolute error" if error < 1.0005 else (
-        f"{error:.2f} times the smallest integral absolute error"
-    )  # fmt: skip
-    return (
-        f"{standing[0].upper()}{standing[1:]}; {best}; {wear:.2f} times the least total variation."
+    words = (
+        standing[0].upper() + standing[1:],
+        _compared(error, "smallest integral absolute error"),
+        _compared(wear, "least total variation"),
     )
+    return "; ".join(words) + "."
+
+
+def _compared(ratio: float, best: str) -> str:
+    return f"the {best}" if ratio < 1.005 else f"{ratio:.2f} times the {best}"

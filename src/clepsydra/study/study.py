@@ -58,8 +58,8 @@ def study(
         report(f"designing and simulating {name}")
         try:
             controller = design(process, analysis)
-        except NotApplicable as reason:
-            refused.append((name, str(reason)))
+        except NotApplicable as refusal:
+            refused.append((name, refusal.reason))
             continue
         run = Loop(process, controller, point, model).run_checked(scenario)
         trials.append(
