@@ -38,7 +38,8 @@ __getattr__, __dir__, __all__ = lazy_names(
         "print_c": "clepsydra.deploy.c99",
         "print_structured_text": "clepsydra.deploy.structured_text",
         "program_of": "clepsydra.program.reader",
-        "study": "clepsydra.study.study",
+        "run_study": "clepsydra.study.study",
+        "with_defaults": "clepsydra.deploy.defaults",
         "write_report": "clepsydra.report.html",
     },
 )

@@ -21,11 +21,11 @@ def study(
 ) -> None:
     """Design, simulate, score and rank controllers for a process; write report and data."""
     from clepsydra.base.errors import InputError
-    from clepsydra.study.study import study as study_process
+    from clepsydra.study.study import run_study
 
     if not folder.is_dir():
         raise InputError("--output", str(folder), "a folder that exists", "make the folder first")
-    result = study_process(process, seed=seed)
+    result = run_study(process, seed=seed)
     report = folder / f"{result.process.name}.html"
     data = folder / f"{result.process.name}.parquet"
     if not as_json:

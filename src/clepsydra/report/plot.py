@@ -26,8 +26,8 @@ def plot(run: Run) -> Figure:
 
     Examples
     --------
-    >>> from clepsydra.study.study import study
-    >>> figure = plot(study("quadruple-tank").ranking[0].run)
+    >>> from clepsydra.study.study import run_study
+    >>> figure = plot(run_study("quadruple-tank").ranking[0].run)
     >>> len(figure.axes)  # the strip, four levels, two pumps, two inflows
     9
     """

@@ -79,8 +79,8 @@ def ranking_rows(result: StudyResult) -> list[RankingRow]:
 
     Examples
     --------
-    >>> from clepsydra.study.study import study
-    >>> [row.rank for row in ranking_rows(study("quadruple-tank"))]
+    >>> from clepsydra.study.study import run_study
+    >>> [row.rank for row in ranking_rows(run_study("quadruple-tank"))]
     [1, 2, 3]
     """
     columns = [

@@ -21,7 +21,7 @@ from clepsydra.study.result import StudyResult
 from clepsydra.study.warnings import run_warnings
 
 
-def study(
+def run_study(
     process: Process | str | Path, *, seed: int = 1, report: Callable[[str], None] = lambda _: None
 ) -> StudyResult:
     """Design, simulate, score and rank every controller that applies to a process.
