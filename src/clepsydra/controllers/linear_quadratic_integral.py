@@ -206,7 +206,7 @@ def _equations(
         intermediates |= {
             f"feedback_{i}": feedback,
             f"integral_rate_{i}": rate,
-            f"unlimited_{i}": stage.unlimited,
+            **stage.intermediates,
         }
     return Equations(next_state, results, intermediates)
 

@@ -129,11 +129,13 @@ def multiloop_pi_law(
             results[f"manipulated_{i}"] = stage.manipulated
             results[f"status_{i}"] = stage.status
             intermediates |= {
+                f"setpoint_is_number_{i}": setpoint_valid,
+                f"measurement_is_number_{i}": measurement_valid,
                 f"error_{i}": error,
                 f"integral_gain_{i}": integral_gain,
                 f"proportional_{i}": proportional,
                 f"increment_{i}": increment,
-                f"unlimited_{i}": stage.unlimited,
+                **stage.intermediates,
             }
         return Equations(next_state, results, intermediates)
 

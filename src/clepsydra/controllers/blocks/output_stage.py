@@ -31,14 +31,14 @@ class OutputStage:
         The next value of the integral, always a number.
     status : casadi.SX
         The status word.
-    unlimited : casadi.SX
-        What the law asks for in automatic, before the limits.
+    intermediates : dict
+        Names for values on the way, which a printed program uses.
     """
 
     manipulated: ca.SX
     integral: ca.SX
     status: ca.SX
-    unlimited: ca.SX
+    intermediates: dict[str, ca.SX]
 
 
 def output_stage(
@@ -119,7 +119,7 @@ def output_stage(
     followed = followed_integral(integral, manipulated, last_output, proportional, signals_known)
     next_integral = ca.if_else(controls, integrated, ca.if_else(follows, followed, integral))
     # An increment beyond the range of numbers is not taken.
-    next_integral = ca.if_else(is_number(next_integral), next_integral, integral)
+    kept_integral = ca.if_else(is_number(next_integral), next_integral, integral)
 
     input_unusable = ca.logic_or(
         ca.logic_not(signals_are_numbers),
@@ -136,4 +136,22 @@ def output_stage(
             "invalid_time_step": ca.logic_not(time_step_good),
         }
     )
-    return OutputStage(manipulated, next_integral, status, unlimited)
+    intermediates = {
+        "in_automatic": in_automatic,
+        "in_tracking": in_tracking,
+        "signals_known": signals_known,
+        "unlimited": unlimited,
+        "controls": controls,
+        "by_hand": by_hand,
+        "follows": follows,
+        "asked": asked,
+        "followed": followed,
+        "next_integral": next_integral,
+    }
+    return OutputStage(
+        manipulated,
+        kept_integral,
+        status,
+        {f"{name}_{number}": value for name, value in intermediates.items()}
+        | {"time_step_good": time_step_good},
+    )
