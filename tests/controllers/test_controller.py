@@ -9,8 +9,8 @@ import pytest
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.linear_step_law import linear_step_law
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
+from clepsydra.controllers.linear_step_law import linear_step_law
 from clepsydra.controllers.proportional_integral import multiloop_pi_law
 from clepsydra.process.process import Process
 from clepsydra.program.delay_ring import DelayRing

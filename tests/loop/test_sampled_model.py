@@ -75,7 +75,9 @@ class OneTank:
         self.moved = b * (self.held - 1.0) / a
 
     def sampled(self, gain: float, integral_time: float) -> SampledModel:
-        return sampled_model(with_settings(self.simc, gain, integral_time), self.model, self.process)
+        return sampled_model(
+            with_settings(self.simc, gain, integral_time), self.model, self.process
+        )
 
     def closed(self, gain: float, integral_time: float) -> np.ndarray:
         """Return the closed loop's matrix over level and integral.
@@ -180,6 +182,13 @@ def test_stability_is_what_the_simulation_does(tank, factor):
     eigenvalue = np.min(np.linalg.eigvals(tank.closed(gain, integral_time)).real)
     assert (growth > 1) == (eigenvalue < -1) == (not stable)
     assert growth == pytest.approx(eigenvalue**70, rel=0.05)
+
+
+@pytest.mark.parametrize("distance", [-1e-6, 1e-6])
+def test_the_limit_of_stability_is_that_of_jury(tank, distance):
+    integral_time = 50 * tank.period
+    gain = (1 + distance) * critical_gain(tank, integral_time)
+    assert tank.sampled(gain, integral_time).is_stable == (distance < 0)
 
 
 def test_two_coupled_loops_against_a_sweep_of_singular_values():

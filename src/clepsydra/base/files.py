@@ -18,7 +18,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     Raises
     ------
     InputError
-        The folder cannot be written to.
+        The file cannot be written: no such folder, no right to, no room.
 
     Examples
     --------
@@ -31,10 +31,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
     except OSError as error:
-        raise InputError(
-            "output", str(path), "a file in a folder that can be written to",
-            f"choose another folder ({error.strerror})",
-        ) from None  # fmt: skip
+        raise _unwritable(path, error) from None
     os.close(handle)
     part = Path(name)
     try:
@@ -43,6 +40,18 @@ def whole_file(path: Path) -> Iterator[Path]:
         os.umask(mask)
         part.chmod(0o666 & ~mask)
         part.replace(path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise _unwritable(path, error) from None
     except BaseException:
         part.unlink(missing_ok=True)
         raise
+
+
+def _unwritable(path: Path, error: OSError) -> InputError:
+    return InputError(
+        "output",
+        str(path),
+        "a file that can be written",
+        f"choose another folder, or make room ({error.strerror})",
+    )

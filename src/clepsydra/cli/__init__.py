@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Sequence
 
@@ -11,6 +12,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     from clepsydra.base.errors import ClepsydraError
     from clepsydra.cli.application import application
 
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
     try:
         application(args=arguments)
     except ClepsydraError as error:

@@ -9,7 +9,7 @@ from typing import Any
 
 def print_json(document: dict[str, Any]) -> None:
     """Print one JSON document; numbers that JSON has no form for become null."""
-    print(json.dumps(_plain(document), indent=2, allow_nan=False, ensure_ascii=False))
+    print(json.dumps(_plain(document), indent=2, allow_nan=False))
 
 
 def _plain(value: Any) -> Any:

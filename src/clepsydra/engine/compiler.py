@@ -15,6 +15,9 @@ from clepsydra.engine.object_cache import ObjectCache, default_cache
 
 _lock = threading.Lock()
 
+#: How machine code is made; part of the key under which it is kept.
+_OPTIONS = {"optimisation": 2, "pipeline": 1}
+
 
 @cache
 def _target_machine() -> llvm.TargetMachine:
@@ -24,7 +27,7 @@ def _target_machine() -> llvm.TargetMachine:
     return llvm.Target.from_default_triple().create_target_machine(
         cpu=processor.name,
         features=processor.features,
-        opt=2,
+        opt=_OPTIONS["optimisation"],
         reloc="pic",
         codemodel="small",
         jit=True,
@@ -56,7 +59,7 @@ class CompiledFunction:
         self, code: str, symbol: str, signature: Any, cache: ObjectCache | None = None
     ) -> None:
         store = default_cache() if cache is None else cache
-        key = host().fingerprint + "\n" + code
+        key = "\n".join([host().fingerprint, str(_OPTIONS), code])
         with _lock:
             image = store.load(key)
             self.was_cached = image is not None
@@ -86,7 +89,7 @@ def compile_object(code: str) -> bytes:
         machine = _target_machine()
         module.triple = machine.triple
         module.data_layout = str(machine.target_data)
-        options = llvm.create_pipeline_tuning_options(speed_level=1)
+        options = llvm.create_pipeline_tuning_options(speed_level=_OPTIONS["pipeline"])
         builder = llvm.create_pass_builder(machine, options)
         builder.getModulePassManager().run(module, builder)
         return machine.emit_object(module)

@@ -34,7 +34,8 @@ class Host:
     def fingerprint(self) -> str:
         """Text that differs wherever a compiled object might not run."""
         version = ".".join(map(str, llvm.llvm_version_info))
-        return f"{self.name} {self.features} llvmlite {llvmlite.__version__} LLVM {version}"
+        machine = f"{llvm.get_default_triple()} {self.name} {self.features}"
+        return f"{machine} llvmlite {llvmlite.__version__} LLVM {version}"
 
 
 @cache

@@ -12,8 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from clepsydra.base.errors import InputError
 from clepsydra.engine.compiler import CompiledFunction, kernel_signature
 from clepsydra.engine.host import host
+from clepsydra.engine.layout import Layout
 from clepsydra.engine.object_cache import ObjectCache
 from clepsydra.engine.threads import in_threads
+from clepsydra.engine.trajectories import Trajectories
 from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
@@ -21,42 +23,6 @@ from clepsydra.program.program import Program
 Array = NDArray[np.float64]
 
 _LARGE_PROGRAM = 200
-
-
-@dataclass(frozen=True)
-class Trajectories:
-    """What a kernel computed.
-
-    Parameters
-    ----------
-    program : Program
-    scenarios : int
-    final_state : ndarray [n, scenarios]
-        In the order of the program's state; entries of delay rings are not used.
-    record : ndarray [groups, records, q, lanes]
-        As the kernel laid it down; `output` gives it by name.
-    """
-
-    program: Program
-    scenarios: int
-    final_state: Array
-    record: Array
-
-    def output(self, name: str) -> Array:
-        """Return the trajectory of an output [scenarios, records], a view where possible."""
-        names = [signal.name for signal in self.program.outputs]
-        column = self.record[:, :, names.index(name), :]
-        return column.transpose(0, 2, 1).reshape(-1, column.shape[1])[: self.scenarios]
-
-    def record_of(self, scenario: int) -> Array:
-        """Return every output of one scenario [records, q]."""
-        group, lane = divmod(scenario, self.record.shape[-1])
-        return self.record[group, :, :, lane]
-
-    def state(self, name: str) -> Array:
-        """Return the final value of a state [scenarios]."""
-        names = [entry.name for entry in self.program.state]
-        return self.final_state[names.index(name)]
 
 
 class Kernel:
@@ -100,18 +66,13 @@ class Kernel:
         cache: ObjectCache | None = None,
     ) -> None:
         self.program = program
+        self.records = record
         self._individual = frozenset(individual)
         self._fuse = fuse and host().fuses
-        self.records = record
         self._batch_lanes = _batch_lanes(program) if lanes is None else lanes
         self._cache = cache
-        self._shared_names = [s.name for s in program.inputs if s.name not in self._individual]
-        self._individual_names = [s.name for s in program.inputs if s.name in self._individual]
-        self._initial_inputs = {s.name: s.initial for s in program.inputs}
-        self._initial_parameters = {s.name: s.initial for s in program.parameters}
-        self._initial_state = {
-            x.name: (x.signal if isinstance(x, DelayRing) else x).initial for x in program.state
-        }
+        self._layout = Layout(program, self._individual)
+        self._check("lanes", self._batch_lanes, "leave it out")
 
     def prepare(
         self,
@@ -140,31 +101,22 @@ class Kernel:
         InputError
             An unknown name, a shape that does not fit, or no sample at all.
         """
-        program = self.program
-        if samples < 1 or every < 1:
-            raise InputError(
-                f"run of {program.name}", min(samples, every), "at least 1 sample",
-                "ask for a longer run or a smaller stride",
-            )  # fmt: skip
-        given_inputs, given_parameters = dict(inputs or {}), dict(parameters or {})
-        given_state = dict(state or {})
-        scenarios = self._scenarios(given_inputs, given_parameters, given_state)
+        self._check("samples", samples, "ask for a longer run")
+        self._check("every", every, "store every sample, or every second, third, …")
+        inputs, parameters, state = inputs or {}, parameters or {}, state or {}
+        layout = self._layout
+        scenarios = layout.scenarios(inputs, parameters, state)
         lanes = 1 if scenarios == 1 else self._batch_lanes
-        groups = -(-scenarios // lanes)
         return Job(
             kernel=self,
             samples=samples,
             scenarios=scenarios,
             lanes=lanes,
             every=every,
-            initial=self._columns(
-                "state", self._initial_state, given_state, scenarios, groups, lanes
-            ),
-            parameters=self._columns(
-                "parameter", self._initial_parameters, given_parameters, scenarios, groups, lanes
-            ),
-            shared=self._shared_inputs(given_inputs, samples),
-            individual=self._individual_inputs(given_inputs, samples, scenarios, groups, lanes),
+            initial=layout.state(state, scenarios, lanes),
+            parameters=layout.parameters(parameters, scenarios, lanes),
+            shared=layout.shared(inputs, samples),
+            individual=layout.individual(inputs, samples, scenarios, lanes),
         )
 
     def run(
@@ -178,8 +130,14 @@ class Kernel:
         threads: int = 1,
     ) -> Trajectories:
         """Run all scenarios from their initial state; arguments as in `prepare`."""
+        self._check("threads", threads, "use one thread")
         job = self.prepare(samples, inputs=inputs, parameters=parameters, state=state, every=every)
         return job.run(threads)
+
+    def _check(self, name: str, value: int, remedy: str) -> None:
+        if value < 1:
+            place = f"run of {self.program.name}, {name}"
+            raise InputError(place, value, "a whole number of at least 1", remedy)
 
     def function(self, lanes: int) -> CompiledFunction:
         """Return the machine code for a number of lanes, compiled when first asked for."""
@@ -198,90 +156,6 @@ class Kernel:
         code = vector_code(self.program, form)
         return CompiledFunction(code, KERNEL, kernel_signature(), self._cache)
 
-    def _scenarios(self, *groups: dict[str, ArrayLike]) -> int:
-        inputs, *columns = groups
-        sizes: dict[int, str] = {}
-        for group in columns:
-            for name, value in group.items():
-                if not isinstance(value, (int, float)) and np.ndim(value) == 1:
-                    sizes[len(np.asarray(value))] = name
-        for name in self._individual_names:
-            if name in inputs:
-                sizes[len(np.asarray(inputs[name]))] = name
-        if len(sizes) > 1:
-            names = " and ".join(sizes.values())
-            raise InputError(
-                f"run of {self.program.name}",
-                sorted(sizes),
-                "one number of scenarios",
-                f"give {names} the same number of entries",
-            )
-        return next(iter(sizes), 1)
-
-    def _columns(
-        self,
-        kind: str,
-        initial: dict[str, float],
-        given: dict[str, ArrayLike],
-        scenarios: int,
-        groups: int,
-        lanes: int,
-    ) -> Array:
-        self._refuse_unknown(kind, given, initial)
-        numbers = {**initial, **given}
-        if groups * lanes == 1 and all(isinstance(v, (int, float)) for v in numbers.values()):
-            return np.array([list(numbers.values())], dtype=float).reshape(1, -1, 1)
-        table = np.empty((len(numbers), groups * lanes))
-        for row, (name, number) in zip(table, numbers.items(), strict=True):
-            value = np.asarray(number, dtype=float)
-            if value.ndim > 1:
-                raise self._shape_error(name, value, "a number or [scenarios]")
-            row[:scenarios] = value
-            row[scenarios:] = row[scenarios - 1]
-        shaped = table.reshape(len(numbers), groups, lanes)
-        return np.ascontiguousarray(shaped.transpose(1, 0, 2))
-
-    def _shared_inputs(self, given: dict[str, ArrayLike], samples: int) -> Array:
-        self._refuse_unknown("input", given, self._initial_inputs)
-        table = np.empty((samples, len(self._shared_names)))
-        for index, name in enumerate(self._shared_names):
-            value = np.asarray(given.get(name, self._initial_inputs[name]), dtype=float)
-            if value.shape not in ((), (samples,)):
-                raise self._shape_error(name, value, f"a number or [{samples}]")
-            table[:, index] = value
-        return table
-
-    def _individual_inputs(
-        self, given: dict[str, ArrayLike], samples: int, scenarios: int, groups: int, lanes: int
-    ) -> Array:
-        names = self._individual_names
-        table = np.empty((groups, samples, len(names), lanes))
-        for index, name in enumerate(names):
-            value = np.asarray(given.get(name, np.nan), dtype=float)
-            if value.shape != (scenarios, samples):
-                raise self._shape_error(name, value, f"[{scenarios}, {samples}]")
-            rows = np.empty((groups * lanes, samples))
-            rows[:scenarios] = value
-            rows[scenarios:] = value[-1]
-            table[:, :, index, :] = rows.reshape(groups, lanes, samples).transpose(0, 2, 1)
-        return table
-
-    def _refuse_unknown(
-        self, kind: str, given: Mapping[str, object], known: Mapping[str, float]
-    ) -> None:
-        for name in given:
-            if name not in known:
-                raise InputError(
-                    f"run of {self.program.name}", name, f"one of its {kind}s",
-                    f"the {kind}s are {', '.join(known) or 'none'}",
-                )  # fmt: skip
-
-    def _shape_error(self, name: str, value: Array, expected: str) -> InputError:
-        return InputError(
-            f"run of {self.program.name}, {name}", list(value.shape), f"the shape of {expected}",
-            "give one value, or one value for each",
-        )  # fmt: skip
-
 
 def _batch_lanes(program: Program) -> int:
     """Return two vectors for a small program, one for a large one, which fills the units alone.
@@ -293,7 +167,7 @@ def _batch_lanes(program: Program) -> int:
     return host().lanes * (2 if operations < _LARGE_PROGRAM else 1)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Job:
     """A run laid out in memory, ready to be started once or often.
 
@@ -341,8 +215,8 @@ class Job:
             )
 
         in_threads(part, groups, threads, cost=self.samples)
-        final = state.transpose(1, 0, 2).reshape(len(program.state), -1)[:, : self.scenarios]
-        return Trajectories(program, self.scenarios, final, record)
+        final = state.transpose(1, 0, 2).reshape(len(program.state), groups * self.lanes)
+        return Trajectories(program, self.scenarios, final[:, : self.scenarios], record)
 
     def _initial_rings(self, groups: int) -> Array:
         entries = self.kernel.program.state

@@ -6,7 +6,8 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
-#: Group-samples after which a part ends, so that an interrupt is seen within about a second.
+#: Group-samples after which a part ends, so that a batch can be interrupted within about a
+#: second; one group of lanes is never split.
 _PART = 4_000_000
 
 

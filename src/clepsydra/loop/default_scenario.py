@@ -118,7 +118,7 @@ def default_scenario(
             f"{process.name}, sampling_period",
             f"{period:g} s",
             f"at least {period * samples / MOST_SAMPLES:.2g} s for segments of {length:g} s",
-            "lengthen the sampling period or write a scenario of your own",
+            "lengthen the sampling period",
         )
 
     start = np.array([point.as_dict()[name] for name in process.controlled])
@@ -174,7 +174,7 @@ def _setpoint_step(
             f"{process.name}, setpoint step of {name}",
             f"room for {100.0 * max(up, down) / span:.2g} % of its range",
             f"room for at least {100.0 * SMALLEST_STEP_SHARE:g} %",
-            "move the operating point away from the limits or write a scenario of your own",
+            "move the operating point away from the limits",
         )
     return size if upward else -size
 
@@ -204,7 +204,7 @@ def _moves_at_rest(
             f"{process.name}, setpoint step of {name}",
             f"inputs {', '.join(model.inputs)}",
             f"inputs that can hold a new value of {name} with the other outputs unchanged",
-            "control fewer measurements or write a scenario of your own",
+            "control fewer measurements",
         )
     moves = shares * scale
     return moves[:states], moves[states:]

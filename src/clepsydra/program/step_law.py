@@ -102,7 +102,7 @@ def step_law(
     Raises
     ------
     ValueError
-        Names clash, or the equations leave a state or output undefined.
+        Names clash, or the equations leave a state or output undefined or give it a vector.
     """
     inputs, parameters = tuple(inputs), tuple(parameters)
     state, outputs = tuple(state), tuple(outputs)
@@ -137,4 +137,7 @@ def _stack(law: str, what: str, names: list[str], values: Mapping[str, Any]) -> 
     if set(names) != set(values):
         missing, unknown = sorted(set(names) - set(values)), sorted(set(values) - set(names))
         raise ValueError(f"step law {law}: {what} lacks {missing} and has unknown {unknown}")
+    for name in names:
+        if ca.SX(values[name]).numel() != 1:
+            raise ValueError(f"step law {law}: {what} {name} is not a scalar")
     return ca.vertcat(*[values[name] for name in names]) if names else ca.SX(0, 1)

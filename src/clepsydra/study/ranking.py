@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.loop.run import Run
 from clepsydra.process.process import Process
-from clepsydra.study.result import Candidate
+from clepsydra.study.result import Candidate, Standing
 from clepsydra.study.warnings import leaves_its_tanks
 
 RULE = (
@@ -22,18 +21,11 @@ RULE = (
     "total variation of the manipulated variables."
 )
 
+_STANDINGS = {Standing.ROBUST: "robust", Standing.STABLE: "stable"}
 _ROBUST = 2.0
 #: The designs stop exactly at the limit; this much above it is rounding.
 _ROUNDING = 1e-6
 _TIE = 1.02
-
-
-class Standing(IntEnum):
-    """How far a controller can be trusted; a smaller number ranks first."""
-
-    ROBUST = 0
-    STABLE = 1
-    UNSAFE = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +88,8 @@ def rank(trials: Sequence[Trial]) -> tuple[Candidate, ...]:
             run=trial.run,
             scores=trial.scores,
             maximum_sensitivity=trial.maximum_sensitivity,
+            standing=trial.standing,
+            mean_error=errors[id(trial)],
             rank=place,
             reason=_reason(trial, errors[id(trial)], wear[id(trial)]),
             warnings=trial.warnings,
@@ -108,32 +102,35 @@ def verdict(process: Process, ranking: Sequence[Candidate]) -> str:
     """Return the answer of a study in one sentence."""
     if not ranking:
         return f"No controller of this study applies to {process.name}; the reasons are listed."
-    best, *others = ranking
+    best = ranking[0]
+    if best.standing is Standing.UNSAFE:
+        return (
+            f"No controller of this study can be recommended for {process.title}; the least bad "
+            f"is {best.controller.name}: {best.reason[0].lower()}{best.reason[1:]}"
+        )
     watch = (
         f"watch: {best.warnings[0].rstrip('.')}"
         if best.warnings
         else "no level leaves its tank and no input saturates for long"
     )
     return (
-        f"{best.controller.name} controls {process.title} best{_lead(best, others)}; max|S| is "
-        f"{best.maximum_sensitivity:.2f}; {watch}."
+        f"{best.controller.name} controls {process.title} best{_lead(best, ranking[1:])}; max|S| "
+        f"is {best.maximum_sensitivity:.2f}; {watch}."
     )
 
 
 def _lead(best: Candidate, others: Sequence[Candidate]) -> str:
-    """Return how the winner's error compares with the smallest of the others."""
-    rivals = [(_error(other), other.controller.name) for other in others]
-    if not rivals or not math.isfinite(min(rivals)[0]) or _error(best) == 0.0:
+    """Return what decided between the winner and the next, by the rule of the ranking."""
+    if not others:
         return ""
-    error, name = min(rivals)
-    saved = 100 * (1 - _error(best) / error)
-    if saved >= 0:
+    rival = others[0]
+    name = rival.controller.name
+    if best.standing is not rival.standing:
+        return f", {_STANDINGS[best.standing]} where {name} is not"
+    if rival.mean_error > _TIE * best.mean_error:
+        saved = 100 * (1 - best.mean_error / rival.mean_error)
         return f", with an integral absolute error {saved:.0f} % below that of {name}"
-    return f", being more robust than {name}, whose integral absolute error is smaller"
-
-
-def _error(candidate: Candidate) -> float:
-    return sum(value for key, value in candidate.scores.items() if key.startswith("iae["))
+    return f", as precise as {name} with less movement of the inputs"
 
 
 def _ratio(value: float, best: float) -> float:

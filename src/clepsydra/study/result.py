@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from enum import IntEnum
 from typing import Any
 
 from clepsydra.controllers.controller import Controller
@@ -14,7 +15,15 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 
 
-@dataclass(frozen=True)
+class Standing(IntEnum):
+    """How far a controller can be trusted; a smaller number ranks first."""
+
+    ROBUST = 0
+    STABLE = 1
+    UNSAFE = 2
+
+
+@dataclass(frozen=True, eq=False)
 class Candidate:
     """One controller of a study with its run, its scores and its place.
 
@@ -26,6 +35,10 @@ class Candidate:
         Score name to value; a score per signal has the key "name[signal]".
     maximum_sensitivity : float
         Largest singular value of S over frequency, at the process output.
+    standing : Standing
+    mean_error : float
+        Mean over the controlled variables of the integral absolute error, each as a multiple
+        of the best in the study.
     rank : int
         1 is best.
     reason : str
@@ -37,12 +50,14 @@ class Candidate:
     run: Run
     scores: dict[str, float]
     maximum_sensitivity: float
+    standing: Standing
+    mean_error: float
     rank: int
     reason: str
     warnings: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StudyResult:
     """A process, its analysis, and the controllers in order of rank.
 
@@ -102,6 +117,7 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
     controller, run = candidate.controller, candidate.run
     return {
         "rank": candidate.rank,
+        "standing": candidate.standing.name.lower(),
         "controller": controller.name,
         "family": controller.family,
         "design": controller.design,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from clepsydra.design.applicability import NotApplicable
@@ -21,9 +20,7 @@ from clepsydra.study.result import StudyResult
 from clepsydra.study.warnings import run_warnings
 
 
-def run_study(
-    process: Process | str | Path, *, seed: int = 1, report: Callable[[str], None] = lambda _: None
-) -> StudyResult:
+def run_study(process: Process | str | Path, *, seed: int = 1) -> StudyResult:
     """Design, simulate, score and rank every controller that applies to a process.
 
     Parameters
@@ -32,8 +29,6 @@ def run_study(
         A process, a name of the catalogue or a process file.
     seed : int
         Of the measurement noise.
-    report : callable
-        Told in a few words what is being done, for a progress display.
 
     Returns
     -------
@@ -48,14 +43,12 @@ def run_study(
     """
     if not isinstance(process, Process):
         process = load_process(process)
-    report("analysing the process")
     analysis = analyse(process)
     point, model = analysis.operating_point, linearise(process, analysis.operating_point)
     scenario = default_scenario(process, point, analysis.model, seed=seed)
     trials: list[Trial] = []
     refused: list[tuple[str, str]] = []
     for name, design in DESIGNS.items():
-        report(f"designing and simulating {name}")
         try:
             controller = design(process, analysis)
         except NotApplicable as refusal:
@@ -79,7 +72,7 @@ def run_study(
         ranking=ranking,
         not_applicable=tuple(refused),
         verdict=verdict(process, ranking),
-        warnings=tuple(analysis.words),
+        warnings=point.warnings,
     )
 
 

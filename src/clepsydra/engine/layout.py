@@ -1,0 +1,136 @@
+"""Arguments by name to the memory that a kernel reads."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from clepsydra.base.errors import InputError
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.program import Program
+
+Array = NDArray[np.float64]
+Given = Mapping[str, ArrayLike]
+
+
+class Layout:
+    """Where a program's state, parameters and inputs stand in memory.
+
+    Parameters
+    ----------
+    program : Program
+    individual : collection of str
+        Inputs that differ from scenario to scenario.
+    """
+
+    def __init__(self, program: Program, individual: Collection[str]) -> None:
+        self._name = program.name
+        self._inputs = {s.name: s.initial for s in program.inputs}
+        self._parameters = {s.name: s.initial for s in program.parameters}
+        self._state = {
+            x.name: (x.signal if isinstance(x, DelayRing) else x).initial for x in program.state
+        }
+        self._refuse_unknown("input", dict.fromkeys(individual, 0.0), self._inputs)
+        self._shared = [name for name in self._inputs if name not in individual]
+        self._individual = [name for name in self._inputs if name in individual]
+
+    def scenarios(self, inputs: Given, *columns: Given) -> int:
+        """Return the number of scenarios that the arguments speak of.
+
+        Raises
+        ------
+        InputError
+            They speak of different numbers, or of none.
+        """
+        sizes: dict[int, str] = {}
+        for name, value in ((n, v) for group in columns for n, v in group.items()):
+            if not isinstance(value, (int, float)) and np.ndim(value) == 1:
+                sizes[len(np.asarray(value))] = name
+        for name in self._individual:
+            if name in inputs and np.ndim(inputs[name]) == 2:
+                sizes[len(np.asarray(inputs[name]))] = name
+        if len(sizes) > 1 or 0 in sizes:
+            raise InputError(
+                f"run of {self._name}",
+                sorted(sizes),
+                "one number of scenarios, at least 1",
+                f"give {' and '.join(sizes.values())} the same number of entries",
+            )
+        return next(iter(sizes), 1)
+
+    def state(self, given: Given, scenarios: int, lanes: int) -> Array:
+        """Return the initial state [groups, n, lanes]."""
+        return self._columns("state", self._state, given, scenarios, lanes)
+
+    def parameters(self, given: Given, scenarios: int, lanes: int) -> Array:
+        """Return the parameters [groups, p, lanes]."""
+        return self._columns("parameter", self._parameters, given, scenarios, lanes)
+
+    def shared(self, given: Given, samples: int) -> Array:
+        """Return the shared inputs [samples, s]."""
+        self._refuse_unknown("input", given, self._inputs)
+        table = np.empty((samples, len(self._shared)))
+        for index, name in enumerate(self._shared):
+            value = np.asarray(given.get(name, self._inputs[name]), dtype=float)
+            if value.shape not in ((), (samples,)):
+                raise self._shape_error(name, value, f"a number or [{samples}]")
+            table[:, index] = value
+        return table
+
+    def individual(self, given: Given, samples: int, scenarios: int, lanes: int) -> Array:
+        """Return the individual inputs [groups, samples, i, lanes]."""
+        groups = -(-scenarios // lanes)
+        table = np.empty((groups, samples, len(self._individual), lanes))
+        for index, name in enumerate(self._individual):
+            initial = np.full((scenarios, samples), self._inputs[name])
+            value = np.asarray(given.get(name, initial), dtype=float)
+            if value.shape != (scenarios, samples):
+                raise self._shape_error(name, value, f"[{scenarios}, {samples}]")
+            rows = np.empty((groups * lanes, samples))
+            rows[:scenarios] = value
+            rows[scenarios:] = value[-1]
+            table[:, :, index, :] = rows.reshape(groups, lanes, samples).transpose(0, 2, 1)
+        return table
+
+    def _columns(
+        self, kind: str, initial: Mapping[str, float], given: Given, scenarios: int, lanes: int
+    ) -> Array:
+        """Lanes beyond the last scenario repeat it, so that they compute nothing unusual."""
+        self._refuse_unknown(kind, given, initial)
+        numbers = {**initial, **given}
+        if scenarios == 1 and lanes == 1 and _all_numbers(numbers):
+            return np.array([list(numbers.values())], dtype=float).reshape(1, -1, 1)
+        groups = -(-scenarios // lanes)
+        table = np.empty((len(numbers), groups * lanes))
+        for row, (name, number) in zip(table, numbers.items(), strict=True):
+            value = np.asarray(number, dtype=float)
+            if value.ndim > 1:
+                raise self._shape_error(name, value, "a number or [scenarios]")
+            row[:scenarios] = value
+            row[scenarios:] = row[scenarios - 1]
+        shaped = table.reshape(len(numbers), groups, lanes)
+        return np.ascontiguousarray(shaped.transpose(1, 0, 2))
+
+    def _refuse_unknown(self, kind: str, given: Given, known: Mapping[str, float]) -> None:
+        for name in given:
+            if name not in known:
+                raise InputError(
+                    f"run of {self._name}",
+                    name,
+                    f"one of its {kind}s",
+                    f"the {kind}s are {', '.join(known) or 'none'}",
+                )
+
+    def _shape_error(self, name: str, value: Array, expected: str) -> InputError:
+        return InputError(
+            f"run of {self._name}, {name}",
+            list(value.shape),
+            f"the shape of {expected}",
+            "give one value, or one value for each",
+        )
+
+
+def _all_numbers(values: Given) -> bool:
+    return all(isinstance(value, (int, float)) for value in values.values())

@@ -1,0 +1,112 @@
+"""Files that are written whole or not at all."""
+
+import os
+import stat
+from pathlib import Path
+
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.files import whole_file
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_the_file_appears_only_when_it_is_whole(tmp_path):
+    path = tmp_path / "result.txt"
+    with whole_file(path) as part:
+        assert part.parent == tmp_path  # else renaming could not be one step
+        part.write_text("half")
+        assert not path.exists()
+        part.write_text("whole")
+        assert not path.exists()
+    assert path.read_text() == "whole"
+    assert names(tmp_path) == ["result.txt"]
+
+
+def test_an_old_file_is_replaced_at_once(tmp_path):
+    path = tmp_path / "result.txt"
+    path.write_text("old")
+    with path.open() as reader, whole_file(path) as part:
+        part.write_text("new")
+        assert path.read_text() == "old"
+        assert reader.read() == "old"
+    assert path.read_text() == "new"
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (ValueError, ValueError),
+        (OSError, InputError),  # a full disk is the user's to mend
+        (KeyboardInterrupt, KeyboardInterrupt),
+        (SystemExit, SystemExit),
+    ],
+)
+@pytest.mark.parametrize("there_before", [True, False])
+def test_after_a_failure_nothing_is_left_and_the_old_file_stays(
+    tmp_path, error, told, there_before
+):
+    path = tmp_path / "result.txt"
+    if there_before:
+        path.write_text("old")
+    with pytest.raises(told), whole_file(path) as part:
+        part.write_text("half")
+        raise error("in the middle")
+    assert names(tmp_path) == (["result.txt"] if there_before else [])
+    assert not there_before or path.read_text() == "old"
+
+
+def test_a_part_that_was_renamed_away_is_no_reason_to_hide_the_error(tmp_path):
+    with pytest.raises(ValueError, match="first"), whole_file(tmp_path / "a") as part:
+        part.unlink()
+        raise ValueError("first")
+    assert names(tmp_path) == []
+
+
+def test_a_missing_folder_is_refused_in_words(tmp_path):
+    path = tmp_path / "missing" / "result.txt"
+    with pytest.raises(InputError) as refusal, whole_file(path):
+        pytest.fail("there is no folder to write to")
+    message = str(refusal.value)
+    assert str(path) in message and "folder" in message
+    assert names(tmp_path) == []
+
+
+def test_a_file_in_place_of_the_folder_is_refused_in_words(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(InputError, match="folder"), whole_file(tmp_path / "file" / "result.txt"):
+        pytest.fail("there is no folder to write to")
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_without_permission_is_refused_in_words(tmp_path):
+    tmp_path.chmod(0o500)
+    try:
+        with pytest.raises(InputError, match="folder"), whole_file(tmp_path / "result.txt"):
+            pytest.fail("the folder cannot be written to")
+    finally:
+        tmp_path.chmod(0o700)
+
+
+def test_a_folder_of_that_name_is_never_replaced(tmp_path):
+    path = tmp_path / "result.txt"
+    path.mkdir()
+    with pytest.raises((OSError, InputError)), whole_file(path) as part:
+        part.write_text("whole")
+    assert names(tmp_path) == ["result.txt"] and path.is_dir() and names(path) == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
+@pytest.mark.parametrize(("mask", "mode"), [(0o022, 0o644), (0o077, 0o600)])
+def test_the_permissions_are_those_of_any_new_file(tmp_path, mask, mode):
+    before = os.umask(mask)
+    try:
+        with whole_file(tmp_path / "result.txt") as part:
+            part.write_text("whole")
+        assert os.umask(mask) == mask
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "result.txt").stat().st_mode) == mode

@@ -1,0 +1,352 @@
+"""The command: what it prints where, its exit status, and what it leaves on disk."""
+
+import json
+import math
+import os
+import subprocess
+import sys
+from importlib import resources
+from pathlib import Path
+
+import pandas
+import pytest
+
+import clepsydra
+from clepsydra.cli import main
+from clepsydra.cli.output import print_json
+
+NAMES = ["quadruple-tank", "quadruple-tank-nonminimum-phase"]
+HEAVY = {
+    "numpy",
+    "casadi",
+    "scipy",
+    "control",
+    "matplotlib",
+    "pandas",
+    "pyarrow",
+    "llvmlite",
+    "xarray",
+    "pint",
+    "jinja2",
+}
+
+
+@pytest.fixture
+def command(capsys, tmp_path, monkeypatch):
+    """Return a function: arguments → (exit status, standard output, standard error)."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        try:
+            main(list(arguments))
+            status = 0
+        except SystemExit as ending:
+            status = 0 if ending.code is None else int(ending.code)
+        captured = capsys.readouterr()
+        return status, captured.out, captured.err
+
+    return run
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def one_document(text: str):
+    """Parse a text that is one JSON document and nothing else, without NaN and Infinity."""
+
+    def refuse(constant: str) -> None:
+        raise ValueError(f"{constant} is not JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def process(code: str, *arguments: str, folder: Path, **environment: str):
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        cwd=folder,
+        env={
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(str(Path(path).resolve()) for path in sys.path if path),
+            **environment,
+        },
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        timeout=60,
+    )
+
+
+COMMAND = "from clepsydra.cli import main; main()"
+
+
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["-h"], ["--version"], ["study", "--help"], ["analyse", "--help"]]
+)
+def test_help_and_version_load_nothing_numeric(arguments, tmp_path):
+    code = (
+        "import sys\n"
+        "from clepsydra.cli import main\n"
+        "try:\n"
+        "    main()\n"
+        "except SystemExit as ending:\n"
+        "    loaded = {name.partition('.')[0] for name in sys.modules}\n"
+        "    print('status', ending.code or 0, *sorted(loaded), file=sys.stderr)\n"
+    )
+    done = process(code, *arguments, folder=tmp_path)
+    word, status, *loaded = done.stderr.split()
+    assert (word, status) == ("status", "0"), done.stderr
+    assert "typer" in loaded and not HEAVY & set(loaded)
+    assert done.stdout.strip()
+
+
+def test_help_names_the_verbs_and_their_options(command):
+    status, output, _ = command("--help")
+    assert status == 0 and "study" in output and "analyse" in output
+    status, output, _ = command("study", "--help")
+    assert status == 0 and "--json" in output and "--output" in output and "PROCESS" in output
+
+
+def test_the_version(command):
+    assert command("--version") == (0, f"clepsydra {clepsydra.__version__}\n", "")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_study_prints_one_document_and_writes_report_and_data(command, tmp_path, name):
+    status, output, _ = command("study", name, "--json", "--output", str(tmp_path))
+    assert status == 0
+    document = one_document(output)
+    ranking = document["ranking"]
+    assert isinstance(ranking, list)
+    assert [entry["rank"] for entry in ranking] == [1, 2, 3]
+    assert names(tmp_path) == [f"{name}.html", f"{name}.parquet"]
+    assert Path(document["report"]).samefile(tmp_path / f"{name}.html")
+    assert Path(document["trajectories"]).samefile(tmp_path / f"{name}.parquet")
+    table = pandas.read_parquet(tmp_path / f"{name}.parquet")
+    assert set(table["controller"]) == {entry["controller"] for entry in ranking}
+    assert len(table) == 3 * document["scenario"]["samples"]
+    page = (tmp_path / f"{name}.html").read_text(encoding="utf-8")
+    assert page.rstrip().endswith("</html>")
+    assert all(entry["controller"] in page for entry in ranking)
+
+
+def test_numbers_that_json_has_no_form_for_become_null(capsys):
+    values = {"a": [1.5, math.inf, (-math.inf, {"b": math.nan})], 3: None, "text": "ÅÖ ∞"}
+    print_json(values)
+    expected = {"a": [1.5, None, [None, {"b": None}]], "3": None, "text": "ÅÖ ∞"}
+    assert one_document(capsys.readouterr().out) == expected
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_study_shows_a_ranked_table_that_fits_a_terminal(command, tmp_path, name):
+    status, output, errors = command("study", name, "-o", str(tmp_path))
+    assert status == 0 and "Traceback" not in errors
+    lines = output.splitlines()
+    table = [line for line in lines if not line.startswith(("Report:", "Trajectories:"))]
+    assert all(len(line) <= 100 for line in table)
+    places = [output.index(text) for text in ("PI, SIMC", "PI, phase margin", "LQI, Bryson")]
+    assert len(set(places)) == 3
+    assert str(tmp_path / f"{name}.html") in output.replace("\n", "")
+    assert names(tmp_path) == [f"{name}.html", f"{name}.parquet"]
+
+
+def test_without_a_folder_the_current_one_is_used_and_the_seed_is_an_option(command, tmp_path):
+    status, output, _ = command("study", NAMES[0], "--json", "--seed", "5")
+    assert status == 0
+    assert one_document(output)["scenario"]["seed"] == 5
+    assert names(tmp_path) == ["quadruple-tank.html", "quadruple-tank.parquet"]
+
+
+#: Johansson's table I: gamma, k [cm³/(s V)], v [V].
+PHASES = {
+    NAMES[0]: ((0.70, 0.60), (3.33, 3.35), (3.00, 3.00)),
+    NAMES[1]: ((0.43, 0.34), (3.14, 3.29), (3.15, 3.15)),
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_analyse_prints_johanssons_closed_forms(command, tmp_path, name):
+    status, output, _ = command("analyse", name, "--json")
+    assert status == 0
+    document = one_document(output)
+    (g1, g2), (k1, k2), (v1, v2) = PHASES[name]
+    areas, holes = (28.0, 32.0, 28.0, 32.0), (0.071, 0.057, 0.071, 0.057)
+    flows = (
+        g1 * k1 * v1 + (1 - g2) * k2 * v2,
+        g2 * k2 * v2 + (1 - g1) * k1 * v1,
+        (1 - g2) * k2 * v2,
+        (1 - g1) * k1 * v1,
+    )
+    levels = [(q / a) ** 2 / (2 * 981.0) for q, a in zip(flows, holes, strict=True)]
+    times = [A / a * math.sqrt(2 * h / 981.0) for A, a, h in zip(areas, holes, levels, strict=True)]
+    poles = sorted(pole["re"] for pole in document["poles"])
+    assert poles == pytest.approx(sorted(-1 / time for time in times), rel=1e-9)
+    assert all(pole["im"] == 0 for pole in document["poles"])
+    zeros = sorted(zero["re"] for zero in document["zeros"])
+    _, _, t3, t4 = times
+    total, product = -(t3 + t4) / (t3 * t4), (1 - (1 - g1) * (1 - g2) / (g1 * g2)) / (t3 * t4)
+    assert sum(zeros) == pytest.approx(total, rel=1e-9)
+    assert zeros[0] * zeros[1] == pytest.approx(product, rel=1e-9)
+    gain = g1 * g2 / (g1 + g2 - 1)
+    assert document["rga"][0] == pytest.approx([gain, 1 - gain], rel=1e-9)
+    assert document["rga"][1] == pytest.approx([1 - gain, gain], rel=1e-9)
+    point = json.dumps(document["operating_point"])
+    assert "tank_1.level" in point and "pump_1" in point
+    found = numbers(document["operating_point"])
+    for level in levels:
+        assert any(abs(value - level / 100) < 1e-11 for value in found)
+    assert names(tmp_path) == []
+
+
+def numbers(value) -> list[float]:
+    if isinstance(value, dict):
+        return [number for entry in value.values() for number in numbers(entry)]
+    if isinstance(value, list):
+        return [number for entry in value for number in numbers(entry)]
+    return [value] if isinstance(value, float) else []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_analyse_shows_the_same_to_a_reader(command, name):
+    status, output, _ = command("analyse", name)
+    assert status == 0
+    assert all(len(line) <= 100 for line in output.splitlines())
+    for words in ("pump_1", "level_1", "tank_1"):
+        assert words in output
+
+
+CATALOGUE = resources.files("clepsydra.process") / "catalogue" / "quadruple-tank.toml"
+
+
+def edited(*changes: tuple[str, str]) -> bytes:
+    text = CATALOGUE.read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    return text.encode()
+
+
+BAD_FILES = {
+    "empty": b"",
+    "cut off": edited()[:1700],
+    "binary": bytes(range(256)) * 10,
+    "negative area": edited(('area = "28 cm^2"', 'area = "-28 cm^2"')),
+    "not a number": edited(('area = "28 cm^2"', 'area = "nan cm^2"')),
+    "unknown unit": edited(('area = "28 cm^2"', 'area = "28 smoots"')),
+    "unit of another kind": edited(('area = "28 cm^2"', 'area = "28 V"')),
+    "unknown key": edited(('height = "20 cm"', 'heigth = "20 cm"')),
+    "flow to nowhere": edited(('destination = "basin"', 'destination = "moon"')),
+    "no sampling": edited(('sampling_period = "1 s"', 'sampling_period = "0 s"')),
+    "no equilibrium": edited(('nominal = "3.00 V"', 'nominal = "9.99 V"')),
+    "name of a path": edited(('name = "quadruple-tank"', 'name = "../outside"')),
+    "name of a folder": edited(('name = "quadruple-tank"', 'name = "a/b"')),
+}
+
+
+@pytest.mark.parametrize("verb", ["study", "analyse"])
+@pytest.mark.parametrize("case", BAD_FILES)
+def test_a_bad_file_is_one_message_and_leaves_nothing(command, tmp_path, verb, case):
+    path, folder = tmp_path / "bad.toml", tmp_path / "out"
+    path.write_bytes(BAD_FILES[case])
+    folder.mkdir()
+    arguments = ["--output", str(folder)] if verb == "study" else []
+    for json_option in ([], ["--json"]):
+        status, output, errors = command(verb, str(path), *json_option, *arguments)
+        assert (status, output) == (2, "")
+        assert errors.startswith("clepsydra: ")
+        assert errors.count("\n") == 1
+        assert "Traceback" not in errors
+        if case != "no equilibrium":
+            assert "bad.toml" in errors
+        assert names(folder) == [] and names(tmp_path) == ["bad.toml", "out"]
+
+
+def test_a_process_without_a_rest_says_which_level_is_too_high(command, tmp_path):
+    (tmp_path / "bad.toml").write_bytes(BAD_FILES["no equilibrium"])
+    assert "tank_" in command("study", "bad.toml")[2]
+
+
+@pytest.mark.parametrize("verb", ["study", "analyse"])
+@pytest.mark.parametrize("name", ["quadruple-tonk", "missing.toml", ".", ""])
+def test_an_unknown_process_is_a_message(command, tmp_path, verb, name):
+    status, output, errors = command(verb, name)
+    assert (status, output) == (2, "")
+    assert "Traceback" not in errors and errors.startswith("clepsydra: ")
+    assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["stduy", "quadruple-tank"],
+        ["study", "quadruple-tank", "--jsn"],
+        ["study"],
+        ["analyse"],
+        ["analyse", "quadruple-tank", "extra"],
+        ["study", "quadruple-tank", "--seed", "-1"],
+        ["study", "quadruple-tank", "--seed", "one"],
+        ["study", "quadruple-tank", "--output"],
+        ["--jsn"],
+    ],
+)
+def test_wrong_usage_ends_with_status_2(command, tmp_path, arguments):
+    status, output, errors = command(*arguments)
+    assert (status, output) == (2, "")
+    assert errors.strip() and "Traceback" not in errors
+    assert names(tmp_path) == []
+
+
+def test_a_missing_output_folder_is_a_message_before_any_work(command, tmp_path):
+    status, output, errors = command("study", NAMES[0], "--output", str(tmp_path / "missing"))
+    assert (status, output) == (2, "")
+    assert "--output" in errors and "missing" in errors and "folder" in errors
+    assert names(tmp_path) == []
+
+
+def test_a_file_is_no_output_folder(command, tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    status, output, errors = command("study", NAMES[0], "--output", "file")
+    assert (status, output) == (2, "") and "folder" in errors
+    assert (tmp_path / "file").read_text() == "in the way"
+
+
+@pytest.mark.parametrize("ending", ["html", "parquet"])
+def test_an_output_that_cannot_be_written_is_a_message(command, tmp_path, ending):
+    (tmp_path / f"quadruple-tank.{ending}").mkdir()
+    status, _, errors = command("study", NAMES[0], "--json")
+    assert status == 2
+    assert f"quadruple-tank.{ending}" in errors and "Traceback" not in errors
+    assert all(not name.endswith(".part") for name in names(tmp_path))
+
+
+def test_an_interrupted_study_ends_with_status_130(command, tmp_path, monkeypatch):
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("clepsydra.study.study.run_study", interrupted)
+    status, output, errors = command("study", NAMES[0])
+    assert (status, output) == (130, "")
+    assert "Traceback" not in errors
+    assert names(tmp_path) == []
+
+
+def test_a_real_process_studies_a_file_of_ones_own(tmp_path):
+    (tmp_path / "mine.toml").write_bytes(edited(('name = "quadruple-tank"', 'name = "mine"')))
+    done = process(COMMAND, "study", "mine.toml", "--json", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert one_document(done.stdout)["process"] == "mine"
+    assert names(tmp_path) == ["mine.html", "mine.parquet", "mine.toml"]
+    done = process(COMMAND, "analyse", "mine.toml", "--json", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert {"poles", "zeros", "rga", "operating_point"} <= one_document(done.stdout).keys()
+
+
+def test_a_real_process_refuses_a_bad_file(tmp_path):
+    (tmp_path / "bad.toml").write_bytes(BAD_FILES["negative area"])
+    done = process(COMMAND, "study", "bad.toml", "--json", folder=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("clepsydra: ")
+    for part in ("bad.toml", "line", "tanks.tank_1.area", "-28 cm^2"):
+        assert part in done.stderr
+    assert "Traceback" not in done.stderr
+    assert names(tmp_path) == ["bad.toml"]

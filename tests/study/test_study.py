@@ -1,0 +1,202 @@
+"""A whole study: its ranking against its numbers, its seed, and what does not apply."""
+
+import math
+import re
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.process.reader import load_process
+from clepsydra.study.result import StudyResult
+from clepsydra.study.study import run_study
+
+NAMES = ["quadruple-tank", "quadruple-tank-nonminimum-phase"]
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, StudyResult]:
+    return {name: run_study(name) for name in NAMES}
+
+
+@pytest.fixture(params=NAMES)
+def result(request, results) -> StudyResult:
+    return results[request.param]
+
+
+def test_every_design_is_ranked_or_listed_with_its_reason(result):
+    ranked = [candidate.controller.name for candidate in result.ranking]
+    refused = [name for name, _ in result.not_applicable]
+    assert sorted(ranked + refused) == sorted(DESIGNS)
+    assert [candidate.rank for candidate in result.ranking] == list(range(1, len(ranked) + 1))
+    assert len(ranked) >= 2
+
+
+def group(candidate) -> int:
+    """Return the standing by the printed rule, from the trajectories themselves."""
+    levels = [candidate.run.values[signal.name] for signal in candidate.run.process.state]
+    # Johansson's tanks are 20 cm high.
+    inside = all(np.all((level >= 0.0) & (level <= 0.2)) for level in levels)
+    if not inside or not math.isfinite(candidate.maximum_sensitivity):
+        return 2
+    return 0 if candidate.maximum_sensitivity <= 2.0 + 1e-5 else 1
+
+
+def multiples(result: StudyResult, score: str) -> list[float]:
+    keys = [key for key in result.ranking[0].scores if key.startswith(score + "[")]
+    assert len(keys) == 2
+    best = {key: min(candidate.scores[key] for candidate in result.ranking) for key in keys}
+    return [
+        sum(candidate.scores[key] / best[key] for key in keys) / 2 for candidate in result.ranking
+    ]
+
+
+def test_the_printed_rule_holds(result):
+    groups = [group(candidate) for candidate in result.ranking]
+    assert groups == sorted(groups)
+    errors, wears = multiples(result, "iae"), multiples(result, "total_variation")
+    for i in range(len(groups) - 1):
+        if groups[i] == groups[i + 1]:
+            tied = max(errors[i : i + 2]) <= 1.02 * min(errors[i : i + 2])
+            assert (wears[i] <= wears[i + 1]) if tied else (errors[i] < errors[i + 1])
+
+
+def test_the_reasons_in_words_match_the_numbers(result):
+    errors, wears = multiples(result, "iae"), multiples(result, "total_variation")
+    for candidate, error, wear in zip(result.ranking, errors, wears, strict=True):
+        said = re.search(r"max\|S\| ([\d.]+)", candidate.reason)
+        assert (said is None) == (group(candidate) == 2)
+        assert said is None or float(said[1]) == round(candidate.maximum_sensitivity, 2)
+        for multiple, words in [
+            (error, "the smallest integral absolute error"),
+            (wear, "the least total variation"),
+        ]:
+            assert words in candidate.reason
+            said = re.search(rf"([\d.]+) times {words}", candidate.reason)
+            assert (1.0 if said is None else float(said[1])) == pytest.approx(multiple, abs=0.0051)
+
+
+def test_the_verdict_names_the_first_and_its_peak(result):
+    best = result.ranking[0]
+    assert result.verdict.startswith(best.controller.name)
+    assert f"{best.maximum_sensitivity:.2f}" in result.verdict
+    said = re.search(r"(\d+) % below that of ([^;]+);", result.verdict)
+    assert said is not None
+    rival = result.ranking[1]
+    assert said[2] == rival.controller.name
+    means = []
+    for candidate in (best, rival):
+        multiples = [
+            candidate.scores[key] / min(other.scores[key] for other in result.ranking)
+            for key in ("iae[level_1]", "iae[level_2]")
+        ]
+        means.append(sum(multiples) / 2)
+    assert int(said[1]) == round(100 * (1 - means[0] / means[1]))
+
+
+def test_the_scores_are_those_of_the_trajectories(result):
+    for candidate in result.ranking:
+        run = candidate.run
+        for i in (1, 2):
+            pump = run.values[f"pump_{i}"]
+            variation = float(np.sum(np.abs(np.diff(pump))))
+            assert candidate.scores[f"total_variation[pump_{i}]"] == pytest.approx(
+                variation, rel=1e-12
+            )
+            # The true level in volts, without noise, by the trapezoidal rule between samples.
+            level = 50.0 * run.values[f"tank_{i}.level"]
+            error = np.abs(run.values[f"level_{i}.setpoint"] - level)
+            area = float(np.sum(error[:-1]))
+            assert candidate.scores[f"iae[level_{i}]"] == pytest.approx(area, rel=0.05)
+
+
+def test_every_run_met_its_error_estimate_or_says_so(result):
+    for candidate in result.ranking:
+        estimate = candidate.run.error_estimate
+        assert estimate is not None
+        assert estimate <= 1e-6 or any("Halving" in warning for warning in candidate.warnings)
+
+
+def test_both_phases_are_told_apart(results):
+    minimum, nonminimum = (results[name] for name in NAMES)
+    assert minimum.analysis.minimum_phase and not nonminimum.analysis.minimum_phase
+    slowest = [min(c.scores["settling_time[level_1]"] for c in r.ranking) for r in results.values()]
+    assert slowest[1] > slowest[0]
+
+
+def test_the_dictionary_says_the_same(result):
+    said = result.as_dict()
+    assert said["process"] == result.process.name
+    assert said["verdict"] == result.verdict
+    assert [entry["controller"] for entry in said["ranking"]] == [
+        candidate.controller.name for candidate in result.ranking
+    ]
+    assert [entry["scores"] for entry in said["ranking"]] == [
+        candidate.scores for candidate in result.ranking
+    ]
+    assert said["scenario"]["seed"] == 1
+    assert len(said["scenario"]["segments"]) == len(result.scenario.segments)
+
+
+def test_the_same_seed_gives_the_same_bits_and_another_seed_other_noise(results):
+    again, other = run_study(NAMES[0], seed=1), run_study(NAMES[0], seed=2)
+    first = results[NAMES[0]]
+    assert np.array_equal(first.scenario.noise, again.scenario.noise)
+    assert again.verdict == first.verdict
+    for a, b in zip(first.ranking, again.ranking, strict=True):
+        assert (a.controller.name, a.scores, a.reason) == (b.controller.name, b.scores, b.reason)
+        assert a.maximum_sensitivity == b.maximum_sensitivity
+        for name, values in a.run.values.items():
+            assert values.tobytes() == b.run.values[name].tobytes(), name
+    assert other.scenario.seed == 2
+    assert np.array_equal(first.scenario.setpoints, other.scenario.setpoints)
+    noisy = np.any(first.scenario.noise != 0, axis=1)
+    assert np.count_nonzero(noisy) > 100
+    assert np.all(first.scenario.noise[noisy] != other.scenario.noise[noisy])
+    best = {c.controller.name: c for c in other.ranking}[first.ranking[0].controller.name]
+    quiet = int(np.argmax(noisy))
+    for name, values in first.ranking[0].run.values.items():
+        assert np.array_equal(values[:quiet], best.run.values[name][:quiet]), name
+    assert not np.array_equal(first.ranking[0].run.values["pump_1"], best.run.values["pump_1"])
+
+
+def test_a_process_or_its_name_or_its_file_is_the_same_study(results, tmp_path):
+    text = catalogue_text()
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    for given in (load_process(NAMES[0]), path, str(path)):
+        result = run_study(given)
+        assert result.verdict == results[NAMES[0]].verdict
+        assert [c.scores for c in result.ranking] == [c.scores for c in results[NAMES[0]].ranking]
+
+
+def catalogue_text() -> str:
+    folder = resources.files("clepsydra.process") / "catalogue"
+    return (folder / "quadruple-tank.toml").read_text(encoding="utf-8")
+
+
+def without_sensor(number: int, folder: Path) -> Path:
+    text = catalogue_text()
+    start = text.index(f"[sensors.level_{number}]")
+    end = text.find("[sensors.", start + 1)
+    path = folder / "partly-measured.toml"
+    path.write_text(text[:start] + (text[end:] if end > 0 else ""))
+    return path
+
+
+@pytest.mark.parametrize("number", [3, 4])
+def test_a_design_that_needs_a_missing_sensor_is_listed_with_the_level(number, tmp_path):
+    result = run_study(without_sensor(number, tmp_path))
+    assert sorted(c.controller.name for c in result.ranking) == ["PI, SIMC", "PI, phase margin"]
+    ((name, reason),) = result.not_applicable
+    assert name == "LQI, Bryson"
+    assert f"tank_{number}.level is not measured" in reason
+    assert result.as_dict()["not_applicable"] == [{"controller": name, "reason": reason}]
+
+
+def test_an_unknown_process_is_refused_with_those_that_are_known():
+    with pytest.raises(InputError) as refusal:
+        run_study("quadruple-tonk")
+    assert "quadruple-tonk" in str(refusal.value) and "quadruple-tank" in str(refusal.value)
