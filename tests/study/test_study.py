@@ -10,6 +10,7 @@ import pytest
 
 from clepsydra.base.errors import InputError
 from clepsydra.process.reader import load_process
+from clepsydra.study.designs import DESIGNS
 from clepsydra.study.result import StudyResult
 from clepsydra.study.study import run_study
 
