@@ -40,7 +40,7 @@ _PATTERNS = {
     "tracking_time": "controller.tracking_time_{}",
     "level": "tank_{}.level",
     "integral": "controller.integral_{}",
-    "integral_absolute_error": "iae[level_{}]",
+    "integral_absolute_error": "sum_of_absolute_errors[level_{}]",
     "pump": "pump_{}",
 }
 

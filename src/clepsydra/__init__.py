@@ -39,7 +39,6 @@ __getattr__, __dir__, __all__ = lazy_names(
         "print_structured_text": "clepsydra.deploy.structured_text",
         "program_of": "clepsydra.program.reader",
         "run_study": "clepsydra.study.study",
-        "with_defaults": "clepsydra.deploy.defaults",
         "write_report": "clepsydra.report.html",
     },
 )

@@ -81,6 +81,11 @@ def test_a_file_in_place_of_the_folder_is_refused_in_words(tmp_path):
         pytest.fail("there is no folder to write to")
 
 
+def test_a_name_that_no_file_can_have_is_refused_in_words(tmp_path):
+    with pytest.raises(InputError, match="null byte"), whole_file(tmp_path / "a\0b"):
+        pytest.fail("there is no such name")
+
+
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write anywhere")
 def test_a_folder_without_permission_is_refused_in_words(tmp_path):
     tmp_path.chmod(0o500)

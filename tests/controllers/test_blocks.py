@@ -5,10 +5,13 @@ import math
 import casadi as ca
 import pytest
 
+from clepsydra.base.errors import InputError
 from clepsydra.controllers.blocks.anti_windup import clamping, tracking_share
 from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.status import STATUS_BITS, read_status, status_word
 from clepsydra.controllers.blocks.validity import is_number, is_time_step, value_or_zero
+from clepsydra.controllers.linear_quadratic_integral import lqi_law
+from clepsydra.controllers.proportional_integral import multiloop_pi_law
 
 
 def evaluated(law, *numbers):
@@ -79,3 +82,13 @@ def test_every_status_word_reads_back():
         assert read_status(number) == tuple(
             name for name, one in zip(STATUS_BITS, held, strict=True) if one
         )
+
+
+@pytest.mark.parametrize("anti_windup", ["foo", "", None, ["clamping"]])
+def test_a_law_with_an_unknown_anti_windup_is_refused(anti_windup):
+    for make in (
+        lambda: multiloop_pi_law(1, anti_windup),
+        lambda: lqi_law(1, 1, [1], anti_windup),
+    ):
+        with pytest.raises(InputError, match=r"anti_windup: got .* one of back_calculation"):
+            make()

@@ -1,8 +1,8 @@
 """What a controller refuses to be built with, and its linear model."""
 
+import dataclasses
 import math
 
-import casadi as ca
 import numpy as np
 import pytest
 
@@ -10,30 +10,12 @@ from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
-from clepsydra.controllers.linear_step_law import linear_step_law
+from clepsydra.controllers.linear_step_law import StepLawDerivatives
 from clepsydra.controllers.proportional_integral import multiloop_pi_law
-from clepsydra.process.process import Process
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, step_law
 
-
-def process(period=2.0):
-    x, u, none = ca.SX.sym("x", 3), ca.SX.sym("u", 2), ca.SX(0, 1)
-    return Process(
-        "p", "", "",
-        state=tuple(Signal(f"tank_{i}.level", "m") for i in (1, 2, 3)),
-        inputs=(Signal("pump_1", "V"), Signal("pump_2", "V")),
-        disturbances=(),
-        measurements=tuple(Signal(f"level_{i}", "V") for i in (1, 2, 3)),
-        controlled=("level_1", "level_2"),
-        parameters=(),
-        dynamics=ca.Function("f", [x, u, none, none], [-x]),
-        measure=ca.Function("g", [x, none], [x]),
-        measured_state={f"level_{i}": f"tank_{i}.level" for i in (1, 2, 3)},
-        elements=(),
-        nominal_outputs={},
-        sampling_period=period,
-    )  # fmt: skip
+PERIOD = 2.0
 
 
 PI_VALUES = {
@@ -65,6 +47,9 @@ def cross_paired_pi(**changed):
         ),
         ({"low_limit_2": 10.0}, "PI, low_limit_2: got 10.0, expected a value below high_limit_2"),
         ({"derivative_time_1": 1.0}, "remove derivative_time_1"),
+        ({"integral_time_1": "30 s"}, "PI, integral_time_1: got '30 s', expected a finite number"),
+        ({"proportional_gain_1": None}, "PI, proportional_gain_1: got None"),
+        ({"proportional_gain_1": True}, "PI, proportional_gain_1: got True"),
     ],
 )
 def test_a_controller_with_unusable_values_is_refused(changed, message):
@@ -82,17 +67,75 @@ def test_a_controller_without_a_value_is_refused():
         )  # fmt: skip
 
 
-def test_linear_model_of_cross_paired_pi_has_the_textbook_matrices():
-    model = linear_step_law(cross_paired_pi(), process())
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        (
+            {"measurements": ("level_1",)},
+            "PI, measurements: got ['level_1'], expected 2 names, one for each measurement",
+        ),
+        ({"setpoints": ()}, "PI, setpoints: got [], expected 2 names, one for each setpoint"),
+        ({"manipulated": ("pump_1", "pump_2", "pump_3")}, "PI, manipulated: got ['pump_1', 'pum"),
+        ({"manipulated": ("pump_1", "pump_1")}, "expected each name once"),
+        ({"measurements": "y1"}, "PI, measurements: got 'y1', expected 2 names"),
+        ({"measurements": ("level_1", 2)}, "PI, measurements: got ('level_1', 2), expected 2"),
+        ({"manipulated": None}, "PI, manipulated: got None, expected 2 names"),
+        ({"initial_state": PI_STATE | {"integral_1": "3"}}, "PI, integral_1: got '3'"),
+    ],
+)
+def test_names_that_do_not_fit_the_law_are_refused(changed, message):
+    with pytest.raises(InputError) as refusal:
+        dataclasses.replace(cross_paired_pi(), **changed)
+    assert message in str(refusal.value)
+
+
+def test_a_law_with_a_signal_that_nothing_is_wired_to_is_refused():
+    law = step_law(
+        "with_weather",
+        inputs=[Signal("measurement_1"), Signal("weather")],
+        parameters=[],
+        state=[],
+        outputs=[Signal("manipulated_1")],
+        equations=lambda s: Equations({}, {"manipulated_1": s["measurement_1"] + s["weather"]}),
+    )
+    with pytest.raises(InputError, match="law with_weather: got 'weather'"):
+        Controller("W", "", "", law, {}, {}, ("level_1",), (), ("pump_1",))
+
+
+def test_the_program_starts_with_the_numbers_of_the_controller():
+    program = cross_paired_pi().program()
+    assert {p.name: p.initial for p in program.parameters} == PI_VALUES
+    assert {x.name: x.initial for x in program.state} == PI_STATE
+
+
+def linear(controller):
+    """The law near rest at measurements and setpoints of 5."""
+    inputs = {s.name: 5.0 for s in controller.law.inputs if s.name[:5] in ("measu", "setpo")}
+    derivatives = StepLawDerivatives(controller.law)
+    return derivatives.at(
+        controller.values, controller.initial_state, inputs | {"time_step": PERIOD}
+    )
+
+
+def test_linear_model_of_two_pi_has_the_textbook_matrices():
+    model = linear(cross_paired_pi())
     assert np.array_equal(model.A, np.eye(2))
-    rates = process().sampling_period * np.diag([3.0 / 30.0, -2.0 / 8.0])
+    rates = PERIOD * np.diag([3.0 / 30.0, -2.0 / 8.0])
     assert model.B_setpoint == pytest.approx(rates, abs=1e-15)
-    assert model.B_measurement == pytest.approx(np.hstack([-rates, np.zeros((2, 1))]), abs=1e-15)
-    # Loop 1 moves pump_2, the second input of the process.
-    swap = np.array([[0.0, 1.0], [1.0, 0.0]])
-    assert np.array_equal(model.C, swap)
-    assert np.array_equal(model.D_setpoint, swap @ np.diag([3.0 * 0.5, -2.0]))
-    assert np.array_equal(model.D_measurement, swap @ np.array([[-3.0, 0, 0], [0, 2.0, 0]]))
+    assert model.B_measurement == pytest.approx(-rates, abs=1e-15)
+    assert np.array_equal(model.C, np.eye(2))
+    assert np.array_equal(model.D_setpoint, np.diag([3.0 * 0.5, -2.0]))
+    assert np.array_equal(model.D_measurement, np.diag([-3.0, 2.0]))
+
+
+def test_derivatives_are_built_once_and_evaluated_for_any_values():
+    controller = cross_paired_pi()
+    derivatives = StepLawDerivatives(controller.law)
+    for gain in (1.0, -7.0):
+        values = controller.values | {"proportional_gain_2": gain}
+        model = derivatives.at(values, {}, {"time_step": PERIOD})
+        assert model.D_measurement[1, 1] == -gain
+        assert model.B_setpoint[1, 1] == PERIOD * gain / 8.0
 
 
 def test_linear_model_of_lqi_has_the_textbook_matrices():
@@ -109,9 +152,9 @@ def test_linear_model_of_lqi_has_the_textbook_matrices():
         "LQI", "LQI", "by hand", lqi_law(3, 2, [1, 2], "clamping"), values, state,
         ("level_1", "level_2", "level_3"), ("level_1", "level_2"), ("pump_1", "pump_2"),
     )  # fmt: skip
-    model = linear_step_law(controller, process())
+    model = linear(controller)
     assert np.array_equal(model.A, np.eye(2))
-    rates = process().sampling_period * G
+    rates = PERIOD * G
     assert model.B_setpoint == pytest.approx(rates, rel=1e-14)
     assert model.B_measurement == pytest.approx(np.hstack([-rates, np.zeros((2, 1))]), rel=1e-14)
     assert np.array_equal(model.C, np.eye(2))
@@ -130,4 +173,4 @@ def test_a_law_with_a_delay_ring_has_no_linear_model():
     )
     delayed = Controller("D", "", "", law, {}, {"past": 0.0}, ("level_1",), (), ("pump_1",))
     with pytest.raises(ClepsydraError, match="delay ring"):
-        linear_step_law(delayed, process())
+        StepLawDerivatives(delayed.law)

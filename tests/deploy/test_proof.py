@@ -1,6 +1,7 @@
 """The proof in small: engine, C and Structured Text of one controller, equal in every bit."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -9,8 +10,14 @@ from deployed import all_bits, run_both
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.proportional_integral import multiloop_pi_law
-from clepsydra.deploy.defaults import with_defaults
+from clepsydra.deploy.c99 import print_c
+from clepsydra.deploy.structured_text import print_structured_text
+from clepsydra.design.bryson import design_lqi
+from clepsydra.design.simc import design_simc
 from clepsydra.engine.kernel import Kernel
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
+from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Program
 from clepsydra.program.reader import program_of
 
@@ -112,3 +119,19 @@ def test_lqi_is_the_same_in_engine_c_and_structured_text(tmp_path):
     }
     values |= {f"high_limit_{i}": 10.0 for i in (1, 2)} | {f"bias_{i}": 3.1 for i in (1, 2)}
     proven(with_defaults(program, values), tmp_path, seed=2)
+
+
+@pytest.mark.parametrize("design", ["PI", "LQI"])
+def test_a_designed_controller_is_the_same_in_engine_c_and_structured_text(design, tmp_path):
+    """What is printed is the controller that was designed, with its numbers."""
+    analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
+    if design == "PI":
+        controller = design_simc(analysis.model, analysis.pairing)
+    else:
+        controller = design_lqi(analysis.model)
+    program = controller.program()
+    in_c, in_text = print_c(program).source, print_structured_text(program)
+    for name, value in (controller.values | controller.initial_state).items():
+        assert re.search(rf"->{name} = {re.escape(repr(float(value)))};", in_c), name
+        assert re.search(rf"  {name} : LREAL := {re.escape(repr(float(value)))};", in_text), name
+    proven(program, tmp_path, seed=3)

@@ -11,9 +11,9 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.proportional_integral import multiloop_pi_law
 from clepsydra.deploy.c99 import print_c
-from clepsydra.deploy.defaults import with_defaults
 from clepsydra.deploy.heading import digest
 from clepsydra.deploy.structured_text import print_structured_text
+from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Loop, Operation, Program
 from clepsydra.program.reader import program_of
@@ -21,8 +21,8 @@ from clepsydra.program.reader import program_of
 DOUBLE = Block(1, (Operation(1, "add", (0, 0)),), (1,))
 
 
-def doubling(entry: Signal, output: Signal, name: str = "law") -> Program:
-    return Program(name, (), (entry,), (), (output,), DOUBLE)
+def doubling(entry: Signal, output: Signal, block: Block = DOUBLE) -> Program:
+    return Program("law", (), (entry,), (), (output,), block)
 
 
 @pytest.mark.parametrize("name", ["2nd", "level__1", "level_", "pegel_ö", "a-b", ""])
@@ -79,6 +79,13 @@ def test_fused_operations_are_refused():
     for printer in (print_c, print_structured_text):
         with pytest.raises(InputError, match="got 'a fused multiply'"):
             printer(program)
+
+
+@pytest.mark.parametrize("printer", [print_c, print_structured_text])
+def test_what_is_no_program_is_refused_with_the_way_to_one(printer):
+    for value in (None, multiloop_pi_law(1, "clamping")):
+        with pytest.raises(InputError, match=r"a Program; give controller\.program\(\), or"):
+            printer(value)
 
 
 def test_functions_of_the_standard_only():
@@ -142,6 +149,26 @@ def test_the_digest_tells_programs_apart():
     assert len({digest(program), *map(digest, others)}) == 4
     for text in (print_c(program).header, print_c(program).source, print_structured_text(program)):
         assert digest(program) in text and "Clepsydra" in text.splitlines()[1]
+
+
+def test_the_digest_covers_names_and_groups():
+    """Equal digests mean equal text, so whatever shows in the text is part of it."""
+    program = program_of(multiloop_pi_law(1, "clamping"))
+    value = next(value for value, name in program.names.items() if name == "unlimited_1")
+    renamed = dataclasses.replace(program, names=program.names | {value: "wanted_1"})
+    *inputs, last = program.inputs
+    moved = dataclasses.replace(
+        program, inputs=tuple(inputs), parameters=(last, *program.parameters)
+    )
+    turn = Block(2, (Operation(2, "add", (0, 1)),), (2,))
+    loops = [
+        doubling(Signal("u"), Signal("y"), block=Block(1, (loop,), (1,)))
+        for loop in (Loop((1,), 3, turn, ((1.0, 2.0, 3.0),), (0,), (), name) for name in "ab")
+    ]
+    for one, other in ((program, renamed), (program, moved), loops):
+        assert print_structured_text(one) != print_structured_text(other)
+        assert print_c(one) != print_c(other)
+        assert digest(one) != digest(other)
 
 
 def test_the_law_keeps_its_own_names():

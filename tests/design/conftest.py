@@ -1,5 +1,6 @@
 """Johansson's quadruple tank, written from his equations and closed forms."""
 
+import dataclasses
 from types import SimpleNamespace
 
 import casadi as ca
@@ -97,8 +98,19 @@ def single_tank():
     return one_input_one_output
 
 
+@pytest.fixture(scope="session")
+def sampled_at():
+    return with_sampling_period
+
+
+def with_sampling_period(model, period):
+    """Return the model as one of the same process with another sampling period."""
+    process = dataclasses.replace(model.point.process, sampling_period=period)
+    return dataclasses.replace(model, point=dataclasses.replace(model.point, process=process))
+
+
 def one_input_one_output(A, B, C, *, low=0.0, high=10.0, at=5.0, period=1.0, span=10.0):
-    """Return a process and model of one input and one output with the given matrices."""
+    """Return the model of a process of one input and one output with the given matrices."""
     A, B, C = np.atleast_2d(A), np.reshape(B, (-1, 1)), np.reshape(C, (1, -1))
     n = len(A)
     x, u, none = ca.SX.sym("x", n), ca.SX.sym("u"), ca.SX(0, 1)
@@ -124,4 +136,4 @@ def one_input_one_output(A, B, C, *, low=0.0, high=10.0, at=5.0, period=1.0, spa
     model = LinearModel(
         A, B, np.zeros((n, 0)), C, np.zeros((1, 1)), states, ("pump",), (), ("level",), point
     )
-    return process, model
+    return model

@@ -17,7 +17,7 @@ PAIRINGS = {
 DESIGNS = {
     "simc": design_simc,
     "phase margin": design_phase_margin,
-    "lqi": lambda process, model, pairing, **options: design_lqi(process, model, **options),
+    "lqi": lambda model, pairing, **options: design_lqi(model, **options),
 }
 
 
@@ -58,7 +58,7 @@ def run(tank, controller, steps):
 @pytest.mark.parametrize("name", list(DESIGNS))
 def test_a_setpoint_step_is_reached_without_offset(phase, name, request):
     tank = request.getfixturevalue(phase)
-    controller = DESIGNS[name](tank.process, tank.model, PAIRINGS[phase])
+    controller = DESIGNS[name](tank.model, PAIRINGS[phase])
     at = tank.model.point.as_dict()
     setpoints = {"level_1": at["level_1"] + 0.5, "level_2": at["level_2"]}
     samples = 1000 if phase == "minimum_phase" else 4000
@@ -73,9 +73,7 @@ def test_a_setpoint_step_is_reached_without_offset(phase, name, request):
 @pytest.mark.parametrize("name", list(DESIGNS))
 def test_a_setpoint_out_of_reach_leaves_no_windup_behind(name, anti_windup, minimum_phase):
     tank = minimum_phase
-    controller = DESIGNS[name](
-        tank.process, tank.model, PAIRINGS["minimum_phase"], anti_windup=anti_windup
-    )
+    controller = DESIGNS[name](tank.model, PAIRINGS["minimum_phase"], anti_windup=anti_windup)
     weak_pumps = {f"high_limit_{i}": 4.0 for i in (1, 2)}
     controller = dataclasses.replace(controller, values=controller.values | weak_pumps)
     at = tank.model.point.as_dict()

@@ -5,14 +5,14 @@ import math
 import pytest
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.element import Element
 from clepsydra.design.first_order_delay import FirstOrderDelay, half_rule
 from clepsydra.design.simc import simc_settings
+from clepsydra.design.transfer_element import TransferElement
 
 
 def made_of(gain, lags, leads=(), integrators=0):
     """Return gain Π(T0 s + 1)/Π(τ s + 1); a negative lead is a zero in the right half-plane."""
-    return Element(
+    return TransferElement(
         gain, tuple(-1.0 / lag for lag in lags), tuple(-1.0 / lead for lead in leads), integrators
     )
 
@@ -91,12 +91,12 @@ def test_a_negative_gain_gives_a_negative_controller():
 @pytest.mark.parametrize(
     ("element", "reason"),
     [
-        (Element(1.0, (0.1,), (), 0), "unstable"),
-        (Element(1.0, (-0.1 + 0.3j, -0.1 - 0.3j), (), 0), "oscillates"),
-        (Element(1.0, (-1.0,), (), 2), "integrates 2 times"),
-        (Element(1.0, (-1.0, -2.0), (), -1), "static gain is zero"),
-        (Element(1.0, (), (), 0), "no lag"),
-        (Element(1.0, (-1.0,), (-2.0,), 0), "no lag is left"),
+        (TransferElement(1.0, (0.1,), (), 0), "unstable"),
+        (TransferElement(1.0, (-0.1 + 0.3j, -0.1 - 0.3j), (), 0), "oscillates"),
+        (TransferElement(1.0, (-1.0,), (), 2), "integrates 2 times"),
+        (TransferElement(1.0, (-1.0, -2.0), (), -1), "static gain is zero"),
+        (TransferElement(1.0, (), (), 0), "no lag"),
+        (TransferElement(1.0, (-1.0,), (-2.0,), 0), "no lag is left"),
     ],
 )
 def test_what_the_half_rule_cannot_reduce_is_refused(element, reason):

@@ -84,8 +84,21 @@ def test_an_integrating_tank(make_process):
     assert found["pairing"] == [["level_1", "pump_1"]]
     assert found["minimum_phase"] is True
     text = " ".join(analysis.words)
-    assert "The process integrates (1 pole" in text
+    assert "The process integrates (1 pole at the origin)" in text
     assert "level_1 integrates pump_1" in text
+
+
+def test_an_undamped_oscillation_is_no_integrator(make_process):
+    # ẍ = -4 x + u about x = 0.5: poles at ±2j.
+    process = make_process(
+        lambda x, u, d: [2 * (x[1] - 0.5), -2 * (x[0] - 0.5) + 0.1 * (u[0] - 5)], levels=2, pumps=1
+    )
+    analysis = analyse(process)
+    np.testing.assert_allclose(analysis.poles, [2j, -2j], atol=1e-12)
+    text = " ".join(analysis.words)
+    assert "oscillates without damping at 2 rad/s (a period of 3.14 s)" in text
+    assert "integrates" not in text
+    assert "every level settles" not in text
 
 
 def test_outputs_that_cannot_be_set_independently(minimum):
@@ -106,7 +119,7 @@ def test_an_unstable_process(make_process):
     process = make_process(lambda x, u, d: [0.5 * x[0] - 0.1 * u[0]], levels=1, pumps=1)
     analysis = analyse(process, inputs={"pump_1": 2.0})
     assert analysis.operating_point.state[0] == pytest.approx(0.4)
-    assert analysis.words[0].startswith("The process is unstable: the pole at +0.5 rad/s")
+    assert analysis.words[0].startswith("The process is unstable: the pole at +0.500 rad/s")
     assert strict(analysis.as_dict())["time_constants"] == [-2.0]
 
 
@@ -136,4 +149,4 @@ def test_a_pair_of_zeros_on_the_imaginary_axis_is_named(make_process):
     )
     analysis = analyse(process, inputs={"pump_1": 1.0})
     np.testing.assert_allclose(np.sort(analysis.zeros.imag), [-2, 2], rtol=1e-9)
-    assert "The zeros at ±2j rad/s stand on the imaginary axis" in " ".join(analysis.words)
+    assert "The zeros at ±2.00j rad/s stand on the imaginary axis" in " ".join(analysis.words)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from clepsydra.base.errors import InputError
+from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
 
 
@@ -234,7 +235,7 @@ def test_equations_without_a_derivative_are_refused_in_words(make_process):
     ("asked", "message"),
     [
         ({"inputs": {"pump_3": 1.0}}, r"inputs\.pump_3: got 'pump_3', expected one of pump_1, pu"),
-        ({"inputs": {"pmp_1": 1.0}}, r"did you mean 'pump_1'"),
+        ({"inputs": {"pmp_1": 1.0}}, r"perhaps 'pump_1' was meant"),
         (
             {"inputs": {"pump_1": 11.0}},
             r"inputs\.pump_1: got 11\.0, expected a number from 0 to 10",
@@ -296,3 +297,10 @@ def test_a_random_network_of_tanks(make_process, seed):
     point = find_equilibrium(process, outputs=asked)
     sensitivity = np.linalg.cond(np.linalg.solve(np.eye(tanks) - routing, feeds)[:pumps])
     np.testing.assert_allclose(point.inputs, voltages, rtol=1e-13 * sensitivity)
+
+
+@pytest.mark.parametrize("value", ["quadruple-tank", None, 3])
+def test_what_is_no_process_is_refused_in_words(value):
+    for search in (find_equilibrium, analyse):
+        with pytest.raises(InputError, match="expected a Process; read it with load_process"):
+            search(value)

@@ -13,7 +13,7 @@ from clepsydra.linear.linearise import linearise
 
 def test_matrices_equal_the_closed_forms(johansson):
     process = johansson.process
-    model = linearise(process, find_equilibrium(process))
+    model = linearise(find_equilibrium(process))
     A, B, C = johansson.matrices(johansson.levels(johansson.voltage))
     np.testing.assert_allclose(model.A, A, rtol=1e-9, atol=0)
     np.testing.assert_allclose(model.B, B, rtol=1e-9, atol=0)
@@ -30,7 +30,7 @@ def test_matrices_equal_the_closed_forms(johansson):
 def test_matrices_equal_differences(johansson):
     process = johansson.process
     point = find_equilibrium(process, {"pump_1": 2.2, "pump_2": 3.4})
-    model = linearise(process, point)
+    model = linearise(point)
 
     def rates(x, u, d):
         return np.array(process.dynamics(x, u, d, process.parameter_values)).ravel()
@@ -57,10 +57,10 @@ def test_an_empty_tank_has_no_linear_model(minimum, make_process):
     process = minimum.process
     empty = find_equilibrium(process, {"pump_1": 3.0, "pump_2": 0.0})
     with pytest.raises(InputError, match=r"operating point, tank_3\.level: got 0\.0"):
-        linearise(process, empty)
+        linearise(empty)
     # The other way of writing the root has a derivative of zero there, which is not true either.
     process = make_process(
         lambda x, u, d: [0.01 * u[0] - ca.if_else(x[0] > 0, 0.1 * ca.sqrt(x[0]), 0)], 1, 1
     )
     with pytest.raises(InputError, match="no tank is empty"):
-        linearise(process, find_equilibrium(process, {"pump_1": 0.0}))
+        linearise(find_equilibrium(process, {"pump_1": 0.0}))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
-from clepsydra.linear.poles import poles, rightmost_first, time_constants
+from clepsydra.linear.poles import integrators, poles, rightmost_first, time_constants
 
 
 def model_of(A):
@@ -18,7 +19,7 @@ def model_of(A):
 
 
 def test_time_constants_of_the_quadruple_tank(johansson):
-    model = linearise(johansson.process, find_equilibrium(johansson.process))
+    model = linearise(find_equilibrium(johansson.process))
     expected = johansson.time_constants(johansson.levels(johansson.voltage))
     slowest_first = np.sort(expected)[::-1]
     np.testing.assert_allclose(time_constants(model), slowest_first, rtol=1e-9)
@@ -38,6 +39,23 @@ def test_complex_integrating_and_unstable_poles():
     model = model_of(A)
     np.testing.assert_allclose(poles(model), [0.25, 0, -0.1 + 2j, -0.1 - 2j], atol=1e-15)
     np.testing.assert_allclose(time_constants(model), [-4, np.inf, 10, 10], rtol=1e-13)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_integrators_in_series_stand_at_zero_in_any_basis(seed):
+    A = np.diag([1.0, 1.0, 0.0], -1) + np.diag([0.0, 0.0, 0.0, -2.0])
+    T = np.linalg.qr(np.random.default_rng(seed).standard_normal((4, 4)))[0] @ np.diag([1, 2, 3, 4])
+    A = T @ A @ np.linalg.inv(T)
+    assert np.sort(np.abs(np.linalg.eigvals(A)))[2] > 1e-6  # what rounding makes of them
+    assert integrators(A) == 3
+    np.testing.assert_array_equal(poles(model_of(A))[:3], 0.0)
+    np.testing.assert_array_equal(time_constants(model_of(A))[:3], np.inf)
+
+
+def test_integrators_are_counted_in_any_unit_of_time():
+    A = np.array([[0.0, 0.0], [1.0, -1.0]])
+    assert [integrators(scale * A) for scale in (1e-9, 1.0, 1e9)] == [1, 1, 1]
+    assert integrators(np.diag([-1e-9, -1.0])) == 0
 
 
 def test_order():

@@ -20,7 +20,7 @@ from clepsydra.linear.relative_gain_array import (
 
 
 def quadruple(plant):
-    model = linearise(plant.process, find_equilibrium(plant.process))
+    model = linearise(find_equilibrium(plant.process))
     return model.select(outputs=["level_1", "level_2"])
 
 
@@ -94,6 +94,23 @@ def test_a_limit_that_depends_on_frequency():
         A, B, B[:, :0], C, np.zeros((2, 2)), ("a", "b", "c"), ("u", "v"), (), ("y", "z")
     )
     np.testing.assert_allclose(relative_gains(model)[0], [2.0, -1.0], rtol=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_two_integrators_in_series_in_a_random_basis(seed):
+    # G = [[1/s², 1/s²], [1/(s + 1), 4/(s + 2)]], the λ(s) of above. Rounding splits the double
+    # pole into ±√ε, which is no reason to solve with the singular A.
+    A = np.diag([0.0, 0.0, -1.0, -2.0])
+    A[1, 0] = 1.0
+    B = np.array([[1.0, 1.0], [0.0, 0.0], [1.0, 0.0], [0.0, 4.0]])
+    C = np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
+    T = np.linalg.qr(np.random.default_rng(seed).standard_normal((4, 4)))[0]
+    T = T @ np.diag([1.0, 3.0, 0.5, 2.0])
+    model = LinearModel(
+        T @ A @ np.linalg.inv(T), T @ B, B[:, :0], C @ np.linalg.inv(T), np.zeros((2, 2)),
+        tuple("abcd"), ("u", "v"), (), ("y", "z"),
+    )  # fmt: skip
+    np.testing.assert_allclose(relative_gains(model)[0], [2.0, -1.0], rtol=1e-7)
 
 
 def test_pairing_of_both_phases(minimum, nonminimum):

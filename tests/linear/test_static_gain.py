@@ -19,7 +19,7 @@ def model_of(A, B, C):
 
 
 def test_quadruple_tank_equals_the_closed_form(johansson):
-    model = linearise(johansson.process, find_equilibrium(johansson.process))
+    model = linearise(find_equilibrium(johansson.process))
     t1, t2, _, _ = johansson.time_constants(johansson.levels(johansson.voltage))
     (g1, g2), (k1, k2), (a1, a2, _, _) = johansson.gamma, johansson.gain, johansson.area
     first = 50 * t1 / a1 * np.array([g1 * k1, (1 - g2) * k2])
@@ -30,7 +30,7 @@ def test_quadruple_tank_equals_the_closed_form(johansson):
 
 def test_gain_equals_the_change_of_the_equilibrium(minimum):
     # Levels go with the square of the flow, so the differences are exact up to rounding.
-    model = linearise(minimum.process, find_equilibrium(minimum.process))
+    model = linearise(find_equilibrium(minimum.process))
     step = 0.01
     for column in range(2):
         ahead, behind = [3.0, 3.0], [3.0, 3.0]

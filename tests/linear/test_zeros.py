@@ -22,7 +22,7 @@ def model_of(A, B, C, D):
 
 
 def quadruple(plant):
-    return linearise(plant.process, find_equilibrium(plant.process))
+    return linearise(find_equilibrium(plant.process))
 
 
 def near(found, expected, tolerance=1e-9):

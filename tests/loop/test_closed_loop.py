@@ -7,13 +7,20 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from clepsydra.base.errors import InputError
+from clepsydra.design.bryson import design_lqi
+from clepsydra.design.phase_margin import design_phase_margin
+from clepsydra.design.sampled_loop import sampled_loop
 from clepsydra.design.simc import design_simc
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.reference import LawEvaluation
 from clepsydra.engine.runge_kutta import runge_kutta
 from clepsydra.linear.analysis import analyse
+from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
+from clepsydra.loop import step_size
 from clepsydra.loop.closed_loop import closed_loop, controller_name
+from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.reader import load_process
@@ -22,11 +29,14 @@ NAMES = ["quadruple-tank", "quadruple-tank-nonminimum-phase"]
 
 
 def make_loop(name: str) -> Loop:
-    process = load_process(name)
-    analysis = analyse(process)
-    controller = design_simc(process, analysis.model, analysis.pairing)
-    point = analysis.operating_point
-    return Loop(process, controller, point, linearise(process, point))
+    analysis = analyse(load_process(name))
+    return Loop(design_simc(analysis.model, analysis.pairing), analysis.model)
+
+
+def sampled_at(loop: Loop, period: float) -> Loop:
+    """The same controller and process at another sampling period."""
+    process = replace(loop.process, sampling_period=period)
+    return replace(loop, model=replace(loop.model, point=replace(loop.point, process=process)))
 
 
 def step_scenario(loop: Loop, samples: int, size: float = 1.0, noise: float = 0.0) -> Scenario:
@@ -134,7 +144,7 @@ def test_every_lane_of_a_loop_equals_its_own_run_bit_for_bit(name):
         one = kernel.run(samples, inputs=inputs, parameters=own, state=state)
         assert np.array_equal(batch.record_of(lane), one.record_of(0))
         assert np.array_equal(batch.final_state[:, lane], one.final_state[:, 0])
-    assert np.ptp(batch.state("iae[level_1]")) > 0
+    assert np.ptp(batch.state("sum_of_absolute_errors[level_1]")) > 0
 
 
 def test_running_scores_are_the_sums_of_the_trajectory():
@@ -147,13 +157,18 @@ def test_running_scores_are_the_sums_of_the_trajectory():
         parameters={controller_name(k): v for k, v in loop.controller.values.items()},
         state=loop.initial_state(),
     )
+    units = {signal.name: signal.unit for signal in program.state}
+    assert units["sum_of_absolute_errors[level_1]"] == "V s"
+    assert units["sum_of_squared_errors[level_1]"] == "V^2 s"
     run = loop.run(scenario, substeps=2)
     error = scenario.setpoints[:, 0] - run.true_measurement("level_1")
     period = scenario.sampling_period
-    assert final.state("iae[level_1]")[0] == pytest.approx(
+    assert final.state("sum_of_absolute_errors[level_1]")[0] == pytest.approx(
         period * np.sum(np.abs(error)), rel=1e-12
     )
-    assert final.state("ise[level_1]")[0] == pytest.approx(period * np.sum(error**2), rel=1e-12)
+    assert final.state("sum_of_squared_errors[level_1]")[0] == pytest.approx(
+        period * np.sum(error**2), rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -171,7 +186,7 @@ def test_kernel_agrees_with_cvodes_to_a_millionth_of_tank_height(name):
 def test_the_integrator_has_order_four_on_a_smooth_run():
     """Halving the step divides the error by 16: the slope tends to 4."""
     loop = make_loop(NAMES[0])
-    slow = replace(loop, process=replace(loop.process, sampling_period=8.0))
+    slow = sampled_at(loop, 8.0)
     scenario = step_scenario(slow, 60, size=0.5)
     counts = np.array([4, 8, 16, 32])
     exact = slow.run(scenario, substeps=512).values["tank_1.level"]
@@ -183,28 +198,106 @@ def test_the_integrator_has_order_four_on_a_smooth_run():
     assert np.all(np.abs(slopes - 4) < 0.06), slopes
 
 
-def test_the_error_estimate_covers_the_true_error():
-    loop = make_loop(NAMES[0])
-    scenario = step_scenario(loop, 400)
+@pytest.mark.parametrize("name", NAMES)
+def test_the_error_estimate_covers_the_true_error(name, monkeypatch):
+    """Steps so long that the error stands above that of CVODES; against many steps as well."""
+    monkeypatch.setattr(step_size, "_REACH", 0.4)
+    loop = sampled_at(make_loop(name), 8.0)
+    assert loop.substeps == 1
+    scenario = step_scenario(loop, 100, size=0.5)
     checked = loop.run_checked(scenario)
-    reference = loop.run(scenario, solver="reference")
-    true = max(
-        np.max(np.abs(checked.values[x.name] - reference.values[x.name])) / (x.high - x.low)
-        for x in loop.process.state
-    )
-    assert checked.error_estimate is not None
-    # CVODES itself is good to about 1e-9 of the height here.
-    assert true < checked.error_estimate + 3e-9
-    assert checked.error_estimate < 1e-6
+    assert checked.substeps == 2
+    for reference in (loop.run(scenario, solver="reference"), loop.run(scenario, substeps=256)):
+        true = max(
+            np.max(np.abs(checked.values[x.name] - reference.values[x.name])) / x.span
+            for x in loop.process.state
+        )
+        assert 1e-8 < true < checked.error_estimate < 1e-6
 
 
 def test_a_scenario_of_another_process_is_refused():
     loop = make_loop(NAMES[0])
     scenario = step_scenario(loop, 50)
-    with pytest.raises(Exception, match="sampling period"):
+    with pytest.raises(InputError, match="sampling period"):
         loop.run(replace(scenario, sampling_period=2.0))
-    with pytest.raises(Exception, match="setpoints"):
+    with pytest.raises(InputError, match="setpoints"):
         loop.run(replace(scenario, setpoints=scenario.setpoints[:, :1]))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"solver": "radau"}, "solver: got 'radau', expected one of kernel, reference"),
+        ({"substeps": 0}, "substeps: got 0, expected a whole number from 1 to 10000"),
+        ({"substeps": -3}, "substeps: got -3"),
+        ({"substeps": 2.0}, "substeps: got 2.0"),
+        ({"substeps": True}, "substeps: got True"),
+        ({"substeps": 10_001}, "substeps: got 10001"),
+        ({"substeps": 0, "solver": "reference"}, "substeps: got 0"),
+    ],
+)
+def test_a_run_that_cannot_be_made_is_refused(options, message):
+    loop = make_loop(NAMES[0])
+    with pytest.raises(InputError, match=message):
+        loop.run(step_scenario(loop, 5), **options)
+
+
+@pytest.mark.parametrize(
+    ("constant", "message"),
+    [
+        ({"typo": 1.0}, "closed loop, constant: got 'typo', expected one of level_1.setpoint"),
+        ({"pump_1.mode": "automatic"}, "constant, pump_1.mode: got 'automatic'"),
+        ({"inflow_1": np.nan}, "constant, inflow_1: got nan"),
+    ],
+)
+def test_a_constant_that_is_no_input_or_no_number_is_refused(constant, message):
+    loop = make_loop(NAMES[0])
+    with pytest.raises(InputError, match=message):
+        closed_loop(loop.process, loop.controller, substeps=1, constant=constant)
+    with pytest.raises(InputError, match="substeps: got 0"):
+        closed_loop(loop.process, loop.controller, substeps=0)
+
+
+@pytest.mark.parametrize("what", ["measurements", "setpoints", "manipulated"])
+def test_a_controller_of_another_process_is_refused(what):
+    loop = make_loop(NAMES[0])
+    other = replace(loop.controller, **{what: ("level_1", "nowhere")})
+    with pytest.raises(InputError, match=f"PI, SIMC, {what}: got "):
+        Loop(other, loop.model)
+    # A level that is measured but not controlled has no setpoint.
+    other = replace(loop.controller, setpoints=("level_1", "level_3"))
+    with pytest.raises(InputError, match="PI, SIMC, setpoints: got 'level_3'"):
+        closed_loop(loop.process, other, substeps=1)
+
+
+def test_arguments_of_another_type_are_refused():
+    loop = make_loop(NAMES[0])
+    for use, message in (
+        (lambda: linearise(loop.process), "point: got 'a Process', expected an OperatingPoint"),
+        (lambda: default_scenario(loop.point), "model: got 'an OperatingPoint'"),
+        (lambda: design_simc(loop.process, []), "model: got 'a Process'"),
+        (lambda: design_lqi(None), "model: got None"),
+        (lambda: Loop(loop.process, loop.model), "controller: got 'a Process'"),
+        (lambda: loop.run(100), "scenario: got 100, expected a Scenario"),
+    ):
+        with pytest.raises(InputError, match=message):
+            use()
+
+
+def test_a_model_without_an_operating_point_is_refused_by_all_alike():
+    loop = make_loop(NAMES[0])
+    bare = LinearModel.from_control(loop.model.to_control(), loop.model.disturbances)
+    pairing = [("level_1", "pump_1"), ("level_2", "pump_2")]
+    for use in (
+        lambda: Loop(loop.controller, bare),
+        lambda: default_scenario(bare),
+        lambda: sampled_loop(loop.controller, bare),
+        lambda: design_simc(bare, pairing),
+        lambda: design_phase_margin(bare, pairing),
+        lambda: design_lqi(bare),
+    ):
+        with pytest.raises(InputError, match="linear model, point: got None, expected a model of"):
+            use()
 
 
 def test_an_input_that_no_loop_moves_stays_at_its_operating_point(tmp_path):
@@ -212,13 +305,10 @@ def test_an_input_that_no_loop_moves_stays_at_its_operating_point(tmp_path):
     text = files("clepsydra.process.catalogue").joinpath("quadruple-tank.toml").read_text()
     path = tmp_path / "one-loop.toml"
     path.write_text(text.replace('controlled = ["level_1", "level_2"]', 'controlled = ["level_1"]'))
-    process = load_process(path)
-    analysis = analyse(process)
-    point = analysis.operating_point
-    controller = design_simc(process, analysis.model, [("level_1", "pump_1")])
-    loop = Loop(process, controller, point, linearise(process, point))
+    analysis = analyse(load_process(path))
+    loop = Loop(design_simc(analysis.model, [("level_1", "pump_1")]), analysis.model)
     scenario = step_scenario(loop, 100)
     for solver in ("kernel", "reference"):
         run = loop.run(scenario, solver=solver)
-        assert np.all(run.values["pump_2"] == point.as_dict()["pump_2"])
+        assert np.all(run.values["pump_2"] == loop.point.as_dict()["pump_2"])
         assert np.ptp(run.values["pump_1"]) > 0.1

@@ -17,8 +17,6 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.process.inflow import Inflow
 from clepsydra.process.process import Process
 
-Case = tuple[Process, OperatingPoint, LinearModel]
-
 GRAVITY = 9.81
 AREAS = np.array([28e-4, 32e-4, 28e-4, 32e-4])
 OUTLETS = np.array([0.071e-4, 0.057e-4, 0.071e-4, 0.057e-4])
@@ -64,7 +62,7 @@ def inflow_to(tank: str, step: float = 1e-6) -> Inflow:
     return Inflow(f"inflow_{tank}", tank, low=-1e-5, high=1e-5, nominal=0.0, step=step)
 
 
-def quadruple_tank(parameters: tuple, voltages: tuple[float, float] | None = None) -> Case:
+def quadruple_tank(parameters: tuple, voltages: tuple[float, float] | None = None) -> LinearModel:
     """Return Johansson's process, its equilibrium and its linear model in closed form."""
     (gamma_1, gamma_2), (gain_1, gain_2), nominal = parameters
     pumps = np.array(voltages or nominal)
@@ -103,7 +101,7 @@ def quadruple_tank(parameters: tuple, voltages: tuple[float, float] | None = Non
         outputs=("level_1", "level_2", "level_3", "level_4"),
     )
     point = OperatingPoint(process, levels, pumps, np.zeros(2), 50.0 * levels, residual=0.0)
-    return process, point, model
+    return replace(model, point=point)
 
 
 def single_tank(
@@ -112,7 +110,7 @@ def single_tank(
     level: float = 0.1,
     pump: float = 5.0,
     sensor: tuple[float, float] = (0.0, 20.0),
-) -> Case:
+) -> LinearModel:
     """Return one tank dh/dt = pole Δh + gain/20 Δu, 100 V/m, a pump of 10 V."""
     process = make_process(
         ("tank.level",),
@@ -136,7 +134,7 @@ def single_tank(
     point = OperatingPoint(
         process, np.array([level]), np.array([pump]), np.zeros(0), np.array([100 * level]), 0.0
     )
-    return process, point, model
+    return replace(model, point=point)
 
 
 def sizes(scenario: Scenario) -> list[float]:
@@ -145,8 +143,8 @@ def sizes(scenario: Scenario) -> list[float]:
 
 @pytest.mark.parametrize("parameters", [MINIMUM_PHASE, NONMINIMUM_PHASE])
 def test_one_thing_happens_in_each_segment(parameters: tuple) -> None:
-    process, point, model = quadruple_tank(parameters)
-    scenario = default_scenario(process, point, model)
+    model = quadruple_tank(parameters)
+    scenario = default_scenario(model)
     assert [(segment.kind, segment.signal) for segment in scenario.segments] == [
         ("setpoint", "level_1"),
         ("setpoint", "level_1"),
@@ -178,10 +176,11 @@ def test_one_thing_happens_in_each_segment(parameters: tuple) -> None:
 
 @pytest.mark.parametrize("parameters", [MINIMUM_PHASE, NONMINIMUM_PHASE])
 def test_it_begins_at_rest_and_fills_its_time_without_a_gap(parameters: tuple) -> None:
-    process, point, model = quadruple_tank(parameters)
-    scenario = default_scenario(process, point, model)
+    model = quadruple_tank(parameters)
+    scenario = default_scenario(model)
     rest = round(scenario.segments[0].start / scenario.sampling_period)
     assert rest >= 1
+    point = model.point
     assert np.all(scenario.setpoints[:rest] == point.measurements[:2])
     assert np.all(scenario.disturbances[:rest] == point.disturbances)
     for before, after in zip(scenario.segments, scenario.segments[1:], strict=False):
@@ -191,21 +190,21 @@ def test_it_begins_at_rest_and_fills_its_time_without_a_gap(parameters: tuple) -
 
 
 def test_segments_last_six_times_the_slowest_time_constant() -> None:
-    scenario = default_scenario(*quadruple_tank(MINIMUM_PHASE))
+    scenario = default_scenario(quadruple_tank(MINIMUM_PHASE))
     # T_2 = 90.63 s in closed form, so 543.8 s; the next pretty number.
     assert {segment.stop - segment.start for segment in scenario.segments} == {600.0}
     assert scenario.samples == 60 + 7 * 600
 
 
 def test_a_zero_in_the_right_half_plane_makes_them_longer() -> None:
-    process, point, model = quadruple_tank(NONMINIMUM_PHASE)
+    model = quadruple_tank(NONMINIMUM_PHASE)
     (gamma_1, gamma_2), _, _ = NONMINIMUM_PHASE
     T_3, T_4 = -1.0 / model.A[2, 2], -1.0 / model.A[3, 3]
     # Johansson: (1 + s T_3)(1 + s T_4) = (1 - γ_1)(1 - γ_2)/(γ_1 γ_2).
     ratio = (1 - gamma_1) * (1 - gamma_2) / (gamma_1 * gamma_2)
     zero = max(np.roots([T_3 * T_4, T_3 + T_4, 1.0 - ratio]))
     assert -6.0 / max(np.linalg.eigvals(model.A).real) < 600.0 < 6.0 * 2.0 / zero < 1000.0
-    scenario = default_scenario(process, point, model)
+    scenario = default_scenario(model)
     assert {segment.stop - segment.start for segment in scenario.segments} == {1000.0}
 
 
@@ -214,8 +213,8 @@ def test_a_zero_in_the_right_half_plane_makes_them_longer() -> None:
 def test_the_nonlinear_process_can_rest_at_every_setpoint(
     parameters: tuple, voltages: tuple[float, float] | None
 ) -> None:
-    process, point, model = quadruple_tank(parameters, voltages)
-    scenario = default_scenario(process, point, model)
+    model = quadruple_tank(parameters, voltages)
+    scenario = default_scenario(model)
     feed = model.B * AREAS[:, None]
     for setpoint in np.unique(scenario.setpoints, axis=0):
         # Torricelli backwards: the outflow that the level needs, then the pumps that feed it.
@@ -229,50 +228,50 @@ def test_the_nonlinear_process_can_rest_at_every_setpoint(
 
 def test_pumps_near_their_limit_make_the_step_smaller_or_turn_it_round() -> None:
     # Static gain 100 · (0.004/20)/0.01 = 2 V/V; a step of 2 V needs 1 V of the pump.
-    assert sizes(default_scenario(*single_tank(pump=5.0)))[:2] == [2.0, -2.0]
+    assert sizes(default_scenario(single_tank(pump=5.0)))[:2] == [2.0, -2.0]
     # 8.95 V leaves 0.55 V below 9.5 V, room for 1.1 V up and for plenty down.
-    assert sizes(default_scenario(*single_tank(pump=8.95)))[:2] == [-2.0, 2.0]
+    assert sizes(default_scenario(single_tank(pump=8.95)))[:2] == [-2.0, 2.0]
     # At 0.1 V/V, 4 V leaves 5.5 V up to 9.5 V and 3.5 V down to 0.5 V: room for 0.55 V up.
-    assert sizes(default_scenario(*single_tank(gain=0.0002, pump=4.0)))[:2] == [0.5, -0.5]
-    assert sizes(default_scenario(*single_tank(gain=0.0002, pump=6.0)))[:2] == [-0.5, 0.5]
+    assert sizes(default_scenario(single_tank(gain=0.0002, pump=4.0)))[:2] == [0.5, -0.5]
+    assert sizes(default_scenario(single_tank(gain=0.0002, pump=6.0)))[:2] == [-0.5, 0.5]
     # A pump that empties the tank has its room the other way round.
-    assert sizes(default_scenario(*single_tank(gain=-0.0002, pump=4.0)))[:2] == [-0.5, 0.5]
+    assert sizes(default_scenario(single_tank(gain=-0.0002, pump=4.0)))[:2] == [-0.5, 0.5]
 
 
 def test_levels_go_at_most_half_way_to_floor_and_rim() -> None:
     # 0.5 cm above the floor, 19.5 cm below the rim: upward. The same below the rim: downward.
-    assert sizes(default_scenario(*single_tank(level=0.005)))[:2] == [2.0, -2.0]
-    assert sizes(default_scenario(*single_tank(level=0.195)))[:2] == [-2.0, 2.0]
+    assert sizes(default_scenario(single_tank(level=0.005)))[:2] == [2.0, -2.0]
+    assert sizes(default_scenario(single_tank(level=0.195)))[:2] == [-2.0, 2.0]
     # With a wide sensor and no room for the pump upward: half of 5 cm at 100 V/m is 2.5 V.
     wide = single_tank(level=0.05, pump=9.4, sensor=(-20.0, 20.0))
-    assert sizes(default_scenario(*wide))[:2] == [-2.0, 2.0]
+    assert sizes(default_scenario(wide))[:2] == [-2.0, 2.0]
     # With no room downward: half of the 5 cm to the rim.
     wide = single_tank(level=0.15, pump=0.6, sensor=(-40.0, 60.0))
-    assert sizes(default_scenario(*wide))[:2] == [2.0, -2.0]
+    assert sizes(default_scenario(wide))[:2] == [2.0, -2.0]
 
 
 def test_an_integrating_tank_needs_no_static_gain() -> None:
     # dh/dt = 1e-4 m/(s V): 10 V fill the 20 cm in 200 s, times six.
-    scenario = default_scenario(*single_tank(pole=0.0, gain=0.002))
+    scenario = default_scenario(single_tank(pole=0.0, gain=0.002))
     assert sizes(scenario)[:2] == [2.0, -2.0]
     assert scenario.segments[0].stop - scenario.segments[0].start == 1500.0
 
 
 def test_a_process_without_disturbances_has_no_load_step() -> None:
-    scenario = default_scenario(*single_tank())
+    scenario = default_scenario(single_tank())
     assert [segment.kind for segment in scenario.segments] == ["setpoint", "setpoint", "noise"]
     assert scenario.disturbances.shape == (scenario.samples, 0)
     assert scenario.segments[0].stop - scenario.segments[0].start == 600.0
 
 
 def test_a_process_faster_than_its_controller_still_gets_whole_steps() -> None:
-    scenario = default_scenario(*single_tank(pole=-5.0, gain=2.0))
+    scenario = default_scenario(single_tank(pole=-5.0, gain=2.0))
     assert scenario.segments[0].stop - scenario.segments[0].start == 6.0 * 10.0 * 0.5
 
 
 def test_noise_is_white_normal_and_only_in_its_segment() -> None:
-    process, point, model = quadruple_tank(MINIMUM_PHASE)
-    scenario = default_scenario(process, point, model, seed=7)
+    model = quadruple_tank(MINIMUM_PHASE)
+    scenario = default_scenario(model, seed=7)
     segment = scenario.segments[-1]
     within = (scenario.time >= segment.start) & (scenario.time < segment.stop)
     assert np.all(scenario.noise[~within] == 0.0)
@@ -285,8 +284,8 @@ def test_noise_is_white_normal_and_only_in_its_segment() -> None:
 
 
 def test_the_seed_makes_the_noise_and_nothing_else() -> None:
-    case = quadruple_tank(MINIMUM_PHASE)
-    one, same, other = (default_scenario(*case, seed=seed) for seed in (3, 3, 4))
+    model = quadruple_tank(MINIMUM_PHASE)
+    one, same, other = (default_scenario(model, seed=seed) for seed in (3, 3, 4))
     assert (one.seed, other.seed) == (3, 4)
     assert np.array_equal(one.noise, same.noise) and not np.array_equal(one.noise, other.noise)
     assert np.array_equal(one.setpoints, other.setpoints)
@@ -294,42 +293,46 @@ def test_the_seed_makes_the_noise_and_nothing_else() -> None:
 
 
 def test_a_model_of_the_controlled_outputs_alone_serves_as_well() -> None:
-    process, point, model = quadruple_tank(NONMINIMUM_PHASE)
-    full = default_scenario(process, point, model)
-    part = default_scenario(process, point, model.select(outputs=process.controlled))
+    model = quadruple_tank(NONMINIMUM_PHASE)
+    full = default_scenario(model)
+    part = default_scenario(model.select(outputs=("level_1", "level_2")))
     assert part.segments == full.segments and np.array_equal(part.setpoints, full.setpoints)
 
 
-def without_range(case: Case) -> Case:
-    process, point, model = case
+def on(process: Process, model: LinearModel) -> LinearModel:
+    """Return the model as one of another process."""
+    return replace(model, point=replace(model.point, process=process))
+
+
+def without_range(model: LinearModel) -> LinearModel:
+    process = model.point.process
     endless = (replace(process.measurements[0], high=math.inf),)
-    return replace(process, measurements=endless), point, model
+    return on(replace(process, measurements=endless), model)
 
 
-def scanned_too_fast(case: Case) -> Case:
-    process, point, model = case
-    return replace(process, sampling_period=1e-4), point, model
+def scanned_too_fast(model: LinearModel) -> LinearModel:
+    return on(replace(model.point.process, sampling_period=1e-4), model)
 
 
-def with_two_sensors(case: Case) -> Case:
-    """Return the case with a second sensor on the same tank, controlled as well."""
-    process, point, model = case
+def with_two_sensors(model: LinearModel) -> LinearModel:
+    """Return the model with a second sensor on the same tank, controlled as well."""
+    point, process = model.point, model.point.process
     second = replace(process.measurements[0], name="second")
     process = replace(
         process, measurements=(*process.measurements, second), controlled=("level", "second")
     )
-    model = replace(
+    point = replace(point, process=process, measurements=np.repeat(point.measurements, 2))
+    return replace(
         model,
         C=np.vstack([model.C, 2.0 * model.C]),
         D=np.zeros((2, 1)),
         outputs=("level", "second"),
+        point=point,
     )
-    point = replace(point, process=process, measurements=np.repeat(point.measurements, 2))
-    return process, point, model
 
 
 @pytest.mark.parametrize(
-    ("case", "message"),
+    ("model", "message"),
     [
         (without_range(single_tank()), "rig, level: got 'a range from 0 to inf V'"),
         (
@@ -346,12 +349,13 @@ def with_two_sensors(case: Case) -> Case:
         ),
     ],
 )
-def test_what_allows_no_scenario_is_refused(case: Case, message: str) -> None:
+def test_what_allows_no_scenario_is_refused(model: LinearModel, message: str) -> None:
     with pytest.raises(InputError) as refusal:
-        default_scenario(*case)
+        default_scenario(model)
     assert str(refusal.value).startswith(message)
 
 
-def test_a_negative_seed_is_refused() -> None:
-    with pytest.raises(InputError, match="seed: got -1, expected a whole number from 0"):
-        default_scenario(*single_tank(), seed=-1)
+@pytest.mark.parametrize("seed", [-1, 1.5, True, "1", None])
+def test_a_seed_that_is_none_is_refused(seed: object) -> None:
+    with pytest.raises(InputError, match=rf"seed: got {seed!r}, expected a whole number from 0"):
+        default_scenario(single_tank(), seed=seed)

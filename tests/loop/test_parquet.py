@@ -22,7 +22,7 @@ def runs() -> list[Run]:
     """Two runs of other length with random numbers, some of them special."""
     process = load_process("quadruple-tank")
     analysis = analyse(process)
-    controller = design_simc(process, analysis.model, analysis.pairing)
+    controller = design_simc(analysis.model, analysis.pairing)
     random = np.random.default_rng(1)
     made = []
     for name, samples in (("first", 7), ("second, with a comma", 5)):
@@ -80,6 +80,11 @@ def test_the_schema_carries_a_unit_for_every_number(runs, tmp_path):
         **{f"inflow_{i}": "m^3/s" for i in (1, 2)},
     }
     assert b"quadruple-tank" in schema.metadata.values()
+
+
+def test_no_run_is_refused(tmp_path):
+    with pytest.raises(InputError, match="at least one run"):
+        write_parquet([], tmp_path / "runs.parquet")
 
 
 def test_a_missing_folder_is_refused(runs, tmp_path):

@@ -5,7 +5,6 @@ import pytest
 
 from clepsydra.design.simc import design_simc
 from clepsydra.linear.analysis import analyse
-from clepsydra.linear.linearise import linearise
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
@@ -29,11 +28,9 @@ def scenario() -> Scenario:
 
 @pytest.fixture(scope="module")
 def run(scenario) -> Run:
-    process = load_process("quadruple-tank")
-    analysis = analyse(process)
-    controller = design_simc(process, analysis.model, analysis.pairing)
-    point = analysis.operating_point
-    return Loop(process, controller, point, linearise(process, point)).run(scenario)
+    analysis = analyse(load_process("quadruple-tank"))
+    controller = design_simc(analysis.model, analysis.pairing)
+    return Loop(controller, analysis.model).run(scenario)
 
 
 EXPECTED_UNITS = {

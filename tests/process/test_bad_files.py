@@ -208,3 +208,16 @@ def test_any_extension() -> None:
     Path("plant.txt").write_text(VALID, encoding="utf-8")
     assert load_process("plant.txt").name == "plant"
     assert load_process(Path("plant.txt")).name == "plant"
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"), [(3, "3"), (None, "None"), (b"a.toml", "'a bytes'"), ([], "'a list'")]
+)
+def test_what_is_neither_name_nor_path(value, shown):
+    with pytest.raises(InputError) as refusal:
+        load_process(value)
+    assert str(refusal.value) == (
+        f"process: got {shown}, expected a name of the catalogue (quadruple-tank, "
+        "quadruple-tank-nonminimum-phase) or the path of a .toml file; "
+        "give it as text or as a Path."
+    )

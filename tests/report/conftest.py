@@ -136,6 +136,9 @@ def simulate(process: Process, point: OperatingPoint, law: Controller, plan: Sce
         (process.disturbances, plan.disturbances),
     ):
         columns |= {signal.name: np.array(table)[:, place] for place, signal in enumerate(signals)}
+    for signal in process.inputs:
+        low, high = (columns[signal.name] == limit for limit in (signal.low, signal.high))
+        columns[f"{signal.name}.status"] = 1.0 + 4.0 * low + 8.0 * high
     for place, name in enumerate(process.controlled):
         columns[f"{name}.setpoint"] = plan.setpoints[:, place]
     signals = (*process.state, *process.measurements, *process.inputs, *process.disturbances)

@@ -1,3 +1,4 @@
+import re
 from itertools import combinations
 from pathlib import Path
 from xml.etree import ElementTree
@@ -5,7 +6,7 @@ from xml.etree import ElementTree
 import pytest
 
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.process.catalogue_names import catalogue_names
+from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.reader import load_process
 from clepsydra.report.drawing import process_drawing
 from clepsydra.report.flow_graph import flow_graph
@@ -223,3 +224,16 @@ def test_words_of_a_file_cannot_break_the_drawing(process):
     hostile = replace(process, title='</title><script>alert("x")</script>')
     ElementTree.fromstring(process_drawing(hostile, find_equilibrium(process)))
     assert "<script" not in process_drawing(hostile, find_equilibrium(process))
+
+
+def test_long_names_beside_pumps_are_shortened_and_told_in_full_to_who_asks(tmp_path):
+    name = "condensate_feed_pump_of_line_2301_west"
+    text = catalogue_file("quadruple-tank").read_text("utf-8").replace("pump_1", name)
+    path = tmp_path / "long.toml"
+    path.write_text(text, encoding="utf-8")
+    process = load_process(path)
+    drawing = process_drawing(process, find_equilibrium(process))
+    assert f"<title>pump {name}, 3.00 V, 30 %</title>" in drawing
+    written = re.findall(r'class="name">([^<]*)<', drawing)
+    assert name not in written
+    assert max(len(words) for words in written) <= 24

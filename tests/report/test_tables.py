@@ -9,9 +9,16 @@ from rich.console import Console
 
 from clepsydra.base.signal import Signal
 from clepsydra.report.analysis_tables import relative_gain_grid, roots_grid, static_gain_grid
-from clepsydra.report.controller_tables import parameter_tables, wiring
-from clepsydra.report.score_tables import RANKING_COLUMNS, ranking_rows, score_tables
+from clepsydra.report.controller_tables import parameter_tables, status_words, wiring
+from clepsydra.report.html import report_text
+from clepsydra.report.score_tables import (
+    RANKING_COLUMNS,
+    is_recommended,
+    ranking_rows,
+    score_tables,
+)
 from clepsydra.report.tables import analysis_table, ranking_table
+from clepsydra.study.result import Standing
 
 
 def printed(renderable):
@@ -132,6 +139,55 @@ def test_the_wiring_names_what_stands_behind_each_index(result):
         "manipulated variables",
         "1 = pump_1, 2 = pump_2",
     )
+
+
+def test_status_words_are_told_with_their_durations(run):
+    seconds = [
+        [int(np.sum(run.values[name] == limit)) for limit in (0.0, 10.0)]
+        for name in ("pump_1", "pump_2")
+    ]
+    assert seconds[0] == seconds[1] and all(seconds[0])  # so both stand in one sentence
+    low, high = seconds[0]
+    assert status_words(run) == [
+        "pump_1, pump_2: the mode is automatic (2800 s); the output stands at its low limit "
+        f"({low} s); the output stands at its high limit ({high} s)"
+    ]
+
+
+def test_status_words_count_samples_of_any_length(run):
+    slow = replace(run.scenario, sampling_period=2.5)
+    status = np.zeros(run.scenario.samples)
+    status[:4] = 1 + 16 + 32
+    values = run.values | {"pump_1.status": status, "pump_2.status": 0 * status}
+    first, second = status_words(replace(run, scenario=slow, values=values))
+    assert first == (
+        "pump_1: the mode is automatic (10 s); a sensor that the law needs reports a fault (10 s); "
+        "an input in use is not a number, or the mode is none of manual, automatic, tracking (10 s)"
+    )
+    assert second == "pump_2: the mode is manual, nothing else to tell"
+
+
+def test_a_pair_of_roots_is_one_row(result):
+    roots = np.array([2j, -2j, -0.5 + 0.25j, -0.5 - 0.25j])
+    times = np.array([np.inf, np.inf, 2.0, 2.0])
+    analysis = replace(
+        result.analysis, poles=roots, time_constants=times, zeros=np.array([0.0128 + 0j])
+    )
+    assert roots_grid(analysis).rows == (
+        ("poles", "±2.00j", "∞ s"),
+        ("poles", "−0.500 ± 0.250j", "2.00 s"),
+        ("zero", "+0.0128", ""),
+    )
+
+
+def test_the_least_bad_is_not_shown_as_the_best(result):
+    unsafe = tuple(replace(entry, standing=Standing.UNSAFE) for entry in result.ranking)
+    text = printed(ranking_table(replace(result, ranking=unsafe)))
+    assert text.rstrip().splitlines()[-2].startswith("Next: no controller can be recommended")
+    assert not is_recommended(replace(result, ranking=unsafe))
+    assert is_recommended(result)
+    assert 'class="numbers best"' not in report_text(replace(result, ranking=unsafe))
+    assert report_text(result).count('class="numbers best"') == 1
 
 
 def test_the_analysis_shows_johanssons_relative_gain_and_time_constants(result):

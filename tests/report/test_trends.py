@@ -3,11 +3,14 @@ from dataclasses import replace
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.report.colours import INK, signal_colours
 from clepsydra.report.panels import all_panels, controlled_panels
 from clepsydra.report.plot import plot
 from clepsydra.report.trends import segment_words, trend_figure
+from clepsydra.study.study import run_study
 
 
 def panel_axes(figure, run):
@@ -138,3 +141,19 @@ def test_drawing_leaves_the_settings_of_the_caller_alone(run):
     before = dict(matplotlib.rcParams)
     plot(run)
     assert dict(matplotlib.rcParams) == before
+
+
+def test_long_names_leave_room_for_the_name_of_a_limit(tmp_path):
+    text = catalogue_file("quadruple-tank").read_text("utf-8")
+    for short in ("tank_1", "level_1"):
+        text = text.replace(short, f"{short}_of_the_second_condensate_line_N")
+    path = tmp_path / "long.toml"
+    path.write_text(text, encoding="utf-8")
+    run = run_study(path).ranking[0].run
+    figure = trend_figure(run, controlled_panels(run))
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    axes = next(entry for entry in figure.axes if entry.get_legend())
+    entries = axes.get_legend().get_texts()
+    assert len(entries) == 3 and all("…" in entry.get_text() for entry in entries)
+    (limit,) = [words for words in axes.texts if words.get_text().startswith("rim")]
+    assert axes.get_legend().get_window_extent(renderer).x1 < limit.get_window_extent(renderer).x0

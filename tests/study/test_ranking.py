@@ -35,7 +35,7 @@ def point(process) -> OperatingPoint:
 @pytest.fixture(scope="module")
 def controller(process) -> Controller:
     analysis = analyse(process)
-    return design_simc(process, analysis.model, analysis.pairing)
+    return design_simc(analysis.model, analysis.pairing)
 
 
 @pytest.fixture(scope="module")

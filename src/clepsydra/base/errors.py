@@ -7,6 +7,15 @@ class ClepsydraError(Exception):
     """The root of every error that Clepsydra raises on purpose.
 
     The command line prints it as one message and ends with exit status 2.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> try:
+    ...     load_process("no-such-tank.toml")
+    ... except ClepsydraError as error:
+    ...     print(error)
+    no-such-tank.toml: got 'no such file', expected a process file; check the path.
     """
 
 

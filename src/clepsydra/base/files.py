@@ -30,7 +30,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     """
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-    except OSError as error:
+    except (OSError, ValueError) as error:  # ValueError: a null character in the path
         raise _unwritable(path, error) from None
     os.close(handle)
     part = Path(name)
@@ -48,10 +48,11 @@ def whole_file(path: Path) -> Iterator[Path]:
         raise
 
 
-def _unwritable(path: Path, error: OSError) -> InputError:
+def _unwritable(path: Path, error: OSError | ValueError) -> InputError:
+    reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     return InputError(
         "output",
         str(path),
         "a file that can be written",
-        f"choose another folder, or make room ({error.strerror})",
+        f"choose another folder, or make room ({reason})",
     )

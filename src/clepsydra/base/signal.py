@@ -48,6 +48,15 @@ class Signal:
     description: str = ""
 
     @property
+    def span(self) -> float:
+        """The width of the range, high - low [unit]; infinite where a limit is open.
+
+        >>> Signal("pump_1", "V", low=-2.0, high=10.0).span, Signal("tank_1.area", low=0.0).span
+        (12.0, inf)
+        """
+        return self.high - self.low
+
+    @property
     def shown_unit(self) -> str:
         """The unit that the reader sees."""
         return self.display_unit or self.unit
@@ -59,8 +68,8 @@ class Signal:
 
     def to_percent(self, value: float) -> float:
         """Return the place of a value [unit] in the range [%]."""
-        return 100.0 * (value - self.low) / (self.high - self.low)
+        return 100.0 * (value - self.low) / self.span
 
     def from_percent(self, percent: float) -> float:
         """Return the value [unit] at a place in the range [%]."""
-        return self.low + (self.high - self.low) * percent / 100.0
+        return self.low + self.span * percent / 100.0

@@ -21,13 +21,14 @@ def study(
 ) -> None:
     """Design, simulate, score and rank controllers for a process; write report and data."""
     from clepsydra.base.errors import InputError
+    from clepsydra.process.reader import load_process
     from clepsydra.study.study import run_study
 
     if not folder.is_dir():
         raise InputError("--output", str(folder), "a folder that exists", "make the folder first")
-    result = run_study(process, seed=seed)
-    report = folder / f"{result.process.name}.html"
-    data = folder / f"{result.process.name}.parquet"
+    plant = load_process(process)
+    report, data = (_target(folder / f"{plant.name}.{kind}") for kind in ("html", "parquet"))
+    result = run_study(plant, seed=seed)
     if not as_json:
         from rich.console import Console
 
@@ -39,10 +40,22 @@ def study(
     from clepsydra.report.html import write_report
 
     write_report(result, report)
-    write_parquet([candidate.run for candidate in result.ranking], data)
+    written = {"report": str(report)}
+    if result.ranking:
+        write_parquet([candidate.run for candidate in result.ranking], data)
+        written["trajectories"] = str(data)
     if as_json:
         from clepsydra.cli.output import print_json
 
-        print_json({**result.as_dict(), "report": str(report), "trajectories": str(data)})
+        print_json({**result.as_dict(), **written})
     else:
-        typer.echo(f"Report: {report}\nTrajectories: {data}")
+        for what, where in written.items():
+            typer.echo(f"{what.capitalize()}: {where}")
+
+
+def _target(path: Path) -> Path:
+    from clepsydra.base.errors import InputError
+
+    if path.is_dir():
+        raise InputError("--output", str(path), "the name of a file", "move that folder away")
+    return path

@@ -5,6 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from clepsydra.controllers.parameters import check_initial_state, check_parameters
+from clepsydra.controllers.wiring import check_wiring, input_wires, output_wires
+from clepsydra.program.defaults import with_defaults
+from clepsydra.program.program import Program
+from clepsydra.program.reader import program_of
 from clepsydra.program.step_law import StepLaw
 
 
@@ -41,7 +45,21 @@ class Controller:
     Raises
     ------
     InputError
-        A parameter or initial state is missing, unknown, not finite or outside its range.
+        A parameter or initial state is missing, unknown, no finite number or outside its
+        range, or the names of the signals are not one for each signal of the law.
+
+    Examples
+    --------
+    Gains found by hand for one tank:
+
+    >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
+    >>> by_hand = Controller(
+    ...     "PI, by hand", "multiloop PI", "Found on the plant.", multiloop_pi_law(1, "clamping"),
+    ...     dict(proportional_gain_1=2.0, integral_time_1=40.0, setpoint_weight_1=1.0,
+    ...          low_limit_1=0.0, high_limit_1=10.0),
+    ...     dict(integral_1=3.0, last_output_1=3.0), ("level_1",), ("level_1",), ("pump_1",))
+    >>> by_hand.output_wires
+    {'manipulated_1': 'pump_1', 'status_1': 'pump_1.status'}
     """
 
     name: str
@@ -58,24 +76,33 @@ class Controller:
     def __post_init__(self) -> None:
         check_parameters(self.law, self.values, self.name)
         check_initial_state(self.law, self.initial_state, self.name)
+        check_wiring(self.law, self.measurements, self.setpoints, self.manipulated, self.name)
 
     @property
     def input_wires(self) -> dict[str, str]:
         """Law input to the loop's signal, "mode_1" → "pump_1.mode"; time_step is not wired."""
-        wires: dict[str, str] = {}
-        for number, name in enumerate(self.measurements, 1):
-            wires |= {f"measurement_{number}": name, f"sensor_{number}": f"{name}.sensor"}
-        for number, name in enumerate(self.setpoints, 1):
-            wires[f"setpoint_{number}"] = f"{name}.setpoint"
-        for number, name in enumerate(self.manipulated, 1):
-            for what in ("mode", "manual", "tracking"):
-                wires[f"{what}_{number}"] = f"{name}.{what}"
-        return wires
+        return input_wires(self.measurements, self.setpoints, self.manipulated)
 
     @property
     def output_wires(self) -> dict[str, str]:
         """Law output to the loop's signal, "status_1" → "pump_1.status"."""
-        wires: dict[str, str] = {}
-        for number, name in enumerate(self.manipulated, 1):
-            wires |= {f"manipulated_{number}": name, f"status_{number}": f"{name}.status"}
-        return wires
+        return output_wires(self.manipulated)
+
+    def program(self) -> Program:
+        """Return the law as a program that starts with this controller's numbers.
+
+        `print_c` and `print_structured_text` print the parameters and the initial state that
+        were designed, as the declarations' initial values.
+
+        Examples
+        --------
+        >>> from clepsydra.design.simc import design_simc
+        >>> from clepsydra.linear.analysis import analyse
+        >>> from clepsydra.process.reader import load_process
+        >>> analysis = analyse(load_process("quadruple-tank"))
+        >>> program = design_simc(analysis.model, analysis.pairing).program()
+        >>> gain = program.parameters[0]
+        >>> gain.name, round(gain.initial, 6)
+        ('proportional_gain_1', 3.0)
+        """
+        return with_defaults(program_of(self.law), {**self.values, **self.initial_state})

@@ -9,8 +9,8 @@ import casadi as ca
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.controllers.blocks.output_stage import output_stage
+from clepsydra.controllers.blocks.anti_windup import AntiWindup, check_anti_windup
+from clepsydra.controllers.blocks.output_stage import output_stage, stage_equations
 from clepsydra.controllers.blocks.validity import all_of, is_number, value_or_zero
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
@@ -65,7 +65,8 @@ def lqi_law(
     Raises
     ------
     InputError
-        A setpoint belongs to no measurement, or the signals do not match the numbers.
+        A setpoint belongs to no measurement, the signals do not match the numbers, or the
+        anti-windup is unknown.
 
     References
     ----------
@@ -88,6 +89,7 @@ def lqi_law(
     >>> float(outputs[0]), float(state[0])
     (2.0, 0.05)
     """
+    check_anti_windup(anti_windup)
     measured = signals.wired_signals("measurement", states, measured, "LQI law, measured")
     manipulated = signals.wired_signals("output", outputs, manipulated, "LQI law, manipulated")
     controlled = tuple(controlled)
@@ -183,32 +185,25 @@ def _equations(
         setpoint - measurements[number - 1]
         for setpoint, number in zip(setpoints, controlled, strict=True)
     ]
-    next_state: dict[str, ca.SX] = {}
-    results: dict[str, ca.SX] = {}
+    stages = []
     intermediates = {f"deviation_{j}": value for j, value in enumerate(deviations, start=1)}
     intermediates |= {f"error_{j}": value for j, value in enumerate(errors, start=1)}
     for i in range(1, outputs + 1):
         feedback = _weighted_sum(symbols, f"feedback_{i}", deviations)
         rate = _weighted_sum(symbols, f"integral_gain_{i}", errors)
-        stage = output_stage(
-            symbols,
-            i,
-            proportional=symbols[f"bias_{i}"] - feedback,
-            increment=symbols["time_step"] * rate,
-            signals_are_numbers=all_of(valid),
-            sensors_are_good=sensors_are_good,
-            anti_windup=anti_windup,
+        intermediates |= {f"feedback_{i}": feedback, f"integral_rate_{i}": rate}
+        stages.append(
+            output_stage(
+                symbols,
+                i,
+                proportional=symbols[f"bias_{i}"] - feedback,
+                increment=symbols["time_step"] * rate,
+                signals_are_numbers=all_of(valid),
+                sensors_are_good=sensors_are_good,
+                anti_windup=anti_windup,
+            )
         )
-        next_state[f"integral_{i}"] = stage.integral
-        next_state[f"last_output_{i}"] = stage.manipulated
-        results[f"manipulated_{i}"] = stage.manipulated
-        results[f"status_{i}"] = stage.status
-        intermediates |= {
-            f"feedback_{i}": feedback,
-            f"integral_rate_{i}": rate,
-            **stage.intermediates,
-        }
-    return Equations(next_state, results, intermediates)
+    return stage_equations(stages, intermediates)
 
 
 def _weighted_sum(symbols: Symbols, prefix: str, values: list[ca.SX]) -> ca.SX:

@@ -1,7 +1,8 @@
-"""The linear model of a controller, taken from its step law."""
+"""The linear model of a step law, by differentiating it."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -11,8 +12,7 @@ from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
-from clepsydra.controllers.controller import Controller
-from clepsydra.process.process import Process
+from clepsydra.program.step_law import StepLaw
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,11 +21,20 @@ class LinearStepLaw:
 
     x(k+1) = A x(k) + B_setpoint r(k) + B_measurement y(k),
     u(k) = C x(k) + D_setpoint r(k) + D_measurement y(k), with r, y and u in the order of the
-    process's controlled measurements, measurements and inputs.
+    law's setpoint_j, measurement_j and manipulated_i.
 
     Parameters
     ----------
     A, B_setpoint, B_measurement, C, D_setpoint, D_measurement : ndarray
+
+    Examples
+    --------
+    Proportional control with a gain of 2 has no state:
+
+    >>> none = np.zeros((0, 0))
+    >>> law = LinearStepLaw(none, none, none, none, 2 * np.eye(1), -2 * np.eye(1))
+    >>> float((law.D_setpoint @ [5.0] + law.D_measurement @ [4.5])[0])
+    1.0
     """
 
     A: np.ndarray
@@ -36,21 +45,12 @@ class LinearStepLaw:
     D_measurement: np.ndarray
 
 
-def linear_step_law(controller: Controller, process: Process) -> LinearStepLaw:
-    """Return the linear model of a controller by differentiating its step law.
-
-    States that nothing depends on in automatic (the last output) are left out.
+class StepLawDerivatives:
+    """The derivatives of a step law, built once and evaluated for any parameter values.
 
     Parameters
     ----------
-    controller : Controller
-    process : Process
-        It gives the order of the signals and the sampling period.
-
-    Returns
-    -------
-    LinearStepLaw
-        States in the law's order; inputs that the controller does not move have zero rows.
+    law : StepLaw
 
     Raises
     ------
@@ -59,87 +59,91 @@ def linear_step_law(controller: Controller, process: Process) -> LinearStepLaw:
 
     Examples
     --------
-    A PI controller with K = 2 V/V and Ti = 10 s, sampled at 1 s, on one tank of 50 s:
+    A PI controller with K = 2 V/V and Ti = 10 s at a time step of 1 s:
 
-    >>> from clepsydra.controllers.proportional_integral import FAMILY, multiloop_pi_law
-    >>> x, u, none = ca.SX.sym("x"), ca.SX.sym("u"), ca.SX(0, 1)
-    >>> tank = Process("tank", "", "", (Signal("tank.level", "m"),), (Signal("pump", "V"),), (),
-    ...                (Signal("level", "V"),), ("level",), (),
-    ...                ca.Function("f", [x, u, none, none], [-x / 50 + u]),
-    ...                ca.Function("g", [x, none], [x]), {"level": "tank.level"}, (), {}, 1.0)
+    >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
     >>> values = dict(proportional_gain_1=2.0, integral_time_1=10.0, setpoint_weight_1=1.0,
     ...               low_limit_1=0.0, high_limit_1=10.0)
-    >>> pi = Controller("PI", FAMILY, "by hand", multiloop_pi_law(1, "clamping"), values,
-    ...                 {"integral_1": 0.0, "last_output_1": 0.0}, ("level",), ("level",),
-    ...                 ("pump",))
-    >>> model = linear_step_law(pi, tank)
+    >>> derivatives = StepLawDerivatives(multiloop_pi_law(1, "clamping"))
+    >>> model = derivatives.at(values, {}, {"time_step": 1.0})
     >>> float(model.B_setpoint[0, 0]), float(model.D_measurement[0, 0])
     (0.2, -2.0)
     """
-    law = controller.law
-    if not all(isinstance(state, Signal) for state in law.state):
-        raise ClepsydraError(
-            f"{controller.name}: a step law with a delay ring has no linear model here"
+
+    def __init__(self, law: StepLaw) -> None:
+        if not all(isinstance(state, Signal) for state in law.state):
+            raise ClepsydraError(
+                f"{law.name}: a step law with a delay ring has no linear model here"
+            )
+        self.law = law
+        state, inputs, parameters = (
+            ca.SX.sym(n, law.function.numel_in(k)) for k, n in enumerate("xup")
         )
-    step_x, step_u, output_x, output_u = _jacobians(controller, process.sampling_period)
-    outputs = [signal.name for signal in law.outputs]
-    inputs = [signal.name for signal in law.inputs]
-    rows = [outputs.index(f"manipulated_{i + 1}") for i in range(len(controller.manipulated))]
-    from_setpoints = [inputs.index(f"setpoint_{j + 1}") for j in range(len(controller.setpoints))]
-    from_measurements = [
-        inputs.index(f"measurement_{j + 1}") for j in range(len(controller.measurements))
-    ]
-    read = np.any(step_x != 0.0, axis=0) | np.any(output_x[rows] != 0.0, axis=0)
+        next_state, outputs, _ = law.function(state, inputs, parameters)
+        self._function = ca.Function(
+            "jacobians",
+            [state, inputs, parameters],
+            [
+                ca.densify(ca.jacobian(expression, symbols))
+                for expression in (next_state, outputs)
+                for symbols in (state, inputs)
+            ],
+        )
 
-    setpoints = _placement(controller.setpoints, process.controlled)
-    measurements = _placement(controller.measurements, [s.name for s in process.measurements])
-    manipulated = _placement(controller.manipulated, [s.name for s in process.inputs]).T
-    return LinearStepLaw(
-        A=step_x[np.ix_(read, read)],
-        B_setpoint=step_u[read][:, from_setpoints] @ setpoints,
-        B_measurement=step_u[read][:, from_measurements] @ measurements,
-        C=manipulated @ output_x[rows][:, read],
-        D_setpoint=manipulated @ output_u[rows][:, from_setpoints] @ setpoints,
-        D_measurement=manipulated @ output_u[rows][:, from_measurements] @ measurements,
-    )
+    def at(
+        self,
+        values: Mapping[str, float],
+        state: Mapping[str, float],
+        inputs: Mapping[str, float],
+    ) -> LinearStepLaw:
+        """Return the linear model in automatic with sound sensors and the limits far away.
+
+        Parameters
+        ----------
+        values : mapping
+            Parameter name to value.
+        state, inputs : mapping
+            State and input names to where the law is differentiated; zero for the others.
+
+        Returns
+        -------
+        LinearStepLaw
+            Its states are those that something depends on in automatic, in the law's order;
+            the last output, for one, is left out.
+        """
+        law = self.law
+        given = dict(inputs)
+        given |= {s.name: float(Mode.AUTOMATIC) for s in law.inputs if s.name.startswith("mode_")}
+        given |= {s.name: 1.0 for s in law.inputs if s.name.startswith("sensor_")}
+        limits = {
+            s.name: -LARGEST_NUMBER if s.name.startswith("low_limit_") else LARGEST_NUMBER
+            for s in law.parameters
+            if s.name.startswith(("low_limit_", "high_limit_"))
+        }
+        with_limits = {**values, **limits}
+        step_x, step_u, output_x, output_u = (
+            np.array(matrix)
+            for matrix in self._function(
+                [state.get(entry.name, 0.0) for entry in law.state],
+                [given.get(signal.name, 0.0) for signal in law.inputs],
+                [with_limits[parameter.name] for parameter in law.parameters],
+            )
+        )
+        rows = _numbered([signal.name for signal in law.outputs], "manipulated_")
+        names = [signal.name for signal in law.inputs]
+        setpoints, measurements = _numbered(names, "setpoint_"), _numbered(names, "measurement_")
+        read = np.any(step_x != 0.0, axis=0) | np.any(output_x[rows] != 0.0, axis=0)
+        return LinearStepLaw(
+            A=step_x[np.ix_(read, read)],
+            B_setpoint=step_u[read][:, setpoints],
+            B_measurement=step_u[read][:, measurements],
+            C=output_x[rows][:, read],
+            D_setpoint=output_u[rows][:, setpoints],
+            D_measurement=output_u[rows][:, measurements],
+        )
 
 
-def _jacobians(controller: Controller, time_step: float) -> list[np.ndarray]:
-    """Return ∂(next state, output)/∂(state, inputs) in automatic with the limits far away."""
-    law = controller.law
-    state, inputs, parameters = (
-        ca.SX.sym(n, law.function.numel_in(k)) for k, n in enumerate("xup")
-    )
-    next_state, outputs, _ = law.function(state, inputs, parameters)
-    function = ca.Function(
-        "jacobians",
-        [state, inputs, parameters],
-        [
-            ca.densify(ca.jacobian(expression, symbols))
-            for expression in (next_state, outputs)
-            for symbols in (state, inputs)
-        ],
-    )
-    given: dict[str, float] = {"time_step": time_step}
-    given |= {s.name: Mode.AUTOMATIC for s in law.inputs if s.name.startswith("mode_")}
-    given |= {s.name: 1.0 for s in law.inputs if s.name.startswith("sensor_")}
-    limits = {
-        s.name: -LARGEST_NUMBER if s.name.startswith("low_limit_") else LARGEST_NUMBER
-        for s in law.parameters
-        if s.name.startswith(("low_limit_", "high_limit_"))
-    }
-    values = controller.values | limits
-    results = function(
-        [controller.initial_state[state.name] for state in law.state],
-        [given.get(signal.name, 0.0) for signal in law.inputs],
-        [values[parameter.name] for parameter in law.parameters],
-    )
-    return [np.array(result) for result in results]
-
-
-def _placement(names: tuple[str, ...], order: tuple[str, ...] | list[str]) -> np.ndarray:
-    """Return the matrix that picks `names` out of signals in `order`."""
-    placement = np.zeros((len(names), len(order)))
-    for row, name in enumerate(names):
-        placement[row, list(order).index(name)] = 1.0
-    return placement
+def _numbered(names: list[str], prefix: str) -> list[int]:
+    """Return where prefix_1, prefix_2, … stand among the names."""
+    count = sum(name.startswith(prefix) for name in names)
+    return [names.index(f"{prefix}{number}") for number in range(1, count + 1)]

@@ -4,9 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from numbers import Real
 
 from clepsydra.base.errors import InputError
 from clepsydra.program.step_law import StepLaw
+
+
+def is_finite_number(value: object) -> bool:
+    """Tell whether a value is a finite real number; text and truth values are none.
+
+    Examples
+    --------
+    >>> [is_finite_number(value) for value in (2, 0.5, "2", True, float("inf"))]
+    [True, True, False, False, False]
+    """
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> None:
@@ -92,5 +104,5 @@ def _check_names(names: list[str], values: Mapping[str, float], place: str) -> N
 
 
 def _check_finite(place: str, value: float) -> None:
-    if not math.isfinite(value):
+    if not is_finite_number(value):
         raise InputError(place, value, "a finite number", "give a finite number")

@@ -8,8 +8,12 @@ import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.controllers.blocks.output_stage import output_stage
+from clepsydra.controllers.blocks.anti_windup import AntiWindup, check_anti_windup
+from clepsydra.controllers.blocks.output_stage import (
+    OutputStage,
+    output_stage,
+    stage_equations,
+)
 from clepsydra.controllers.blocks.validity import is_number, value_or_zero
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
@@ -55,7 +59,7 @@ def multiloop_pi_law(
     Raises
     ------
     InputError
-        There is no loop, or the signals are not one for each loop.
+        There is no loop, the signals are not one for each loop, or the anti-windup is unknown.
 
     References
     ----------
@@ -77,67 +81,20 @@ def multiloop_pi_law(
     >>> float(outputs[0]), float(state[0])
     (7.0, 5.2)
     """
+    check_anti_windup(anti_windup)
     measured = signals.wired_signals("measurement", loops, measured, "PI law, measured")
     manipulated = signals.wired_signals("output", loops, manipulated, "PI law, manipulated")
     parameters, state, outputs = [], [], []
     for i, (measurement, output) in enumerate(zip(measured, manipulated, strict=True), start=1):
-        parameters += [
-            signals.gain(
-                f"proportional_gain_{i}",
-                signals.ratio_of_units(output.unit, measurement.unit),
-                1.0,
-                f"proportional gain from {measurement.name} to {output.name}",
-            ),
-            signals.duration(f"integral_time_{i}", "integral time"),
-            Signal(
-                f"setpoint_weight_{i}",
-                low=0.0,
-                high=1.0,
-                initial=1.0,
-                description="share of the setpoint in the proportional part",
-            ),
-            *signals.output_parameters(i, output, anti_windup),
-        ]
+        parameters += _settings(i, measurement, output)
+        parameters += signals.output_parameters(i, output, anti_windup)
         state += signals.output_state(i, output)
         outputs += signals.output_signals(i, output)
 
     def equations(symbols: Symbols) -> Equations:
-        next_state: dict[str, ca.SX] = {}
-        results: dict[str, ca.SX] = {}
         intermediates: dict[str, ca.SX] = {}
-        for i in range(1, loops + 1):
-            raw_setpoint, raw_measurement = symbols[f"setpoint_{i}"], symbols[f"measurement_{i}"]
-            setpoint_valid, measurement_valid = is_number(raw_setpoint), is_number(raw_measurement)
-            setpoint = value_or_zero(raw_setpoint, setpoint_valid)
-            measurement = value_or_zero(raw_measurement, measurement_valid)
-            gain = symbols[f"proportional_gain_{i}"]
-            integral_gain = gain / symbols[f"integral_time_{i}"]
-            error = setpoint - measurement
-            proportional = gain * (symbols[f"setpoint_weight_{i}"] * setpoint - measurement)
-            increment = (symbols["time_step"] * integral_gain) * error
-            stage = output_stage(
-                symbols,
-                i,
-                proportional=proportional,
-                increment=increment,
-                signals_are_numbers=ca.logic_and(setpoint_valid, measurement_valid),
-                sensors_are_good=symbols[f"sensor_{i}"],
-                anti_windup=anti_windup,
-            )
-            next_state[f"integral_{i}"] = stage.integral
-            next_state[f"last_output_{i}"] = stage.manipulated
-            results[f"manipulated_{i}"] = stage.manipulated
-            results[f"status_{i}"] = stage.status
-            intermediates |= {
-                f"setpoint_is_number_{i}": setpoint_valid,
-                f"measurement_is_number_{i}": measurement_valid,
-                f"error_{i}": error,
-                f"integral_gain_{i}": integral_gain,
-                f"proportional_{i}": proportional,
-                f"increment_{i}": increment,
-                **stage.intermediates,
-            }
-        return Equations(next_state, results, intermediates)
+        stages = [_loop(symbols, i, anti_windup, intermediates) for i in range(1, loops + 1)]
+        return stage_equations(stages, intermediates)
 
     return step_law(
         "multiloop_pi",
@@ -150,4 +107,55 @@ def multiloop_pi_law(
         state=state,
         outputs=outputs,
         equations=equations,
+    )
+
+
+def _settings(i: int, measurement: Signal, output: Signal) -> list[Signal]:
+    return [
+        signals.gain(
+            f"proportional_gain_{i}",
+            signals.ratio_of_units(output.unit, measurement.unit),
+            1.0,
+            f"proportional gain from {measurement.name} to {output.name}",
+        ),
+        signals.duration(f"integral_time_{i}", "integral time"),
+        Signal(
+            f"setpoint_weight_{i}",
+            low=0.0,
+            high=1.0,
+            initial=1.0,
+            description="share of the setpoint in the proportional part",
+        ),
+    ]
+
+
+def _loop(
+    symbols: Symbols, i: int, anti_windup: AntiWindup, intermediates: dict[str, ca.SX]
+) -> OutputStage:
+    """Write loop i, and add the names of its values on the way to the intermediates."""
+    raw_setpoint, raw_measurement = symbols[f"setpoint_{i}"], symbols[f"measurement_{i}"]
+    setpoint_valid, measurement_valid = is_number(raw_setpoint), is_number(raw_measurement)
+    setpoint = value_or_zero(raw_setpoint, setpoint_valid)
+    measurement = value_or_zero(raw_measurement, measurement_valid)
+    gain = symbols[f"proportional_gain_{i}"]
+    integral_gain = gain / symbols[f"integral_time_{i}"]
+    error = setpoint - measurement
+    proportional = gain * (symbols[f"setpoint_weight_{i}"] * setpoint - measurement)
+    increment = (symbols["time_step"] * integral_gain) * error
+    intermediates |= {
+        f"setpoint_is_number_{i}": setpoint_valid,
+        f"measurement_is_number_{i}": measurement_valid,
+        f"error_{i}": error,
+        f"integral_gain_{i}": integral_gain,
+        f"proportional_{i}": proportional,
+        f"increment_{i}": increment,
+    }
+    return output_stage(
+        symbols,
+        i,
+        proportional=proportional,
+        increment=increment,
+        signals_are_numbers=ca.logic_and(setpoint_valid, measurement_valid),
+        sensors_are_good=symbols[f"sensor_{i}"],
+        anti_windup=anti_windup,
     )

@@ -11,12 +11,13 @@ from clepsydra.deploy.c99_interface import check_names, head_comment, print_head
 from clepsydra.deploy.c99_statements import FUNCTIONS, NOTATION, array, assign, statement
 from clepsydra.deploy.entries import Entry, is_ring, signal_of
 from clepsydra.deploy.expressions import Expression, flag, render, variable
-from clepsydra.deploy.heading import refuse_fused
+from clepsydra.deploy.folding import list_block
+from clepsydra.deploy.heading import check_printable
 from clepsydra.deploy.identifiers import (
     C_WORDS,
     Identifiers,
 )
-from clepsydra.deploy.listing import Listing, list_block
+from clepsydra.deploy.listing import Listing
 from clepsydra.deploy.whole_numbers import check_whole_results
 from clepsydra.program.program import Program
 
@@ -30,6 +31,12 @@ class CSource:
     name : str
         The program's name, from which the files get theirs.
     header, source : str
+
+    Examples
+    --------
+    >>> printed = CSource("level_control", "/* header */", "/* source */")
+    >>> printed.header_name, printed.source_name
+    ('level_control.h', 'level_control.c')
     """
 
     name: str
@@ -67,8 +74,8 @@ def print_c(program: Program) -> CSource:
     Raises
     ------
     InputError
-        An operation is fused, a name is no identifier of C, two names become one, or an
-        integer or boolean result may be something else.
+        It is no program, an operation is fused, a name is no identifier of C, two names become
+        one, or an integer or boolean result may be something else.
 
     Examples
     --------
@@ -78,7 +85,7 @@ def print_c(program: Program) -> CSource:
     >>> print_c(program).source.splitlines()[-4:]
     ['', '  /* outputs */', '  outputs->y = x + x;', '}']
     """
-    refuse_fused(program)
+    check_printable(program)
     check_whole_results(program)
     check_names(program)
     return CSource(program.name, print_header(program), _Printer(program).source())

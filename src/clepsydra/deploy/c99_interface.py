@@ -20,7 +20,14 @@ _PLACEHOLDER = "  char nothing; /* a structure of C99 has at least one member */
 
 
 def check_names(program: Program) -> None:
-    """Refuse names that C does not accept or cannot tell apart."""
+    """Refuse names that C does not accept or cannot tell apart.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block
+    >>> check_names(Program("law", (), (Signal("tank_1.level"),), (), (), Block(1, (), ())))
+    """
     place = f"program {program.name}"
     check_identifier(program.name, place, "C", C_WORDS, ignore_case=False)
     groups: list[Sequence[Entry]] = [
@@ -38,7 +45,17 @@ def check_names(program: Program) -> None:
 
 
 def print_header(program: Program) -> str:
-    """Print the header: four structures and three functions."""
+    """Print the header: four structures and three functions.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block, Operation
+    >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
+    >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
+    >>> "void double_it_initialise(double_it_state *state);" in print_header(program)
+    True
+    """
     name = program.name
     guard = f"{name.upper()}_H"
     lines = head_comment(program)
@@ -67,13 +84,32 @@ def print_header(program: Program) -> str:
 
 
 def head_comment(program: Program) -> list[str]:
-    """Return the comment that both files begin with."""
+    """Return the comment that both files begin with.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block, Operation
+    >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
+    >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
+    >>> head_comment(program)[0]
+    '/* double_it: one sample of a step law, in C99.'
+    """
     first, *rest = heading(program, "C99", _NOTES)
     return [f"/* {first}", *(f" * {line}" for line in rest), " */", ""]
 
 
 def step_head(name: str, end: str) -> list[str]:
-    """Return the head of the function that computes one sample."""
+    """Return the head of the function that computes one sample.
+
+    Examples
+    --------
+    >>> print("\\n".join(step_head("law", ";")))
+    void law_step(const law_parameters *parameters,
+                  law_state *state,
+                  const law_inputs *inputs,
+                  law_outputs *outputs);
+    """
     indent = " " * len(f"void {name}_step(")
     return [
         f"void {name}_step(const {name}_parameters *parameters,",

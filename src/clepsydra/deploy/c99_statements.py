@@ -32,7 +32,15 @@ _LINE = 100
 
 
 def statement(entry: ListingStatement, depth: int) -> list[str]:
-    """Write a statement of a listing, one string a line."""
+    """Write a statement of a listing, one string a line.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.expressions import Expression, variable
+    >>> total = Expression("add", (variable("a"), variable("b")))
+    >>> statement(Assignment("total", total), 1)
+    ['  const double total = a + b;']
+    """
     if isinstance(entry, Assignment):
         return _declare(entry, depth, "const ")
     indent = "  " * depth
@@ -53,14 +61,26 @@ def _declare(assignment: Assignment, depth: int, qualifier: str) -> list[str]:
 
 
 def assign(left: str, right: str, depth: int) -> list[str]:
-    """Write an assignment or a declaration on one line, or on two where one is too long."""
+    """Write an assignment or a declaration on one line, or on two where one is too long.
+
+    Examples
+    --------
+    >>> assign("state->level", "0.5 * level", 1)
+    ['  state->level = 0.5 * level;']
+    """
     indent = "  " * depth
     line = f"{indent}{left} = {right};"
     return [line] if len(line) <= _LINE else [f"{indent}{left} =", f"{indent}    {right};"]
 
 
 def array(left: str, values: Sequence[float]) -> list[str]:
-    """Write an array with its values, six on a line."""
+    """Write an array with its values, six on a line.
+
+    Examples
+    --------
+    >>> array("static const double table[2]", [0.1, 3.0])
+    ['static const double table[2] = {', '  0.1, 3.0,', '};', '']
+    """
     texts = [decimal(value) for value in values]
     rows = [", ".join(texts[first : first + 6]) for first in range(0, len(texts), 6)]
     return [f"{left} = {{", *(f"  {row}," for row in rows), "};", ""]

@@ -29,6 +29,12 @@ class Expression:
         What is written for a variable or a flag.
     number : float
         The value of a constant.
+
+    Examples
+    --------
+    >>> less = Expression("less", (variable("level"), Expression("constant", number=0.2)))
+    >>> less.is_truth, less.is_atom
+    (True, False)
     """
 
     code: str
@@ -48,12 +54,24 @@ class Expression:
 
 
 def variable(text: str) -> Expression:
-    """Return the expression that reads a number."""
+    """Return the expression that reads a number.
+
+    Examples
+    --------
+    >>> variable("level").code
+    'variable'
+    """
     return Expression("variable", text=text)
 
 
 def flag(text: str) -> Expression:
-    """Return the expression that reads a truth value."""
+    """Return the expression that reads a truth value.
+
+    Examples
+    --------
+    >>> flag("in_automatic").is_truth
+    True
+    """
     return Expression("flag", text=text)
 
 
@@ -79,6 +97,12 @@ class Notation:
         Operations that need a few steps, and so a variable of their own to do them in.
     infinity : str
         The text of infinity; empty where the language has none.
+
+    Examples
+    --------
+    >>> signs = Notation("signs", {"less": "<"}, {}, "!", frozenset(), frozenset())
+    >>> render(Expression("not", (Expression("less", (variable("a"), variable("b"))),)), signs)
+    '!(a < b)'
     """
 
     language: str

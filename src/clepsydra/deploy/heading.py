@@ -8,6 +8,7 @@ import textwrap
 from collections.abc import Iterator
 
 from clepsydra import __version__
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.entries import Entry, signal_of
@@ -16,26 +17,39 @@ from clepsydra.program.program import Block, Loop, Program
 
 
 def digest(program: Program) -> str:
-    """Return a short digest of a program: signals, values and every operation.
+    """Return a short digest of a program: signals, values, names and every operation.
 
-    Two prints with the same digest compute the same numbers from the same start.
+    One version of Clepsydra prints programs with the same digest as the same text, so they also
+    compute the same numbers from the same start.
+
+    Examples
+    --------
+    >>> from clepsydra.program.program import Operation
+    >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
+    >>> program = Program("law", (), (Signal("x"),), (), (Signal("y"),), double)
+    >>> named = Program("law", (), (Signal("x"),), (), (Signal("y"),), double, {1: "twice"})
+    >>> len(digest(program)), digest(program) == digest(named)
+    (16, False)
     """
     text = "\n".join(_lines(program))
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def _lines(program: Program) -> Iterator[str]:
-    yield program.name
-    for entry in (*program.state, *program.inputs, *program.parameters, *program.outputs):
-        yield repr(entry)
+    yield repr(program.name)
+    for group in ("state", "inputs", "parameters", "outputs"):
+        yield f"{group} {getattr(program, group)!r}"
     yield from _block_lines(program.block)
+    # In their order: where two names compete for an identifier, the first one gets it.
+    yield repr(program.names)
 
 
 def _block_lines(block: Block) -> Iterator[str]:
     yield f"arguments {block.arguments}"
     for statement in block.statements:
         if isinstance(statement, Loop):
-            yield f"loop {statement.targets} {statement.count} {statement.tables!r}"
+            yield f"loop {statement.name!r} {statement.targets} {statement.count}"
+            yield f"tables {statement.tables!r}"
             yield f"over {statement.carried} {statement.invariants}"
             yield from _block_lines(statement.body)
         else:
@@ -45,7 +59,16 @@ def _block_lines(block: Block) -> Iterator[str]:
 
 
 def heading(program: Program, language: str, notes: tuple[str, ...]) -> list[str]:
-    """Return the lines of the head comment."""
+    """Return the lines of the head comment.
+
+    Examples
+    --------
+    >>> from clepsydra.program.program import Block, Operation
+    >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
+    >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
+    >>> heading(program, "C99", ())[0]
+    'double_it: one sample of a step law, in C99.'
+    """
     return [
         f"{program.name}: one sample of a step law, in {language}.",
         f"Printed by Clepsydra {__version__}; program digest {digest(program)}.",
@@ -98,23 +121,46 @@ def commented(line: str, text: str, opening: str, closing: str, width: int) -> l
 
 
 def harmless(text: str) -> str:
-    """Return a text on one line that neither opens nor closes a comment."""
+    """Return a text on one line that neither opens nor closes a comment.
+
+    Examples
+    --------
+    >>> harmless("level */ of\\ntank (* 1")
+    'level * / of tank ( * 1'
+    """
     text = " ".join(text.split())
     for mark in ("/*", "*/", "(*", "*)"):
         text = text.replace(mark, f"{mark[0]} {mark[1]}")
     return text
 
 
-def refuse_fused(program: Program) -> None:
-    """Refuse a program with a fused operation.
+def check_printable(program: Program) -> None:
+    """Refuse what is no program, and a program with a fused operation.
 
     Structured Text has none, and a controller must compute the same bits everywhere.
 
     Raises
     ------
     InputError
-        Some operation is fused.
+        It is no program, or some operation is fused.
+
+    Examples
+    --------
+    >>> from clepsydra.program.program import Operation
+    >>> fused = Block(1, (Operation(1, "multiply", (0, 0), fused=True),), (1,))
+    >>> try:
+    ...     check_printable(Program("law", (), (Signal("u"),), (), (Signal("y"),), fused))
+    ... except InputError as error:
+    ...     print(error.value)
+    a fused multiply
     """
+    require_type(
+        program,
+        Program,
+        "print",
+        "a Program",
+        "give controller.program(), or program_of(law) of a step law",
+    )
     for operation in program.block.operations():
         if operation.fused:
             raise InputError(

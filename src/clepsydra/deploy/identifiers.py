@@ -102,6 +102,15 @@ def check_identifier(
     ------
     InputError
         The name is no identifier or is a word of the language.
+
+    Examples
+    --------
+    >>> check_identifier("level_1", "law, level_1", "C", C_WORDS, ignore_case=False)
+    >>> try:
+    ...     check_identifier("double", "law, double", "C", C_WORDS, ignore_case=False)
+    ... except InputError as error:
+    ...     print(error)
+    law, double: got 'double', expected a name that is no word of C; rename it.
     """
     if not _IDENTIFIER.fullmatch(name) or "__" in name or name.endswith("_"):
         raise InputError(
@@ -126,6 +135,16 @@ def check_distinct(entries: Iterable[tuple[str, str]], language: str, *, ignore_
     ------
     InputError
         Two names are the same.
+
+    Examples
+    --------
+    >>> entries = [("Level", "law, Level"), ("level", "law, level")]
+    >>> check_distinct(entries, "C", ignore_case=False)
+    >>> try:
+    ...     check_distinct(entries, "Structured Text", ignore_case=True)
+    ... except InputError as error:
+    ...     print(error.expected)
+    a name that differs in Structured Text from law, Level
     """
     seen: dict[str, str] = {}
     for name, place in entries:

@@ -2,43 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.entries import Entry, is_ring, signal_of
-from clepsydra.deploy.expressions import Expression, Notation, decimal, flag, render, variable
-from clepsydra.deploy.heading import comment, commented, heading, refuse_fused
-from clepsydra.deploy.identifiers import (
-    STRUCTURED_TEXT_WORDS,
-    Identifiers,
-    check_distinct,
-    check_identifier,
+from clepsydra.deploy.expressions import Expression, decimal, flag, render, variable
+from clepsydra.deploy.folding import list_block
+from clepsydra.deploy.heading import check_printable, heading
+from clepsydra.deploy.identifiers import STRUCTURED_TEXT_WORDS, Identifiers
+from clepsydra.deploy.listing import Assignment, CountedLoop, ListingStatement
+from clepsydra.deploy.structured_text_interface import (
+    check_names,
+    declaration,
+    output_declaration,
+    section,
+    state_declaration,
 )
-from clepsydra.deploy.listing import Assignment, CountedLoop, ListingStatement, list_block
-from clepsydra.deploy.structured_text_statements import assign, statement, wrapped
+from clepsydra.deploy.structured_text_statements import NOTATION, assign, statement, wrapped
 from clepsydra.deploy.whole_numbers import check_whole_results
 from clepsydra.program.program import Program
 
-NOTATION = Notation(
-    language="Structured Text",
-    operators={
-        "add": "+", "subtract": "-", "multiply": "*", "divide": "/",
-        "less": "<", "less_equal": "<=", "equal": "=", "not_equal": "<>",
-        "and": "AND", "or": "OR",
-    },
-    functions={
-        "square_root": "SQRT", "absolute": "ABS", "exp": "EXP", "log": "LN", "pow": "EXPT",
-        "sin": "SIN", "cos": "COS", "tan": "TAN", "asin": "ASIN", "acos": "ACOS",
-        "atan": "ATAN", "atan2": "ATAN2",
-    },
-    negation="NOT ",
-    statements=frozenset({"select", "maximum", "minimum", "number", "floor", "ceiling"}),
-    repeating=frozenset({"maximum", "minimum", "floor", "ceiling"}),
-    rounding=frozenset({"floor", "ceiling"}),
-)  # fmt: skip
-
-_TYPES = {"real": "LREAL", "integer": "DINT", "boolean": "BOOL"}
-_WIDTH = 98
 _NOTES = (
     "LREAL must be the IEEE 754 double, without fused multiply-add: then it equals the",
     "simulation. Call once in every sampling period. Parameters are inputs with defaults.",
@@ -62,9 +45,9 @@ def print_structured_text(program: Program) -> str:
     Raises
     ------
     InputError
-        An operation is fused or not in the standard, a number is not finite, a name is no
-        identifier or a word of the language, two names differ in case only, or an integer or
-        boolean result may be something else.
+        It is no program, an operation is fused or not in the standard, a number is not finite,
+        a name is no identifier or a word of the language, two names differ in case only, or an
+        integer or boolean result may be something else.
 
     Examples
     --------
@@ -74,24 +57,10 @@ def print_structured_text(program: Program) -> str:
     >>> print_structured_text(program).splitlines()[-2:]
     ['y := x + x;', 'END_FUNCTION_BLOCK']
     """
-    refuse_fused(program)
+    check_printable(program)
     check_whole_results(program)
-    _check_names(program)
+    check_names(program)
     return _Printer(program).text()
-
-
-def _check_names(program: Program) -> None:
-    language, words = NOTATION.language, STRUCTURED_TEXT_WORDS
-    place = f"program {program.name}"
-    check_identifier(program.name, place, language, words, ignore_case=True)
-    entries = [(program.name, place)]
-    for entry in (*program.inputs, *program.parameters, *program.outputs, *program.state):
-        name = signal_of(entry).identifier
-        check_identifier(name, f"{place}, {entry.name}", language, words, ignore_case=True)
-        entries.append((name, f"{place}, {entry.name}"))
-        if is_ring(entry):
-            entries.append((f"{name}_position", f"{place}, position in {entry.name}"))
-    check_distinct(entries, language, ignore_case=True)
 
 
 class _Printer:
@@ -177,14 +146,14 @@ class _Printer:
         lines = [f"(* {first}", *(f"   {line}" for line in rest)]
         lines[-1] += " *)"
         lines.append(f"FUNCTION_BLOCK {program.name}")
-        lines += _section("VAR_INPUT", "inputs of one sample", program.inputs, _declaration)
-        lines += _section("VAR_INPUT", "parameters", program.parameters, _declaration)
-        lines += _section("VAR_OUTPUT", "outputs", program.outputs, _output_declaration)
-        lines += _section("VAR", "state", program.state, _state_declaration)
+        lines += section("VAR_INPUT", "inputs of one sample", program.inputs, declaration)
+        lines += section("VAR_INPUT", "parameters", program.parameters, declaration)
+        lines += section("VAR_OUTPUT", "outputs", program.outputs, output_declaration)
+        lines += section("VAR", "state", program.state, state_declaration)
         lines += self._tables()
         lines += self._temporaries()
         for entry in self._statements:
-            lines += statement(entry, NOTATION)
+            lines += statement(entry)
         lines += self._stores()
         return "\n".join([*lines, "END_FUNCTION_BLOCK", ""])
 
@@ -234,60 +203,13 @@ def _reads(expression: Expression, argument: Expression) -> bool:
     return expression in parts or any(_reads(part, argument) for part in expression.operands)
 
 
-def _section(
-    keyword: str, title: str, entries: Sequence[Entry], declare: Callable[[Entry], list[str]]
-) -> list[str]:
-    if not entries:
-        return []
-    lines = [line for entry in entries for line in declare(entry)]
-    return [f"{keyword} (* {title} *)", *(f"  {line}" for line in lines), "END_VAR"]
-
-
-def _declaration(entry: Entry) -> list[str]:
-    signal = signal_of(entry)
-    return _commented(
-        f"{signal.identifier} : {_TYPES[signal.kind]} := {_literal(signal)};", comment(entry)
-    )
-
-
-def _output_declaration(entry: Entry) -> list[str]:
-    signal = signal_of(entry)
-    return _commented(f"{signal.identifier} : {_TYPES[signal.kind]};", comment(entry))
-
-
-def _commented(line: str, text: str) -> list[str]:
-    return commented(line, text, "(*", "*)", _WIDTH)
-
-
-def _state_declaration(entry: Entry) -> list[str]:
-    if not is_ring(entry):
-        return _declaration(entry)
-    name, length, kind = entry.signal.identifier, entry.length, _TYPES[entry.signal.kind]
-    value = _literal(entry.signal)
-    return [
-        *_commented(
-            f"{name} : ARRAY[0..{length - 1}] OF {kind} := [{length}({value})];", comment(entry)
-        ),
-        f"{name}_position : DINT := 0; (* [1] place of the oldest value *)",
-    ]
-
-
-def _literal(signal: Signal) -> str:
-    """Write the initial value of a signal in its type."""
-    if signal.kind == "integer":
-        return str(int(signal.initial))
-    if signal.kind == "boolean":
-        return "TRUE" if signal.initial else "FALSE"
-    return render(Expression("constant", number=signal.initial), NOTATION)
-
-
 def _store(name: str, result: Expression, signal: Signal) -> list[str]:
     """Write a result in the type of its signal; that it fits has been proved."""
     if signal.kind == "real":
-        return assign(name, result, NOTATION)
+        return assign(name, result)
     if signal.kind == "boolean":
         truth = result.operands[0] if result.code == "number" else Expression("truth", (result,))
-        return assign(name, truth, NOTATION)
+        return assign(name, truth)
     return wrapped(name, f"LREAL_TO_DINT({render(result, NOTATION)})")
 
 

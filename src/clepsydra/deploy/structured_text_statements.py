@@ -5,6 +5,24 @@ from __future__ import annotations
 from clepsydra.deploy.expressions import Expression, Notation, decimal, render, variable
 from clepsydra.deploy.listing import Assignment, ListingStatement
 
+NOTATION = Notation(
+    language="Structured Text",
+    operators={
+        "add": "+", "subtract": "-", "multiply": "*", "divide": "/",
+        "less": "<", "less_equal": "<=", "equal": "=", "not_equal": "<>",
+        "and": "AND", "or": "OR",
+    },
+    functions={
+        "square_root": "SQRT", "absolute": "ABS", "exp": "EXP", "log": "LN", "pow": "EXPT",
+        "sin": "SIN", "cos": "COS", "tan": "TAN", "asin": "ASIN", "acos": "ACOS",
+        "atan": "ATAN", "atan2": "ATAN2",
+    },
+    negation="NOT ",
+    statements=frozenset({"select", "maximum", "minimum", "number", "floor", "ceiling"}),
+    repeating=frozenset({"maximum", "minimum", "floor", "ceiling"}),
+    rounding=frozenset({"floor", "ceiling"}),
+)  # fmt: skip
+
 #: Longest line where it can be helped [characters].
 LINE = 100
 _STEP = "  "
@@ -14,30 +32,35 @@ _WHOLE = decimal(2.0**52)
 _SPLIT = decimal(2.0**21)
 
 
-def statement(entry: ListingStatement, notation: Notation, depth: int = 0) -> list[str]:
-    """Write a statement of a listing, one string a line."""
+def statement(entry: ListingStatement, depth: int = 0) -> list[str]:
+    """Write a statement of a listing, one string a line.
+
+    Examples
+    --------
+    >>> statement(Assignment("total", Expression("add", (variable("a"), variable("b")))))
+    ['total := a + b;']
+    """
     if isinstance(entry, Assignment):
-        return assign(entry.name, entry.expression, notation, depth)
+        return assign(entry.name, entry.expression, depth)
     indent = _STEP * depth
     lines = [f"{indent}(* {entry.label}: {entry.count} turns *)"]
     for start in entry.start:
-        lines += assign(start.name, start.expression, notation, depth)
+        lines += assign(start.name, start.expression, depth)
     lines.append(f"{indent}FOR {entry.index} := 0 TO {entry.count - 1} DO")
     for inner in entry.body:
-        lines += statement(inner, notation, depth + 1)
+        lines += statement(inner, depth + 1)
     for update in entry.update:
-        lines += assign(update.name, update.expression, notation, depth + 1)
+        lines += assign(update.name, update.expression, depth + 1)
     return [*lines, f"{indent}END_FOR;"]
 
 
-def assign(name: str, expression: Expression, notation: Notation, depth: int = 0) -> list[str]:
+def assign(name: str, expression: Expression, depth: int = 0) -> list[str]:
     """Write ``name := expression``; a choice becomes IF, rounding a few statements.
 
     Examples
     --------
-    >>> signs = Notation("ST", {}, {}, "NOT ", frozenset(), frozenset())
     >>> limited = Expression("minimum", (variable("a"), variable("b")))
-    >>> print("\\n".join(assign("u", limited, signs)))
+    >>> print("\\n".join(assign("u", limited)))
     IF a < b THEN
       u := a;
     ELSE
@@ -46,32 +69,32 @@ def assign(name: str, expression: Expression, notation: Notation, depth: int = 0
     """
     code, operands = expression.code, expression.operands
     if code in ("floor", "ceiling"):
-        return _whole(name, code, render(operands[0], notation), depth)
+        return _whole(name, code, render(operands[0], NOTATION), depth)
     if code not in ("select", "maximum", "minimum", "number"):
-        return wrapped(name, render(expression, notation), depth)
+        return wrapped(name, render(expression, NOTATION), depth)
     indent = _STEP * depth
-    condition, first, second = _choice(expression, notation)
-    lines = [f"{indent}IF {condition} THEN", *assign(name, first, notation, depth + 1)]
+    condition, first, second = _choice(expression)
+    lines = [f"{indent}IF {condition} THEN", *assign(name, first, depth + 1)]
     while second.code == "select":
-        condition, first, second = _choice(second, notation)
+        condition, first, second = _choice(second)
         lines.append(f"{indent}ELSIF {condition} THEN")
-        lines += assign(name, first, notation, depth + 1)
+        lines += assign(name, first, depth + 1)
     if second != variable(name):
-        lines += [f"{indent}ELSE", *assign(name, second, notation, depth + 1)]
+        lines += [f"{indent}ELSE", *assign(name, second, depth + 1)]
     return [*lines, f"{indent}END_IF;"]
 
 
-def _choice(expression: Expression, notation: Notation) -> tuple[str, Expression, Expression]:
+def _choice(expression: Expression) -> tuple[str, Expression, Expression]:
     """Return condition and both branches."""
     code, operands = expression.code, expression.operands
     if code == "select":
-        return render(operands[0], notation), operands[1], operands[2]
+        return render(operands[0], NOTATION), operands[1], operands[2]
     if code == "number":
         one, zero = Expression("constant", number=1.0), Expression("constant")
-        return render(operands[0], notation), one, zero
+        return render(operands[0], NOTATION), one, zero
     sign = ">" if code == "maximum" else "<"
     first, second = operands
-    return f"{render(first, notation)} {sign} {render(second, notation)}", first, second
+    return f"{render(first, NOTATION)} {sign} {render(second, NOTATION)}", first, second
 
 
 def _whole(name: str, code: str, text: str, depth: int) -> list[str]:
@@ -101,7 +124,13 @@ def _whole(name: str, code: str, text: str, depth: int) -> list[str]:
 
 
 def wrapped(name: str, text: str, depth: int = 0) -> list[str]:
-    """Write an assignment on one line, or on two where one is too long."""
+    """Write an assignment on one line, or on two where one is too long.
+
+    Examples
+    --------
+    >>> wrapped("total", "a + b", depth=1)
+    ['  total := a + b;']
+    """
     indent = _STEP * depth
     line = f"{indent}{name} := {text};"
     return [line] if len(line) <= LINE else [f"{indent}{name} :=", f"{indent}{_STEP * 2}{text};"]

@@ -17,7 +17,13 @@ _EXACT = 2.0**53
 
 @dataclass(frozen=True)
 class WholeRange:
-    """Bounds of a whole number; with `maybe_nan` it may also be not a number."""
+    """Bounds of a whole number; with `maybe_nan` it may also be not a number.
+
+    Examples
+    --------
+    >>> WholeRange(0.0, 127.0).within(0.0, 255.0), WholeRange(0.0, 1.0, maybe_nan=True).within(0, 1)
+    (True, False)
+    """
 
     low: float
     high: float
@@ -43,6 +49,15 @@ def check_whole_results(program: Program) -> None:
     InputError
         A state or output is declared integer and may leave the 32-bit integers, or is declared
         boolean and may be other than 0 or 1, or an initial value is none.
+
+    Examples
+    --------
+    A comparison is 0 or 1, so it may be declared boolean:
+
+    >>> block = Block(2, (Operation(2, "less", (0, 1)), Operation(3, "number", (2,))), (3,))
+    >>> inputs = (Signal("level", "m"), Signal("limit", "m"))
+    >>> program = Program("law", (), inputs, (), (Signal("low", kind="boolean"),), block)
+    >>> check_whole_results(program)
     """
     ranges = whole_ranges(program)
     declared = [*map(signal_of, program.state), *program.outputs]
@@ -87,6 +102,14 @@ def whole_ranges(program: Program) -> dict[int, WholeRange]:
     Interval arithmetic along the list of operations: integer signals are 32-bit integers,
     boolean signals and comparisons 0 or 1; what comes out of a counted loop or of a real
     signal is not known to be whole.
+
+    Examples
+    --------
+    >>> block = Block(2, (Operation(2, "less", (0, 1)), Operation(3, "number", (2,))), (3,))
+    >>> inputs = (Signal("level", "m"), Signal("limit", "m"))
+    >>> program = Program("law", (), inputs, (), (Signal("low", kind="boolean"),), block)
+    >>> whole_ranges(program)[3]
+    WholeRange(low=0.0, high=1.0, maybe_nan=False)
     """
     ranges: dict[int, WholeRange] = {}
     entries = [*map(signal_of, program.state), *program.inputs, *program.parameters]

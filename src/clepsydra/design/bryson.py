@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
-import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_quadratic_integral import FAMILY, lqi_law
-from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.input_room import DESIGN_STEP, check_ranges, room
-from clepsydra.design.linear_quadratic import METHOD, lqi_gains
+from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.control_authority import DESIGN_STEP, check_ranges, control_authority
+from clepsydra.design.linear_quadratic import METHOD, LqiGains, lqi_gains
+from clepsydra.design.request import positive_number
+from clepsydra.design.sampled_loop import sampled_loop
+from clepsydra.design.sampling_period import check_sampling_period
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.linearise import linearise, operating_point_of
 from clepsydra.linear.poles import origin_radius, time_constants
 from clepsydra.linear.zeros import zeros
 from clepsydra.process.process import Process
 
 
 def design_lqi(
-    process: Process,
     model: LinearModel,
     *,
     maximum_errors: Mapping[str, float] | None = None,
@@ -35,18 +37,19 @@ def design_lqi(
     The horizon T for which a largest error may last is a third of the slowest time constant
     of the model (a tank that integrates has none and is passed over), or 1/z of its slowest
     zero z in the right half-plane where that is longer: no controller removes an error sooner.
+    The gains are optimal for the process held over each sampling period
+    (`design.linear_quadratic`), however long that is.
 
     Parameters
     ----------
-    process : Process
     model : LinearModel
-        With an operating point; its outputs follow the setpoints.
+        Of a process at an operating point; its outputs follow the setpoints.
     maximum_errors : mapping, optional
         Output name to its largest acceptable error [measurement unit]; default a tenth of the
         range.
     maximum_moves : mapping, optional
         Input name to its largest acceptable deviation from the operating point [input unit];
-        default the room to the nearer limit.
+        default the distance to the nearer limit.
     anti_windup : {"back_calculation", "clamping"}
 
     Returns
@@ -57,22 +60,23 @@ def design_lqi(
     Raises
     ------
     NotApplicable
-        A state is not measured, or there are no stabilising gains.
+        A state is not measured, there are no stabilising gains, or one is outside of what a
+        controller takes.
     InputError
-        A mapping names an unknown signal, or a deviation is not above zero.
+        The model has no operating point, a mapping names an unknown signal, a deviation is
+        not above zero, or the anti-windup is unknown.
 
     Examples
     --------
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> analysis = analyse(process)
-    >>> controller = design_lqi(process, analysis.model)
+    >>> controller = design_lqi(analyse(load_process("quadruple-tank")).model)
     >>> round(controller.values["integral_gain_1_1"], 3)
-    0.099
+    0.093
     """
-    if model.point is None:
-        raise NotApplicable(METHOD, "the model does not come from an operating point")
+    period = check_sampling_period(model)
+    point = operating_point_of(model)
+    process = point.process
     if len(model.inputs) > len(model.outputs):
         # With more inputs, integrals that differ without effect would never settle.
         raise NotApplicable(
@@ -81,29 +85,67 @@ def design_lqi(
             "integrates one error for each input",
         )
     check_ranges(process, model.outputs, model.inputs, METHOD)
-    at = model.point.as_dict()
     measurements = _measurements_of_states(process, model)
-    _check_measured(model.outputs, measurements)
-    errors = _deviations(
-        "maximum_errors", maximum_errors, model.outputs, _default_errors(process, model.outputs)
-    )
+    errors = _deviations("maximum_errors", maximum_errors, _default_errors(process, model.outputs))
     moves = _deviations(
-        "maximum_moves", maximum_moves, model.inputs, _default_moves(process, model.inputs, at)
+        "maximum_moves", maximum_moves, _default_moves(process, model.inputs, point.as_dict())
     )
     horizon = _horizon(model)
-    gains = lqi_gains(model, errors, moves, horizon)
+    gains = lqi_gains(
+        model,
+        np.array(list(errors.values())),
+        np.array(list(moves.values())),
+        horizon,
+        period,
+    )
+    measured = _with_outputs(model, measurements)
     # The law sees measurements: F x = (F M⁻¹) y where y = M x.
-    slopes = _sensor_slopes(process, model.point, model.states, measurements)
-    feedback = np.linalg.solve(slopes.T, gains.feedback.T).T
-    controlled = [measurements.index(name) + 1 for name in model.outputs]
+    feedback = np.linalg.solve(measured.C.T, gains.feedback.T).T
+    controller = _controller(
+        measured, model.outputs, gains._replace(feedback=feedback), horizon, anti_windup
+    )
+    peak = sampled_loop(controller, measured).maximum_sensitivity
+    if math.isinf(peak):
+        raise NotApplicable(
+            METHOD,
+            "the sampled loop with its gains is unstable: they cannot be computed well enough "
+            f"at a sampling period of {period:g} s",
+        )
+    slowest = _slowest_time_constant(gains.eigenvalues, period)
+    return dataclasses.replace(
+        controller,
+        design=(
+            f"LQI with Bryson's weights, {_in_words(process, errors | moves)}, an error lasting "
+            f"at most {horizon:.3g} s; slowest closed-loop time constant {slowest:.3g} s, "
+            f"sensitivity peak {peak:.2f}."
+        ),
+    )
 
-    values: dict[str, float] = {}
+
+def _controller(
+    measured: LinearModel,
+    outputs: tuple[str, ...],
+    gains: LqiGains,
+    horizon: float,
+    anti_windup: AntiWindup,
+) -> Controller:
+    """Return the controller with gains for the measurements, at rest at the operating point."""
+    point = operating_point_of(measured)
+    process, at = point.process, point.as_dict()
+    measurements = measured.outputs
+    controlled = [measurements.index(name) + 1 for name in outputs]
+    law = lqi_law(
+        len(measurements),
+        len(measured.inputs),
+        controlled,
+        anti_windup,
+        measured=[process.signal(name) for name in measurements],
+        manipulated=[process.signal(name) for name in measured.inputs],
+    )
+    values = {f"reference_measurement_{j}": at[name] for j, name in enumerate(measurements, 1)}
     initial_state: dict[str, float] = {}
-    for j, name in enumerate(measurements, start=1):
-        values[f"reference_measurement_{j}"] = at[name]
-    for i, name in enumerate(model.inputs, start=1):
-        signal = process.signal(name)
-        row, integral = feedback[i - 1], gains.integral[i - 1]
+    for i, name in enumerate(measured.inputs, start=1):
+        signal, row, integral = process.signal(name), gains.feedback[i - 1], gains.integral[i - 1]
         values |= {f"feedback_{i}_{j}": float(value) for j, value in enumerate(row, start=1)}
         values |= {
             f"integral_gain_{i}_{j}": float(value) for j, value in enumerate(integral, start=1)
@@ -116,32 +158,30 @@ def design_lqi(
         if anti_windup == "back_calculation":
             values[f"tracking_time_{i}"] = _tracking_time(row, integral, controlled, horizon)
         initial_state |= {f"integral_{i}": 0.0, f"last_output_{i}": at[name]}
-    slowest = gains.poles[np.argmax(gains.poles.real)]
+    check_designed(law, values, METHOD)
     return Controller(
         name="LQI, Bryson",
         family=FAMILY,
-        design=(
-            f"LQI with Bryson's weights, {_in_words(process, model, errors, moves)}, an error "
-            f"lasting at most {horizon:.3g} s; slowest closed-loop pole {_pole(slowest)} rad/s."
-        ),
-        law=lqi_law(
-            len(measurements),
-            len(model.inputs),
-            controlled,
-            anti_windup,
-            measured=[process.signal(name) for name in measurements],
-            manipulated=[process.signal(name) for name in model.inputs],
-        ),
+        design="",
+        law=law,
         values=values,
         initial_state=initial_state,
         measurements=measurements,
-        setpoints=model.outputs,
-        manipulated=model.inputs,
+        setpoints=outputs,
+        manipulated=measured.inputs,
         notes=(
             f"Needs {len(measurements)} sensors: {', '.join(measurements)}; a fault of any of "
             "them holds every output.",
         ),
     )
+
+
+def _with_outputs(model: LinearModel, measurements: tuple[str, ...]) -> LinearModel:
+    """Return the model with other measurements of its process as outputs."""
+    shown = linearise(operating_point_of(model)).select(outputs=measurements)
+    columns = [shown.states.index(name) for name in model.states]
+    no_feedthrough = np.zeros((len(measurements), len(model.inputs)))
+    return dataclasses.replace(model, C=shown.C[:, columns], D=no_feedthrough, outputs=measurements)
 
 
 def _measurements_of_states(process: Process, model: LinearModel) -> tuple[str, ...]:
@@ -152,13 +192,10 @@ def _measurements_of_states(process: Process, model: LinearModel) -> tuple[str, 
         if not showing:
             raise NotApplicable(METHOD, f"{state} is not measured, and it needs every state")
         chosen.append(next((name for name in showing if name in model.outputs), showing[0]))
-    return tuple(chosen)
-
-
-def _check_measured(outputs: tuple[str, ...], measurements: tuple[str, ...]) -> None:
-    for name in outputs:
-        if name not in measurements:
+    for name in model.outputs:
+        if name not in chosen:
             raise NotApplicable(METHOD, f"{name} shows a state that another sensor shows too")
+    return tuple(chosen)
 
 
 def _horizon(model: LinearModel) -> float:
@@ -172,54 +209,32 @@ def _horizon(model: LinearModel) -> float:
 
 
 def _default_errors(process: Process, names: tuple[str, ...]) -> dict[str, float]:
-    signals = [process.signal(name) for name in names]
-    return {signal.name: DESIGN_STEP * (signal.high - signal.low) for signal in signals}
+    return {name: DESIGN_STEP * process.signal(name).span for name in names}
 
 
 def _default_moves(
     process: Process, names: tuple[str, ...], at: Mapping[str, float]
 ) -> dict[str, float]:
-    signals = [process.signal(name) for name in names]
-    return {signal.name: room(signal.low, signal.high, at[signal.name]) for signal in signals}
+    return {name: control_authority(process.signal(name), at[name]) for name in names}
 
 
 def _deviations(
-    what: str, given: Mapping[str, float] | None, names: tuple[str, ...], default: dict[str, float]
-) -> np.ndarray:
-    unknown = sorted(set(given or {}) - set(names))
-    if unknown:
-        raise InputError(
-            f"{METHOD}, {what}", unknown[0], f"one of {', '.join(names)}", "correct the name"
+    what: str, given: Mapping[str, float] | None, default: dict[str, float]
+) -> dict[str, float]:
+    """Return the default deviations with those that were given in their place, checked."""
+    place = f"{METHOD}, {what}"
+    if given is not None and not isinstance(given, Mapping):
+        raise InputError(place, given, "names with numbers", "give a dictionary")
+    for name, value in (given or {}).items():
+        if name not in default:
+            raise InputError(place, name, f"one of {', '.join(default)}", "correct the name")
+        positive_number(
+            f"{place}, {name}",
+            value,
+            f"a deviation above zero, as a number in the unit of {name}",
+            "give its largest acceptable deviation",
         )
-    values = default | dict(given or {})
-    for name in names:
-        value = values[name]
-        if not (math.isfinite(value) and value > 0.0):
-            raise InputError(
-                f"{METHOD}, {what}, {name}",
-                value,
-                "a deviation above zero",
-                "give its largest acceptable deviation",
-            )
-    return np.array([values[name] for name in names])
-
-
-def _sensor_slopes(
-    process: Process, point: OperatingPoint, states: Sequence[str], measurements: Sequence[str]
-) -> np.ndarray:
-    """Return M = ∂y/∂x of the chosen measurements at the operating point [n, n]."""
-    state = ca.SX.sym("x", len(process.state))
-    parameters = ca.SX.sym("p", len(process.parameters))
-    slopes = ca.Function(
-        "slopes",
-        [state, parameters],
-        [ca.densify(ca.jacobian(process.measure(state, parameters), state))],
-    )(point.state, process.parameter_values)
-    order = [signal.name for signal in process.measurements]
-    levels = [signal.name for signal in process.state]
-    rows = [order.index(name) for name in measurements]
-    columns = [levels.index(name) for name in states]
-    return np.array(slopes)[np.ix_(rows, columns)]
+    return {name: float((given or {}).get(name, value)) for name, value in default.items()}
 
 
 def _tracking_time(
@@ -232,15 +247,14 @@ def _tracking_time(
     return float(proportional / size) if size > 0.0 and proportional > 0.0 else horizon
 
 
-def _in_words(process: Process, model: LinearModel, errors: np.ndarray, moves: np.ndarray) -> str:
+def _in_words(process: Process, deviations: Mapping[str, float]) -> str:
     parts = [
-        f"{name} {value:.3g} {process.signal(name).unit}"
-        for name, value in zip((*model.outputs, *model.inputs), (*errors, *moves), strict=True)
+        f"{name} {value:.3g} {process.signal(name).unit}" for name, value in deviations.items()
     ]
     return "largest acceptable deviations " + ", ".join(parts)
 
 
-def _pole(pole: complex) -> str:
-    if abs(pole.imag) < 1e-9 * abs(pole):
-        return f"{pole.real:.3g}"
-    return f"{pole.real:.3g} ± {abs(pole.imag):.3g} j"
+def _slowest_time_constant(eigenvalues: np.ndarray, period: float) -> float:
+    """Return the time in which the slowest mode shrinks to 1/e [s]."""
+    largest = float(np.max(np.abs(eigenvalues)))
+    return -period / math.log(largest) if largest > 0.0 else 0.0

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.element import Element
+from clepsydra.design.transfer_element import TransferElement
 
 _ROUNDS = 100
 #: A root turns into a time constant when its imaginary part is below this share of its size.
@@ -45,7 +45,9 @@ class FirstOrderDelay:
         return self.slope * self.time_constant
 
 
-def half_rule(element: Element, delay: float = 0.0, *, method: str = "SIMC") -> FirstOrderDelay:
+def half_rule(
+    element: TransferElement, delay: float = 0.0, *, method: str = "SIMC"
+) -> FirstOrderDelay:
     """Reduce an element to first order with delay by Skogestad's rules.
 
     Positive numerator time constants are paired with a denominator time constant and replaced
@@ -56,7 +58,7 @@ def half_rule(element: Element, delay: float = 0.0, *, method: str = "SIMC") -> 
 
     Parameters
     ----------
-    element : Element
+    element : TransferElement
     delay : float
         Delay of the loop outside the element: dead time and half a sampling period [s].
     method : str
@@ -77,7 +79,7 @@ def half_rule(element: Element, delay: float = 0.0, *, method: str = "SIMC") -> 
     --------
     1/((s + 1)(0.2 s + 1)), example E1 there:
 
-    >>> model = half_rule(Element(1.0, (-1.0, -5.0), (), 0))
+    >>> model = half_rule(TransferElement(1.0, (-1.0, -5.0), (), 0))
     >>> model.time_constant, model.delay
     (1.1, 0.1)
     """
@@ -139,7 +141,7 @@ def _partner(lead: float, lags: list[float]) -> float:
     return larger
 
 
-def _check(element: Element, method: str) -> None:
+def _check(element: TransferElement, method: str) -> None:
     if any(root.real >= 0.0 for root in element.poles):
         raise NotApplicable(method, "the element is unstable without control")
     if any(abs(root.imag) > _REAL * abs(root) for root in (*element.poles, *element.zeros)):

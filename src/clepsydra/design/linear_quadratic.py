@@ -1,4 +1,4 @@
-"""Gains of linear-quadratic control with integral action."""
+"""Gains of sampled linear-quadratic control with integral action."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.sampled_cost import sampled_cost
 from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "LQI"
@@ -14,7 +15,7 @@ _SINGULAR = 1e-10
 
 
 class LqiGains(NamedTuple):
-    """u = −F x − G ∫y dt for the deviations x and y, and the poles it gives.
+    """u(k) = −F x(k) − G w(k) for the deviation x and the sum w of the outputs, and its poles.
 
     Parameters
     ----------
@@ -22,13 +23,19 @@ class LqiGains(NamedTuple):
         F, [input unit / state unit].
     integral : ndarray [m, q]
         G, [input unit / (output unit · s)].
-    poles : ndarray [n + q], complex
-        Of the closed loop [rad/s].
+    eigenvalues : ndarray [n + q], complex
+        Of the closed loop from one sample to the next.
+
+    Examples
+    --------
+    >>> gains = LqiGains(np.array([[1.7]]), np.eye(1), np.array([0.5, 0.25]))
+    >>> [float(abs(each)) for each in gains.eigenvalues]
+    [0.5, 0.25]
     """
 
     feedback: np.ndarray
     integral: np.ndarray
-    poles: np.ndarray
+    eigenvalues: np.ndarray
 
 
 def lqi_gains(
@@ -36,15 +43,20 @@ def lqi_gains(
     maximum_errors: np.ndarray,
     maximum_moves: np.ndarray,
     settling_horizon: float,
+    sampling_period: float,
 ) -> LqiGains:
-    """Return the gains that minimise the quadratic cost of the model with integrators.
+    """Return the gains that minimise the quadratic cost of the sampled model with integrators.
 
-    With ẋ = A x + B u, ż = C x, and Bryson's weights, each the inverse square of the largest
-    deviation that is acceptable::
+    The process ẋ = A x + B u, y = C x is held over each sampling period Δt. Its integrators are
+    those of the step law, w(k+1) = w(k) + Δt y(k), so that the law with these gains is the
+    optimal one and no approximation of it. With Bryson's weights, each the inverse square of
+    the largest deviation that is acceptable, the cost is::
 
-        ∫ Σ (y_j/ȳ_j)² + Σ (z_j/(ȳ_j T))² + Σ (u_i/ū_i)² dt
+        ∫ Σ (y_j/ȳ_j)² + Σ (u_i/ū_i)² dt  +  Δt Σ_k Σ_j (w_j(k)/(ȳ_j T))²
 
-    where T is the time for which a largest error may last.
+    where T is the time for which a largest error may last. The integral counts what y does
+    between the samples (`design.sampled_cost`). As Δt tends to zero this is the continuous
+    LQI with the cost of w under the integral.
 
     Parameters
     ----------
@@ -56,6 +68,8 @@ def lqi_gains(
         ū [input unit]
     settling_horizon : float
         T [s]
+    sampling_period : float
+        Δt [s]
 
     Raises
     ------
@@ -66,48 +80,52 @@ def lqi_gains(
     References
     ----------
     A. E. Bryson and Y.-C. Ho, Applied Optimal Control, Hemisphere 1975, section 5.2.
+    G. F. Franklin, J. D. Powell and M. Workman, Digital Control of Dynamic Systems, 3rd
+    edition, Addison-Wesley 1998, chapter 9.
 
     Examples
     --------
-    ẋ = u, y = x, all deviations and T one: s² + √3 s + 1, so F = √3 and G = 1.
+    ẋ = u, y = x, all deviations and T one. Sampled fast it is the continuous LQI, whose poles
+    are those of s² + √3 s + 1, so F = √3 and G = 1:
 
     >>> one = np.eye(1)
     >>> tank = LinearModel(0.0 * one, one, one[:, :0], one, 0.0 * one,
     ...                    ("tank.level",), ("pump",), (), ("level",))
-    >>> gains = lqi_gains(tank, np.ones(1), np.ones(1), 1.0)
-    >>> round(float(gains.feedback[0, 0]), 6), round(float(gains.integral[0, 0]), 6)
-    (1.732051, 1.0)
+    >>> gains = lqi_gains(tank, np.ones(1), np.ones(1), 1.0, 1e-5)
+    >>> round(float(gains.feedback[0, 0]), 4), round(float(gains.integral[0, 0]), 4)
+    (1.732, 1.0)
     """
-    from scipy.linalg import solve_continuous_are
+    from scipy.linalg import solve_discrete_are
 
     if np.any(model.D != 0.0):
         raise NotApplicable(METHOD, "an input acts on a controlled output at once")
     _check_independent(model)
     n, q = len(model.states), len(model.outputs)
-    A = np.block([[model.A, np.zeros((n, q))], [model.C, np.zeros((q, q))]])
-    B = np.vstack([model.B, np.zeros((q, len(model.inputs)))])
-    # In units of the acceptable deviations all numbers are near one, as the solver likes it.
+    # In units of the acceptable deviations, and of the horizon for time, all numbers are near
+    # one, as the solver likes it.
     moves, horizon = np.asarray(maximum_moves, float), settling_horizon
-    state_sizes = _state_sizes(model, moves, horizon)
-    sizes = np.concatenate([state_sizes, np.asarray(maximum_errors, float) * horizon])
-    A = horizon * A * sizes / sizes[:, None]
-    B = horizon * B * moves / sizes[:, None]
-    shown = np.hstack([model.C * state_sizes, np.zeros((q, q))]) / maximum_errors[:, None]
-    Q = shown.T @ shown
-    Q[n:, n:] += np.eye(q)
-    R = np.eye(len(moves))
+    errors, step = np.asarray(maximum_errors, float), sampling_period / settling_horizon
+    sizes = _state_sizes(model, moves, horizon)
+    A = horizon * model.A * sizes / sizes[:, None]
+    B = horizon * model.B * moves / sizes[:, None]
+    C = model.C * sizes / errors[:, None]
+    cost = sampled_cost(A, B, C.T @ C, np.eye(len(moves)), step)
+    held = np.block([[cost.held, np.zeros((n, q))], [step * C, np.eye(q)]])
+    moved = np.vstack([cost.moved, np.zeros((q, len(moves)))])
+    Q = np.block([[cost.Q, np.zeros((n, q))], [np.zeros((q, n)), step * np.eye(q)]]) / step
+    N, R = np.vstack([cost.N, np.zeros((q, len(moves)))]) / step, cost.R / step
     try:
-        P = solve_continuous_are(A, B, Q, R)
+        P = solve_discrete_are(held, moved, Q, R, s=N)
     except np.linalg.LinAlgError as error:
         raise NotApplicable(
             METHOD, "the Riccati equation has no stabilising solution: a mode is out of reach"
         ) from error
-    gain = B.T @ P
-    poles = np.linalg.eigvals(A - B @ gain) / horizon
-    if not np.all(poles.real < 0.0):
+    gain = np.linalg.solve(R + moved.T @ P @ moved, moved.T @ P @ held + N.T)
+    eigenvalues = np.linalg.eigvals(held - moved @ gain)
+    if not np.all(np.abs(eigenvalues) < 1.0):
         raise NotApplicable(METHOD, "the Riccati solution does not stabilise the model")
-    gain = moves[:, None] * gain / sizes
-    return LqiGains(gain[:, :n], gain[:, n:], poles)
+    gain = moves[:, None] * gain
+    return LqiGains(gain[:, :n] / sizes, gain[:, n:] / (errors * horizon), eigenvalues)
 
 
 def _check_independent(model: LinearModel) -> None:

@@ -2,172 +2,212 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.proportional_integral import FAMILY, multiloop_pi_law
-from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.element import Element, element
-from clepsydra.design.input_room import check_ranges
-from clepsydra.design.loop_transfer import PiSettings
+from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.control_authority import check_ranges, largest_proportional_gain
+from clepsydra.design.detuning import SENSITIVITY_LIMIT, Detuned
+from clepsydra.design.pi_settings import PiSettings
+from clepsydra.design.sampled_loop import SampledLoops
+from clepsydra.design.transfer_element import TransferElement, transfer_element
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.process.process import Process
+from clepsydra.linear.linearise import operating_point_of
 
 Pairing = Sequence[tuple[str, str]]
 
 
 class PairedLoop(NamedTuple):
-    """One pair: measurement, input, the element between them, and the input at rest."""
+    """One pair: measurement, input, the element between them, and the input at rest.
 
-    output: str
-    input_name: str
-    element: Element
+    Examples
+    --------
+    >>> element = TransferElement(1.0, (-1.0,), (), 0)
+    >>> loop = PairedLoop(Signal("level", "V", low=0.0, high=10.0),
+    ...                   Signal("pump", "V", low=0.0, high=10.0), element, 3.0)
+    >>> loop.pair, loop.largest_gain
+    ('level by pump', 3.0)
+    """
+
+    output: Signal
+    input: Signal
+    element: TransferElement
     resting_input: float
 
+    @property
+    def pair(self) -> str:
+        """The pair as the reader sees it."""
+        return f"{self.output.name} by {self.input.name}"
 
-def paired_loops(
-    process: Process, model: LinearModel, pairing: Pairing, method: str
-) -> list[PairedLoop]:
-    """Check a pairing against a process and its model, and return its loops.
+    @property
+    def largest_gain(self) -> float:
+        """The largest proportional gain that the room of the input allows."""
+        return largest_proportional_gain(self.output, self.input, self.resting_input)
+
+
+class MultiloopPi:
+    """The PI controllers of one pairing on one model, for any settings.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    pairing : sequence of (output, input)
+    anti_windup : {"back_calculation", "clamping"}
+    method : str
+        Of the design, for names and messages.
 
     Raises
     ------
     InputError
-        The pairing is empty, names an unknown signal, or one signal twice.
+        The model has no operating point, the pairing is empty, names an unknown signal or one
+        signal twice, or the anti-windup is unknown.
     NotApplicable
-        The model has no operating point, a signal has no range, or an input does not move
+        A signal has no range, or one beyond what a controller takes, or an input does not move
         its output.
 
     Examples
     --------
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> analysis = analyse(process)
-    >>> loops = paired_loops(process, analysis.model, analysis.pairing, "SIMC")
-    >>> [(loop.output, loop.input_name, loop.resting_input) for loop in loops]
-    [('level_1', 'pump_1', 3.0), ('level_2', 'pump_2', 3.0)]
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> loops = MultiloopPi(analysis.model, analysis.pairing, "clamping", "by hand")
+    >>> [(loop.pair, loop.resting_input) for loop in loops.loops]
+    [('level_1 by pump_1', 3.0), ('level_2 by pump_2', 3.0)]
     """
-    if not pairing:
-        raise InputError("pairing", list(pairing), "at least one pair", "pair output and input")
-    model.select([pair[0] for pair in pairing], [pair[1] for pair in pairing])
-    check_ranges(process, [pair[0] for pair in pairing], [pair[1] for pair in pairing], method)
-    if model.point is None:
-        raise NotApplicable(method, "the model does not come from an operating point")
-    values = model.point.as_dict()
-    loops = []
-    for output, input_name in pairing:
-        found = element(model, output, input_name)
-        if found is None:
-            raise NotApplicable(method, f"{input_name} does not move {output}")
-        loops.append(PairedLoop(output, input_name, found, values[input_name]))
-    return loops
 
+    def __init__(
+        self, model: LinearModel, pairing: Pairing, anti_windup: AntiWindup, method: str
+    ) -> None:
+        self.method = method
+        self.point = operating_point_of(model)
+        self.process = self.point.process
+        outputs, inputs = _checked(pairing, model)
+        check_ranges(self.process, outputs, inputs, method)
+        at = self.point.as_dict()
+        self.loops: list[PairedLoop] = []
+        for output, input_name in zip(outputs, inputs, strict=True):
+            found = transfer_element(model, output, input_name)
+            if found is None:
+                raise NotApplicable(method, f"{input_name} does not move {output}")
+            signals = self.process.signal(output), self.process.signal(input_name)
+            self.loops.append(PairedLoop(*signals, found, at[input_name]))
+        self._without_settings = self._blank(outputs, inputs, anti_windup)
+        self._sampled = SampledLoops(self._without_settings, model)
 
-def output_sizes(process: Process, loops: Sequence[PairedLoop]) -> list[float]:
-    """Return the span of each loop's measurement.
+    def peak(self, settings: Sequence[PiSettings]) -> float:
+        """Return the sensitivity peak of all loops closed; infinite if they are unstable."""
+        return self._sampled.at(self._values(settings)).maximum_sensitivity
 
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> from clepsydra.base.signal import Signal
-    >>> process = SimpleNamespace(signal={"y": Signal("y", "V", low=1, high=5)}.__getitem__)
-    >>> output_sizes(process, [PairedLoop("y", "u", Element(1.0, (-1.0,), (), 0), 2.0)])
-    [4]
-    """
-    return [process.signal(loop.output).high - process.signal(loop.output).low for loop in loops]
+    def controller(self, found: Detuned, design: str, notes: Sequence[str]) -> Controller:
+        """Return the controller with these settings, at rest at the operating point.
 
+        The setpoint weight is 1, the tracking time the integral time, and the limits are the
+        ranges of the inputs.
 
-def multiloop_pi(
-    process: Process,
-    model: LinearModel,
-    loops: Sequence[PairedLoop],
-    settings: Sequence[PiSettings],
-    *,
-    anti_windup: AntiWindup,
-    method: str,
-    design: str,
-    notes: Sequence[str],
-) -> Controller:
-    """Return the controller with these settings, at rest at the model's operating point.
+        Parameters
+        ----------
+        found : Detuned
+        design : str
+            How the settings were found; their values and the peak are added.
+        notes : sequence of str
 
-    The setpoint weight is 1, the tracking time the integral time, and the limits are the
-    ranges of the inputs.
+        Raises
+        ------
+        NotApplicable
+            A setting is outside of what a controller takes.
+        """
+        values = self._values(found.settings)
+        check_designed(self._without_settings.law, values, self.method)
+        return dataclasses.replace(
+            self._without_settings,
+            design=(
+                f"{design}: {self._in_words(found.settings)}; sensitivity peak of all loops "
+                f"together {found.peak:.2f}."
+            ),
+            values=values,
+            notes=tuple(notes),
+        )
 
-    Examples
-    --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> analysis = analyse(process)
-    >>> loops = paired_loops(process, analysis.model, analysis.pairing, "by hand")
-    >>> controller = multiloop_pi(
-    ...     process, analysis.model, loops, [PiSettings(3.0, 30.0), PiSettings(2.7, 40.0)],
-    ...     anti_windup="clamping", method="Johansson", design="Published.", notes=[])
-    >>> controller.name, controller.values["integral_time_2"], controller.values["high_limit_2"]
-    ('PI, Johansson', 40.0, 10.0)
-    """
-    if model.point is None:
-        raise NotApplicable(method, "the model does not come from an operating point")
-    at = model.point.as_dict()
-    values: dict[str, float] = {}
-    initial_state: dict[str, float] = {}
-    for i, (loop, setting) in enumerate(zip(loops, settings, strict=True), start=1):
-        signal = process.signal(loop.input_name)
-        values |= {
-            f"proportional_gain_{i}": setting.gain,
-            f"integral_time_{i}": setting.integral_time,
-            f"setpoint_weight_{i}": 1.0,
-            f"low_limit_{i}": signal.low,
-            f"high_limit_{i}": signal.high,
-        }
-        if anti_windup == "back_calculation":
-            values[f"tracking_time_{i}"] = setting.integral_time
-        # At rest r = y and b = 1, so the integral is the whole output.
-        initial_state[f"integral_{i}"] = at[loop.input_name]
-        initial_state[f"last_output_{i}"] = at[loop.input_name]
-    outputs = tuple(loop.output for loop in loops)
-    inputs = tuple(loop.input_name for loop in loops)
-    return Controller(
-        name=f"PI, {method}",
-        family=FAMILY,
-        design=design,
-        law=multiloop_pi_law(
-            len(loops),
+    def _blank(
+        self, outputs: tuple[str, ...], inputs: tuple[str, ...], anti_windup: AntiWindup
+    ) -> Controller:
+        law = multiloop_pi_law(
+            len(self.loops),
             anti_windup,
-            measured=[process.signal(name) for name in outputs],
-            manipulated=[process.signal(name) for name in inputs],
-        ),
-        values=values,
-        initial_state=initial_state,
-        measurements=outputs,
-        setpoints=outputs,
-        manipulated=inputs,
-        notes=tuple(notes),
-    )
+            measured=[loop.output for loop in self.loops],
+            manipulated=[loop.input for loop in self.loops],
+        )
+        values = {parameter.name: parameter.initial for parameter in law.parameters}
+        check_designed(law, values, self.method)
+        # At rest r = y and b = 1, so the integral is the whole output.
+        initial_state = {
+            f"{name}_{i}": loop.resting_input
+            for i, loop in enumerate(self.loops, start=1)
+            for name in ("integral", "last_output")
+        }
+        return Controller(
+            name=f"PI, {self.method}",
+            family=FAMILY,
+            design="",
+            law=law,
+            values=values,
+            initial_state=initial_state,
+            measurements=outputs,
+            setpoints=outputs,
+            manipulated=inputs,
+        )
+
+    def _values(self, settings: Sequence[PiSettings]) -> dict[str, float]:
+        values = dict(self._without_settings.values)
+        for i, (loop, setting) in enumerate(zip(self.loops, settings, strict=True), start=1):
+            values |= {
+                f"proportional_gain_{i}": setting.gain,
+                f"integral_time_{i}": setting.integral_time,
+                f"setpoint_weight_{i}": 1.0,
+                f"low_limit_{i}": loop.input.low,
+                f"high_limit_{i}": loop.input.high,
+            }
+            if f"tracking_time_{i}" in values:
+                values[f"tracking_time_{i}"] = setting.integral_time
+        return values
+
+    def _in_words(self, settings: Sequence[PiSettings]) -> str:
+        return "; ".join(
+            f"{loop.pair}: K = {setting.gain:.3g} {loop.input.unit}/{loop.output.unit}, "
+            f"Ti = {setting.integral_time:.3g} s"
+            for loop, setting in zip(self.loops, settings, strict=True)
+        )
 
 
-def settings_in_words(
-    process: Process, loops: Sequence[PairedLoop], settings: Sequence[PiSettings]
-) -> str:
-    """Return the settings as a phrase.
+def note_on_peak(found: Detuned, remedy: str) -> list[str]:
+    """Return a note where settings that the user chose have thin margins.
 
     Examples
     --------
-    >>> from types import SimpleNamespace
-    >>> from clepsydra.base.signal import Signal
-    >>> signals = {"y": Signal("y", "V"), "u": Signal("u", "A")}
-    >>> process = SimpleNamespace(signal=signals.__getitem__)
-    >>> loop = PairedLoop("y", "u", Element(1.0, (-1.0,), (), 0), 2.0)
-    >>> settings_in_words(process, [loop], [PiSettings(2.5, 30.0)])
-    'y by u: K = 2.5 A/V, Ti = 30 s'
+    >>> note_on_peak(Detuned((PiSettings(9.0, 30.0),), 1.0, 2.5), "choose a lower crossover")
+    ['The sensitivity peak is 2.50, above 2: choose a lower crossover.']
     """
-    return "; ".join(
-        f"{loop.output} by {loop.input_name}: K = {setting.gain:.3g} "
-        f"{process.signal(loop.input_name).unit}/{process.signal(loop.output).unit}, "
-        f"Ti = {setting.integral_time:.3g} s"
-        for loop, setting in zip(loops, settings, strict=True)
+    if found.peak <= SENSITIVITY_LIMIT:
+        return []
+    return [f"The sensitivity peak is {found.peak:.2f}, above {SENSITIVITY_LIMIT:g}: {remedy}."]
+
+
+def _checked(pairing: Pairing, model: LinearModel) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the outputs and the inputs of a pairing."""
+    whole = isinstance(pairing, (list, tuple)) and all(
+        isinstance(pair, (list, tuple)) and len(pair) == 2 for pair in pairing
     )
+    if not whole or not pairing:
+        raise InputError(
+            "pairing", pairing, "at least one pair (output, input)", "pair output and input"
+        )
+    outputs, inputs = zip(*pairing, strict=True)
+    model.select(outputs, inputs)
+    return outputs, inputs

@@ -7,21 +7,14 @@ import math
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
-from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.detuning import SENSITIVITY_LIMIT, Detuned, detune, slowed_down
-from clepsydra.design.element import Element
-from clepsydra.design.input_room import largest_proportional_gain
-from clepsydra.design.loop_transfer import PiSettings, loop_transfer
-from clepsydra.design.multiloop import (
-    Pairing,
-    multiloop_pi,
-    output_sizes,
-    paired_loops,
-    settings_in_words,
-)
+from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.design.applicability import NotApplicable, reasons_about
+from clepsydra.design.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
+from clepsydra.design.multiloop import MultiloopPi, PairedLoop, Pairing, note_on_peak
+from clepsydra.design.pi_settings import PiSettings, slowed_down
+from clepsydra.design.request import positive_number
+from clepsydra.design.transfer_element import TransferElement
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.sensitivity import maximum_sensitivity
-from clepsydra.process.process import Process
 
 METHOD = "phase margin"
 #: The lag of the PI at the default crossover is at least this, which makes ω Ti at most 3.
@@ -31,7 +24,7 @@ _POINTS_A_DECADE = 50
 
 
 def pi_for_margin(
-    element: Element, delay: float, phase_margin: float, crossover: float
+    element: TransferElement, delay: float, phase_margin: float, crossover: float
 ) -> PiSettings:
     """Return the PI that gives an element this phase margin at this crossover.
 
@@ -42,7 +35,7 @@ def pi_for_margin(
 
     Parameters
     ----------
-    element : Element
+    element : TransferElement
         Stable, or integrating.
     delay : float
         θ [s]
@@ -64,7 +57,7 @@ def pi_for_margin(
     --------
     An integrator 1/s, 45° at 1 rad/s: the PI lags by 45° itself.
 
-    >>> setting = pi_for_margin(Element(1.0, (), (), 1), 0.0, math.pi / 4, 1.0)
+    >>> setting = pi_for_margin(TransferElement(1.0, (), (), 1), 0.0, math.pi / 4, 1.0)
     >>> round(setting.gain, 6), round(setting.integral_time, 6)
     (0.707107, 1.0)
     """
@@ -82,19 +75,19 @@ def pi_for_margin(
 
 
 def default_crossover(
-    element: Element, delay: float, phase_margin: float, largest_gain: float
+    element: TransferElement, delay: float, phase_margin: float, largest_gain: float
 ) -> float:
     """Return the highest crossover [rad/s] with ω Ti ≤ 3 and a gain within the input's room.
 
     Parameters
     ----------
-    element : Element
+    element : TransferElement
     delay : float
         [s]
     phase_margin : float
         [rad]
     largest_gain : float
-        Largest magnitude of the proportional gain, `input_room.largest_proportional_gain`.
+        Largest magnitude of the proportional gain, `control_authority.largest_proportional_gain`.
 
     Raises
     ------
@@ -105,7 +98,8 @@ def default_crossover(
     --------
     1/(s + 1)² with a margin of 60°: the PI lags by 18.4° where the element lags by 101.6°.
 
-    >>> crossover = default_crossover(Element(1.0, (-1.0, -1.0), (), 0), 0.0, math.pi / 3, 1e9)
+    >>> element = TransferElement(1.0, (-1.0, -1.0), (), 0)
+    >>> crossover = default_crossover(element, 0.0, math.pi / 3, 1e9)
     >>> round(2 * math.degrees(math.atan(crossover)), 1)
     101.6
     """
@@ -138,7 +132,6 @@ def default_crossover(
 
 
 def design_phase_margin(
-    process: Process,
     model: LinearModel,
     pairing: Pairing,
     *,
@@ -148,18 +141,17 @@ def design_phase_margin(
 ) -> Controller:
     """Design a PI controller for each pair from its phase margin.
 
-    Each loop by itself, with the delay of half a sampling period, gets exactly this margin.
-    Without a given crossover each takes the highest at which ω Ti ≤ 3 and a setpoint step of a
-    tenth of the measurement's range does not saturate the input; then all are slowed down by
-    one factor, K/F and F·Ti, until the loops together have a sensitivity peak of 2
-    (`design.detuning`), which changes the margins: the notes give what they became. A given
-    crossover is used as it is.
+    Each loop by itself, taken as continuous with half a sampling period of delay, gets exactly
+    this margin. Without a given crossover each takes the highest at which ω Ti ≤ 3 and a
+    setpoint step of a tenth of the measurement's range does not saturate the input; then all
+    are slowed down by one factor, K/F and F·Ti, until the sampled loops together have a
+    sensitivity peak of 2 (`design.detuning`), which changes the margins: the notes give what
+    they became. A given crossover is used as it is.
 
     Parameters
     ----------
-    process : Process
     model : LinearModel
-        With an operating point.
+        Of a process at an operating point.
     pairing : sequence of (output, input)
     phase_margin : float
         Of each loop by itself [rad].
@@ -175,71 +167,48 @@ def design_phase_margin(
     Raises
     ------
     NotApplicable
-        No PI gives this margin, an element is unstable, or the loops are unstable together.
+        No PI gives this margin, an element is unstable, the loops are unstable together, or
+        a setting is outside of what a controller takes.
     InputError
-        The pairing is no pairing of the model, or a number is out of range.
+        The model has no operating point, the pairing is no pairing of the model, the
+        anti-windup is unknown, or a number is out of range.
 
     Examples
     --------
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> analysis = analyse(process)
-    >>> controller = design_phase_margin(process, analysis.model, analysis.pairing)
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_phase_margin(analysis.model, analysis.pairing)
     >>> round(controller.values["proportional_gain_1"], 6)
     3.0
     """
     _check(phase_margin, crossover)
-    loops = paired_loops(process, model, pairing, METHOD)
-    delay, sizes = process.sampling_period / 2.0, output_sizes(process, loops)
+    together = MultiloopPi(model, pairing, anti_windup, METHOD)
+    delay = together.process.sampling_period / 2.0
     crossovers, settings = [], []
-    for loop in loops:
-        pair = f"{loop.output} by {loop.input_name}"
-        try:
+    for loop in together.loops:
+        with reasons_about(loop.pair):
             _check_element(loop.element)
-            largest = largest_proportional_gain(
-                process, loop.output, loop.input_name, loop.resting_input
+            frequency = crossover or default_crossover(
+                loop.element, delay, phase_margin, loop.largest_gain
             )
-            frequency = crossover or default_crossover(loop.element, delay, phase_margin, largest)
             settings.append(pi_for_margin(loop.element, delay, phase_margin, frequency))
-        except NotApplicable as refusal:
-            raise NotApplicable(METHOD, f"{pair}: {refusal.reason}") from None
         crossovers.append(frequency)
-    selected = model.select([loop.output for loop in loops], [loop.input_name for loop in loops])
     if crossover is None:
-        detuned = detune(
-            lambda factor: slowed_down(settings, factor),
-            selected,
-            process.sampling_period,
-            sizes,
-            METHOD,
-        )
+        found = detune(lambda factor: slowed_down(settings, factor), together.peak, METHOD)
     else:
-        loop_model = loop_transfer(selected, settings, process.sampling_period, sizes)
-        detuned = Detuned(tuple(settings), 1.0, maximum_sensitivity(*loop_model).peak)
-        if math.isinf(detuned.peak):
-            raise NotApplicable(
-                METHOD, f"the loops together are unstable at a crossover of {crossover:g} rad/s"
-            )
-    return multiloop_pi(
-        process,
-        model,
-        loops,
-        detuned.settings,
-        anti_windup=anti_windup,
-        method=METHOD,
-        design=(
-            f"Phase margin of {math.degrees(phase_margin):.0f}° at "
-            + ", ".join(f"{frequency:.3g} rad/s" for frequency in crossovers)
-            + (f", slowed down {detuned.factor:.3g} times" if detuned.factor > 1.0 else "")
-            + f": {settings_in_words(process, loops, detuned.settings)}; sensitivity peak of all "
-            f"loops together {detuned.peak:.2f}."
-        ),
-        notes=_notes(detuned, [loop.element for loop in loops], delay),
+        choice = f"a crossover of {crossover:g} rad/s"
+        found = as_given(settings, together.peak, METHOD, choice)
+    return together.controller(
+        found,
+        f"Phase margin of {math.degrees(phase_margin):.0f}° at "
+        + ", ".join(f"{frequency:.3g} rad/s" for frequency in crossovers)
+        + (f", slowed down {found.factor:.3g} times" if found.factor > 1.0 else ""),
+        _notes(found, together.loops, delay),
     )
 
 
-def margin_of(element: Element, delay: float, setting: PiSettings) -> tuple[float, float]:
+def margin_of(element: TransferElement, delay: float, setting: PiSettings) -> tuple[float, float]:
     """Return the crossover [rad/s] and phase margin [rad] of one loop by itself.
 
     The crossover is where |g C| falls through one; it is unique for an element without
@@ -247,7 +216,8 @@ def margin_of(element: Element, delay: float, setting: PiSettings) -> tuple[floa
 
     Examples
     --------
-    >>> crossover, margin = margin_of(Element(1.0, (), (), 1), 0.0, PiSettings(0.5**0.5, 1.0))
+    >>> integrator = TransferElement(1.0, (), (), 1)
+    >>> crossover, margin = margin_of(integrator, 0.0, PiSettings(0.5**0.5, 1.0))
     >>> round(crossover, 6), round(math.degrees(margin), 6)
     (1.0, 45.0)
     """
@@ -266,44 +236,38 @@ def margin_of(element: Element, delay: float, setting: PiSettings) -> tuple[floa
     return high, math.pi + element.phase(high) - high * delay - lag
 
 
-def _lag(element: Element, delay: float, phase_margin: float, omega: float) -> float:
+def _lag(element: TransferElement, delay: float, phase_margin: float, omega: float) -> float:
     return math.pi - phase_margin + element.phase(omega) - omega * delay
 
 
 def _check(phase_margin: float, crossover: float | None) -> None:
-    if not 0.0 < phase_margin < math.pi:
+    if not is_finite_number(phase_margin) or not 0.0 < phase_margin < math.pi:
         raise InputError(
             f"{METHOD}, phase_margin", phase_margin, "an angle between 0 and π rad", "use radians"
         )
-    if crossover is not None and not (math.isfinite(crossover) and crossover > 0.0):
-        raise InputError(
-            f"{METHOD}, crossover", crossover, "a frequency above 0 rad/s", "give it in rad/s"
-        )
+    if crossover is not None:
+        place = f"{METHOD}, crossover"
+        positive_number(place, crossover, "a frequency above 0 rad/s", "give it in rad/s")
 
 
-def _check_element(element: Element) -> None:
+def _check_element(element: TransferElement) -> None:
     if any(root.real >= 0.0 for root in element.poles):
         raise NotApplicable(METHOD, "the element is unstable without control")
     if element.integrators < 0:
         raise NotApplicable(METHOD, "the input cannot hold the output: its static gain is zero")
 
 
-def _notes(detuned: Detuned, elements: list[Element], delay: float) -> list[str]:
-    if detuned.factor > 1.0:
+def _notes(found: Detuned, loops: list[PairedLoop], delay: float) -> list[str]:
+    if found.factor > 1.0:
         margins = [
-            margin_of(element, delay, setting)
-            for element, setting in zip(elements, detuned.settings, strict=True)
+            margin_of(loop.element, delay, setting)
+            for loop, setting in zip(loops, found.settings, strict=True)
         ]
         reached = " and ".join(
             f"{math.degrees(margin):.0f}° at {crossover:.3g} rad/s" for crossover, margin in margins
         )
         return [
-            f"The loops were slowed down {detuned.factor:.3g} times, so that together they keep a "
+            f"The loops were slowed down {found.factor:.3g} times, so that together they keep a "
             f"sensitivity peak of {SENSITIVITY_LIMIT:g}; by itself each now has {reached}."
         ]
-    if detuned.peak > SENSITIVITY_LIMIT:
-        return [
-            f"The sensitivity peak is {detuned.peak:.2f}, above {SENSITIVITY_LIMIT:g}: choose a "
-            "lower crossover or a larger margin."
-        ]
-    return []
+    return note_on_peak(found, "choose a lower crossover or a larger margin")

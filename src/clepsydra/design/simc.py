@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-import math
-
-from clepsydra.base.errors import InputError
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
-from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.detuning import SENSITIVITY_LIMIT, Detuned, detune
-from clepsydra.design.element import Element
+from clepsydra.design.applicability import reasons_about
+from clepsydra.design.control_authority import DESIGN_STEP
+from clepsydra.design.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
 from clepsydra.design.first_order_delay import FirstOrderDelay, half_rule
-from clepsydra.design.input_room import DESIGN_STEP, largest_proportional_gain
-from clepsydra.design.loop_transfer import PiSettings, loop_transfer
-from clepsydra.design.multiloop import (
-    Pairing,
-    multiloop_pi,
-    output_sizes,
-    paired_loops,
-    settings_in_words,
-)
+from clepsydra.design.multiloop import MultiloopPi, PairedLoop, Pairing, note_on_peak
+from clepsydra.design.pi_settings import PiSettings
+from clepsydra.design.request import positive_number
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.sensitivity import maximum_sensitivity
-from clepsydra.process.process import Process
 
 METHOD = "SIMC"
 
@@ -53,7 +42,6 @@ def simc_settings(model: FirstOrderDelay, closed_loop_time_constant: float) -> P
 
 
 def design_simc(
-    process: Process,
     model: LinearModel,
     pairing: Pairing,
     *,
@@ -65,14 +53,14 @@ def design_simc(
     Each paired element is reduced by the half rule, with half a sampling period as delay.
     Without a given closed-loop time constant, each loop takes the shortest τc that is not
     below its effective delay and at which a setpoint step of a tenth of the measurement's
-    range does not saturate the input; then all are lengthened by one factor until the loops
-    together have a sensitivity peak of 2 (`design.detuning`). A given τc is used as it is.
+    range does not saturate the input; then all are lengthened by one factor until the sampled
+    loops together have a sensitivity peak of 2 (`design.detuning`). A given τc is used as it
+    is.
 
     Parameters
     ----------
-    process : Process
     model : LinearModel
-        With an operating point.
+        Of a process at an operating point.
     pairing : sequence of (output, input)
     anti_windup : {"back_calculation", "clamping"}
     closed_loop_time_constant : float, optional
@@ -86,9 +74,11 @@ def design_simc(
     Raises
     ------
     NotApplicable
-        An element has no first-order model, or the loops are unstable together.
+        An element has no first-order model, the loops are unstable together, or a setting is
+        outside of what a controller takes.
     InputError
-        The pairing is no pairing of the model, or τc is not above zero.
+        The model has no operating point, the pairing is no pairing of the model, the
+        anti-windup is unknown, or τc is not above zero.
 
     References
     ----------
@@ -101,96 +91,70 @@ def design_simc(
 
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> analysis = analyse(process)
-    >>> controller = design_simc(process, analysis.model, analysis.pairing)
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
     >>> round(controller.values["proportional_gain_1"], 6)
     3.0
     """
-    loops = paired_loops(process, model, pairing, METHOD)
-    period = process.sampling_period
-    reduced = [
-        _reduced(loop.element, period / 2.0, f"{loop.output} by {loop.input_name}")
-        for loop in loops
-    ]
-    sizes = output_sizes(process, loops)
-    selected = model.select([loop.output for loop in loops], [loop.input_name for loop in loops])
+    together = MultiloopPi(model, pairing, anti_windup, METHOD)
+    reduced = [_reduced(loop, together.process.sampling_period / 2.0) for loop in together.loops]
+
+    def settings_at(times: list[float]) -> list[PiSettings]:
+        return [simc_settings(each, time) for each, time in zip(reduced, times, strict=True)]
+
     if closed_loop_time_constant is None:
-        times = []
-        for loop, each in zip(loops, reduced, strict=True):
-            largest = largest_proportional_gain(
-                process, loop.output, loop.input_name, loop.resting_input
-            )
-            times.append(max(each.delay, 1.0 / (abs(each.slope) * largest) - each.delay))
-        detuned = detune(
-            lambda factor: [
-                simc_settings(each, factor * time)
-                for each, time in zip(reduced, times, strict=True)
-            ],
-            selected,
-            period,
-            sizes,
-            METHOD,
+        shortest = [_shortest(*pair) for pair in zip(together.loops, reduced, strict=True)]
+        found = detune(
+            lambda factor: settings_at([factor * time for time in shortest]), together.peak, METHOD
         )
-        times = [detuned.factor * time for time in times]
+        times = [found.factor * time for time in shortest]
     else:
-        times = [_given_time(closed_loop_time_constant)] * len(loops)
-        settings = tuple(simc_settings(each, times[0]) for each in reduced)
-        loop_model = loop_transfer(selected, settings, period, sizes)
-        detuned = Detuned(settings, 1.0, maximum_sensitivity(*loop_model).peak)
-        if math.isinf(detuned.peak):
-            raise NotApplicable(
-                METHOD,
-                f"the loops together are unstable at a closed-loop time constant of {times[0]:g} s",
-            )
-    approximations = "; ".join(
-        f"{loop.output} by {loop.input_name}: slope {each.slope:.3g}/s, time constant "
-        f"{each.time_constant:.3g} s, delay {each.delay:.3g} s, closed-loop time constant "
-        f"{time:.3g} s"
-        for loop, each, time in zip(loops, reduced, times, strict=True)
-    )
-    return multiloop_pi(
-        process,
-        model,
-        loops,
-        detuned.settings,
-        anti_windup=anti_windup,
-        method=METHOD,
-        design=(
-            f"SIMC (Skogestad 2003), {settings_in_words(process, loops, detuned.settings)}; "
-            f"sensitivity peak of all loops together {detuned.peak:.2f}."
-        ),
-        notes=[f"First-order models by the half rule: {approximations}.", *_notes(detuned)],
+        time = _given_time(closed_loop_time_constant)
+        times = [time] * len(reduced)
+        choice = f"a closed-loop time constant of {time:g} s"
+        found = as_given(settings_at(times), together.peak, METHOD, choice)
+    return together.controller(
+        found, "SIMC (Skogestad 2003)", _notes(found, together.loops, reduced, times)
     )
 
 
-def _reduced(found: Element, delay: float, pair: str) -> FirstOrderDelay:
-    try:
-        return half_rule(found, delay, method=METHOD)
-    except NotApplicable as refusal:
-        raise NotApplicable(METHOD, f"{pair}: {refusal.reason}") from None
+def _reduced(loop: PairedLoop, delay: float) -> FirstOrderDelay:
+    with reasons_about(loop.pair):
+        return half_rule(loop.element, delay, method=METHOD)
+
+
+def _shortest(loop: PairedLoop, reduced: FirstOrderDelay) -> float:
+    """Return the shortest closed-loop time constant that delay and input allow [s]."""
+    return max(reduced.delay, 1.0 / (abs(reduced.slope) * loop.largest_gain) - reduced.delay)
 
 
 def _given_time(value: float) -> float:
-    if not (math.isfinite(value) and value > 0.0):
-        raise InputError(
-            "SIMC, closed_loop_time_constant", value, "a time above 0 s", "give it in seconds"
-        )
-    return value
+    place = f"{METHOD}, closed_loop_time_constant"
+    return positive_number(place, value, "a time above 0 s", "give it in seconds")
 
 
-def _notes(detuned: Detuned) -> list[str]:
-    if detuned.factor > 1.0:
-        return [
-            f"The closed-loop time constants were lengthened {detuned.factor:.3g} times, so that "
+def _notes(
+    found: Detuned,
+    loops: list[PairedLoop],
+    reduced: list[FirstOrderDelay],
+    times: list[float],
+) -> list[str]:
+    approximations = "; ".join(
+        f"{loop.pair}: slope {each.slope:.3g}/s, time constant {each.time_constant:.3g} s, "
+        f"delay {each.delay:.3g} s, closed-loop time constant {time:.3g} s"
+        for loop, each, time in zip(loops, reduced, times, strict=True)
+    )
+    notes = [f"First-order models by the half rule: {approximations}."]
+    if found.factor > 1.0:
+        notes.append(
+            f"The closed-loop time constants were lengthened {found.factor:.3g} times, so that "
             f"the interacting loops keep a sensitivity peak of {SENSITIVITY_LIMIT:g}."
-        ]
-    if detuned.peak > SENSITIVITY_LIMIT:
-        return [
-            f"The sensitivity peak is {detuned.peak:.2f}, above {SENSITIVITY_LIMIT:g}: choose a "
-            "longer closed-loop time constant."
-        ]
-    return [
-        f"A setpoint step of {100 * DESIGN_STEP:.0f} % of the range was taken for the choice of "
-        "the closed-loop time constants."
-    ]
+        )
+    elif found.peak > SENSITIVITY_LIMIT:
+        notes += note_on_peak(found, "choose a longer closed-loop time constant")
+    else:
+        notes.append(
+            f"A setpoint step of {100 * DESIGN_STEP:.0f} % of the range was taken for the choice "
+            "of the closed-loop time constants."
+        )
+    return notes

@@ -14,7 +14,7 @@ from clepsydra.engine.compiler import CompiledFunction, kernel_signature
 from clepsydra.engine.host import host
 from clepsydra.engine.layout import Layout
 from clepsydra.engine.object_cache import ObjectCache
-from clepsydra.engine.threads import in_threads
+from clepsydra.engine.threads import available_threads, in_threads
 from clepsydra.engine.trajectories import Trajectories
 from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
 from clepsydra.program.delay_ring import DelayRing
@@ -127,10 +127,17 @@ class Kernel:
         parameters: Mapping[str, ArrayLike] | None = None,
         state: Mapping[str, ArrayLike] | None = None,
         every: int = 1,
-        threads: int = 1,
+        threads: int | None = None,
     ) -> Trajectories:
-        """Run all scenarios from their initial state; arguments as in `prepare`."""
-        self._check("threads", threads, "use one thread")
+        """Run all scenarios from their initial state; arguments as in `prepare`.
+
+        Parameters
+        ----------
+        threads : int, optional
+            All processors that this process may use, if omitted.
+        """
+        threads = available_threads() if threads is None else threads
+        self._check("threads", threads, "leave it out")
         job = self.prepare(samples, inputs=inputs, parameters=parameters, state=state, every=every)
         return job.run(threads)
 

@@ -73,7 +73,7 @@ class Layout:
         self._refuse_unknown("input", given, self._inputs)
         table = np.empty((samples, len(self._shared)))
         for index, name in enumerate(self._shared):
-            value = np.asarray(given.get(name, self._inputs[name]), dtype=float)
+            value = self._numbers(name, given.get(name, self._inputs[name]))
             if value.shape not in ((), (samples,)):
                 raise self._shape_error(name, value, f"a number or [{samples}]")
             table[:, index] = value
@@ -85,7 +85,7 @@ class Layout:
         table = np.empty((groups, samples, len(self._individual), lanes))
         for index, name in enumerate(self._individual):
             initial = np.full((scenarios, samples), self._inputs[name])
-            value = np.asarray(given.get(name, initial), dtype=float)
+            value = self._numbers(name, given.get(name, initial))
             if value.shape != (scenarios, samples):
                 raise self._shape_error(name, value, f"[{scenarios}, {samples}]")
             rows = np.empty((groups * lanes, samples))
@@ -105,13 +105,21 @@ class Layout:
         groups = -(-scenarios // lanes)
         table = np.empty((len(numbers), groups * lanes))
         for row, (name, number) in zip(table, numbers.items(), strict=True):
-            value = np.asarray(number, dtype=float)
+            value = self._numbers(name, number)
             if value.ndim > 1:
                 raise self._shape_error(name, value, "a number or [scenarios]")
             row[:scenarios] = value
             row[scenarios:] = row[scenarios - 1]
         shaped = table.reshape(len(numbers), groups, lanes)
         return np.ascontiguousarray(shaped.transpose(1, 0, 2))
+
+    def _numbers(self, name: str, given: ArrayLike) -> Array:
+        try:
+            return np.asarray(given, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(
+                f"run of {self._name}, {name}", given, "a number or numbers", "give it in SI units"
+            ) from None
 
     def _refuse_unknown(self, kind: str, given: Given, known: Mapping[str, float]) -> None:
         for name in given:

@@ -40,7 +40,7 @@ class Analysis:
         [rad/s], rightmost first.
     minimum_phase : bool
     time_constants : ndarray [n]
-        [s], in the order of the poles; infinite for an integrator.
+        [s], in the order of the poles; infinite for a pole on the imaginary axis.
     static_gain : ndarray [q, m]
         [output unit / input unit]; infinite where the model integrates.
     relative_gain_array : ndarray [q, m] or None
@@ -51,6 +51,13 @@ class Analysis:
         Of that pairing; None where it is not defined.
     words : tuple of str
         What follows for control, a sentence each.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
+    >>> analysis.minimum_phase, analysis.pairing
+    (False, (('level_1', 'pump_2'), ('level_2', 'pump_1')))
     """
 
     operating_point: OperatingPoint
@@ -137,7 +144,7 @@ def analyse(
     ([[1.4, -0.4], [-0.4, 1.4]], ('level_1', 'pump_1'))
     """
     point = find_equilibrium(process, inputs, outputs, disturbances)
-    model = linearise(process, point).select(outputs=process.controlled)
+    model = linearise(point).select(outputs=process.controlled)
     gain = static_gain(model)
     relative: np.ndarray | None
     try:

@@ -13,10 +13,12 @@ from clepsydra.linear.poles import origin_radius
 _EASY = (0.67, 1.5)
 # Above this a decoupler or an inverse follows small errors of the model.
 _ILL_CONDITIONED = 10.0
+# A part of a root below this share of its magnitude is not shown.
+_ROUNDING = 1e-9
 
 
 def words_on_poles(model: LinearModel, poles: np.ndarray, constants: np.ndarray) -> list[str]:
-    """Return sentences on stability, integrators and speed.
+    """Return sentences on stability, integrators, undamped oscillations and speed.
 
     Parameters
     ----------
@@ -25,10 +27,19 @@ def words_on_poles(model: LinearModel, poles: np.ndarray, constants: np.ndarray)
         [rad/s]
     constants : ndarray [n]
         Time constants [s], in the order of the poles.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> model = LinearModel(-0.02 * one, one, one[:, :0], one, 0.0 * one,
+    ...                     ("tank.level",), ("pump",), (), ("level",))
+    >>> words_on_poles(model, np.array([-0.02 + 0j]), np.array([50.0]))
+    ['The process is stable: left alone, every level settles.', 'Its time constant is 50 s.']
     """
     radius = origin_radius(model.A)
     unstable = [pole for pole in poles if pole.real > radius]
-    marginal = int(np.sum(np.isinf(constants)))
+    at_origin = int(np.sum(np.abs(poles) <= radius))
+    undamped = [pole for pole in poles if abs(pole.real) <= radius < pole.imag]
     decaying = constants[np.isfinite(constants) & (constants > 0.0)]
     words = []
     if unstable:
@@ -36,12 +47,17 @@ def words_on_poles(model: LinearModel, poles: np.ndarray, constants: np.ndarray)
             f"The process is unstable: the pole at {root_text(unstable[0])} rad/s asks for a "
             f"closed loop faster than {2.0 * abs(unstable[0]):.3g} rad/s."
         )
-    if marginal:
+    if at_origin:
         words.append(
-            f"The process integrates ({marginal} pole{'s' if marginal > 1 else ''} on the "
-            "imaginary axis): without control the level drifts with any imbalance of flows."
+            f"The process integrates ({at_origin} pole{'s' if at_origin > 1 else ''} at the "
+            "origin): without control the level drifts with any imbalance of flows."
         )
-    if not unstable and not marginal and len(poles):
+    for pole in undamped:
+        words.append(
+            f"The process oscillates without damping at {pole.imag:.3g} rad/s (a period of "
+            f"{2.0 * np.pi / pole.imag:.3g} s): what sets it swinging never dies out by itself."
+        )
+    if not unstable and not at_origin and not undamped and len(poles):
         words.append("The process is stable: left alone, every level settles.")
     if decaying.size:
         words.append(
@@ -66,6 +82,14 @@ def words_on_zeros(model: LinearModel, zeros: np.ndarray, minimum_phase: bool) -
     zeros : ndarray, complex
         [rad/s], rightmost first.
     minimum_phase : bool
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> model = LinearModel(-0.02 * one, one, one[:, :0], one, 0.0 * one,
+    ...                     ("tank.level",), ("pump",), (), ("level",))
+    >>> words_on_zeros(model, np.array([]), minimum_phase=True)
+    ['There are no finite transmission zeros.']
     """
     radius = origin_radius(model.A)
     words = []
@@ -80,7 +104,7 @@ def words_on_zeros(model: LinearModel, zeros: np.ndarray, minimum_phase: bool) -
             )
         elif abs(zero.real) <= radius and zero.imag > radius:
             words.append(
-                f"The zeros at ±{zero.imag:.3g}j rad/s stand on the imaginary axis: the process "
+                f"The zeros at {root_text(zero)} rad/s stand on the imaginary axis: the process "
                 "cannot be moved at that frequency in some direction, and its inverse rings."
             )
         elif abs(zero) <= radius:
@@ -113,6 +137,14 @@ def words_on_gain(model: LinearModel, gain: np.ndarray) -> list[str]:
     model : LinearModel
     gain : ndarray [q, m]
         Static gain.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> model = LinearModel(0.0 * one, one, one[:, :0], one, 0.0 * one,
+    ...                     ("tank.level",), ("pump",), (), ("level",))
+    >>> words_on_gain(model, np.array([[np.inf]]))
+    ['level integrates pump: its static gain is infinite.']
     """
     words = []
     for output, row in zip(model.outputs, gain, strict=True):
@@ -142,6 +174,14 @@ def words_on_interaction(
     pairing : sequence of (output, input)
     index : float or None
         Niederlinski index of the pairing.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> model = LinearModel(-0.02 * one, one, one[:, :0], one, 0.0 * one,
+    ...                     ("tank.level",), ("pump",), (), ("level",))
+    >>> words_on_interaction(model, np.array([[1.0]]), [("level", "pump")], 1.0)
+    ['Pair level with pump (relative gain 1.00).']
     """
     if relative_gain is None:
         return [
@@ -182,13 +222,29 @@ def words_on_interaction(
 def root_text(root: complex) -> str:
     """Return a pole or zero with its sign, a conjugate pair as one.
 
+    A real or imaginary part that is only rounding is left out.
+
+    Parameters
+    ----------
+    root : complex
+        [rad/s]
+
     Examples
     --------
-    >>> root_text(0.01276 + 0j), root_text(-0.5 + 0.25j)
-    ('+0.0128', '-0.5 ± 0.25j')
+    >>> root_text(0.01276), root_text(-0.5 + 0.25j), root_text(2j), root_text(0)
+    ('+0.0128', '−0.500 ± 0.250j', '±2.00j', '0')
     """
-    real = f"{root.real:+.3g}"
-    return real if root.imag == 0.0 else f"{real} ± {abs(root.imag):.3g}j"
+    root = complex(root)
+    rounding = _ROUNDING * abs(root)
+    real = _three_digits(root.real, "+") if abs(root.real) > rounding else ""
+    imaginary = f"{_three_digits(abs(root.imag))}j" if abs(root.imag) > rounding else ""
+    if real and imaginary:
+        return f"{real} ± {imaginary}"
+    return f"±{imaginary}" if imaginary else real or "0"
+
+
+def _three_digits(value: float, sign: str = "") -> str:
+    return f"{value:{sign}#.3g}".rstrip(".").replace("-", "−")
 
 
 def _bandwidth_limit(zero: complex) -> float:

@@ -24,6 +24,15 @@ class LocalDerivatives:
         ∂f/∂x [n, n], ∂f/∂u [n, m], ∂f/∂d [n, k], ∂f/∂p [n, l].
     measured_by_state, measured_by_parameter : ndarray
         ∂h/∂x [q, n], ∂h/∂p [q, l].
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> local = Derivatives(load_process("quadruple-tank")).at(
+    ...     np.full(4, 0.1), np.full(2, 3.0), np.zeros(2)
+    ... )
+    >>> local.rates_by_input.shape, local.measured
+    ((4, 2), array([5., 5., 5., 5.]))
     """
 
     rates: np.ndarray

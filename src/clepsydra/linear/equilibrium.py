@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import ClepsydraError
 from clepsydra.linear.equilibrium_reasons import (
     reasons_outside_ranges,
@@ -80,8 +81,8 @@ def find_equilibrium(
         A state accumulates, an input would leave its range, a level would stand above its rim
         or below its floor, the outputs cannot be set independently, or nothing was found.
     InputError
-        A name is unknown, a value is no number or out of range, or too much or too little is
-        given.
+        The process is none, a name is unknown, a value is no number or out of range, or too
+        much or too little is given.
 
     Examples
     --------
@@ -91,6 +92,9 @@ def find_equilibrium(
     >>> round(100 * point.as_dict()["tank_1.level"], 4)
     12.263
     """
+    require_type(
+        process, Process, "process", "a Process", "read it with load_process(name or path)"
+    )
     request = read_request(process, inputs, outputs, disturbances)
     search = EquilibriumSearch(process, request)
     solution = _first_found(search)

@@ -23,6 +23,16 @@ def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[
     search : EquilibriumSearch
     solved : Iterate
         Where all derivatives vanish.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium_request import read_request
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> both = dict.fromkeys(("pump_1", "pump_2"), 9.0)
+    >>> search = EquilibriumSearch(process, read_request(process, both, None, None))
+    >>> reasons_outside_ranges(search, search.run(None))[0]
+    'tank_1.level would stand at 110.4 cm, above its rim at 20 cm'
     """
     process = search.process
     state, inputs = search.values(solved.unknowns)
@@ -46,6 +56,21 @@ def reasons_without_solution(search: EquilibriumSearch, stuck: Iterate) -> tuple
     search : EquilibriumSearch
     stuck : Iterate
         Its last one.
+
+    Examples
+    --------
+    The lower left tank with its outlet closed:
+
+    >>> from dataclasses import replace
+    >>> from clepsydra.linear.equilibrium_request import read_request
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> process = replace(process, parameters=tuple(
+    ...     replace(parameter, initial=0.0) if parameter.name == "outlet_1.area" else parameter
+    ...     for parameter in process.parameters))
+    >>> search = EquilibriumSearch(process, read_request(process, None, None, None))
+    >>> print(reasons_without_solution(search, search.run(None))[0].split("; ")[1])
+    in the long run it rises by 0.00393 m/s
     """
     if not stuck.finite:
         names = [
@@ -75,6 +100,15 @@ def undetermined(search: EquilibriumSearch, solved: Iterate) -> list[str]:
     ----------
     search : EquilibriumSearch
     solved : Iterate
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium_request import read_request
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> search = EquilibriumSearch(process, read_request(process, None, None, None))
+    >>> undetermined(search, search.run(None))
+    []
     """
     _, right = _null_spaces(search, solved)
     return _taking_part(_unknown_names(search), right)

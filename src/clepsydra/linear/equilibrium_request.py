@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.base.suggestion import suggestion
 from clepsydra.process.process import Process
 
 
@@ -29,6 +29,14 @@ class EquilibriumRequest:
         Places of the measurements whose values are asked for, as many as free inputs.
     targets : ndarray
         The asked values, in the order of `outputs`.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> asked = {"level_1": 6, "level_2": 6}  # [V]
+    >>> request = read_request(load_process("quadruple-tank"), None, asked, None)
+    >>> request.free_inputs, request.outputs, request.targets
+    ((0, 1), (0, 1), array([6., 6.]))
     """
 
     inputs: np.ndarray
@@ -57,6 +65,12 @@ def read_request(
     InputError
         A name is unknown, a value is not a finite number or outside the signal's range, or the
         number of outputs is not that of the free inputs.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> read_request(load_process("quadruple-tank"), {"pump_1": 2.5}, None, None).inputs
+    array([2.5, 3. ])
     """
     if inputs is None and outputs is None and process.nominal_outputs:
         outputs = process.nominal_outputs
@@ -103,8 +117,7 @@ def _checked(
     for name, value in values.items():
         place = f"equilibrium, {what}.{name}"
         if name not in by_name:
-            close = get_close_matches(str(name), by_name, 1)
-            remedy = f"did you mean {close[0]!r}" if close else f"use the name of {one}"
+            remedy = suggestion(name, by_name, f"use the name of {one}")
             expected = "one of " + ", ".join(by_name) if by_name else f"no name: there is not {one}"
             raise InputError(place, name, expected, remedy)
         signal = by_name[name]

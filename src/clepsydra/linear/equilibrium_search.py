@@ -36,6 +36,14 @@ class Iterate:
         Of the residuals by the unknowns.
     rounding : ndarray [n + f]
         What rounding alone may leave of each residual.
+
+    Examples
+    --------
+    Newton's step towards the root of 2 ζ - 6, from ζ = 1:
+
+    >>> iterate = Iterate(np.array([1.0]), np.array([-4.0]), np.array([[2.0]]), np.array([1e-14]))
+    >>> iterate.solved, iterate.newton_step().round(12)
+    (False, array([2.]))
     """
 
     unknowns: np.ndarray
@@ -79,6 +87,16 @@ class EquilibriumSearch:
     ----------
     process : Process
     request : EquilibriumRequest
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium_request import read_request
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> search = EquilibriumSearch(process, read_request(process, None, None, None))
+    >>> state, _ = search.values(search.run(None).unknowns)
+    >>> (100 * state).round(3)  # [cm]
+    array([12.263, 12.783,  1.634,  1.409])
     """
 
     def __init__(self, process: Process, request: EquilibriumRequest) -> None:
@@ -192,8 +210,8 @@ class EquilibriumSearch:
 
 
 def _span(signal: Signal) -> float:
-    if np.isfinite(signal.high - signal.low):
-        return signal.high - signal.low
+    if np.isfinite(signal.span):
+        return signal.span
     if np.isfinite(signal.low):
         return max(abs(signal.initial - signal.low), 1.0)
     return max(abs(signal.initial), 1.0)

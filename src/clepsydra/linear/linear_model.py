@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
 
 if TYPE_CHECKING:
     import control
@@ -182,10 +182,9 @@ def _places(what: str, names: tuple[str, ...], wanted: Sequence[str] | None) -> 
     places = []
     for name in wanted:
         if name not in names:
-            close = get_close_matches(str(name), names, 1)
-            hint = f"did you mean {close[0]!r}" if close else "use one of these names"
             expected = "one of " + ", ".join(names)
-            raise InputError(f"linear model, {what}", name, expected, hint)
+            remedy = suggestion(name, names, "use one of these names")
+            raise InputError(f"linear model, {what}", name, expected, remedy)
         if names.index(name) in places:
             raise InputError(f"linear model, {what}", name, "each name once", "name it once")
         places.append(names.index(name))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.linear.derivatives import Derivatives
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.process.process import Process
 
 
-def linearise(process: Process, point: OperatingPoint) -> LinearModel:
+def linearise(point: OperatingPoint) -> LinearModel:
     """Return A = ∂f/∂x, B = ∂f/∂u, E = ∂f/∂d and C = ∂h/∂x at the point, D = 0.
 
     The derivatives are exact (algorithmic differentiation), not differences. The model has all
@@ -19,8 +19,8 @@ def linearise(process: Process, point: OperatingPoint) -> LinearModel:
 
     Parameters
     ----------
-    process : Process
     point : OperatingPoint
+        It knows its process.
 
     Returns
     -------
@@ -29,7 +29,7 @@ def linearise(process: Process, point: OperatingPoint) -> LinearModel:
     Raises
     ------
     InputError
-        A tank is empty at the point, where the outflow has no derivative.
+        A tank is empty at the point, where the outflow has no derivative; or it is no point.
 
     Examples
     --------
@@ -37,11 +37,14 @@ def linearise(process: Process, point: OperatingPoint) -> LinearModel:
 
     >>> from clepsydra.linear.equilibrium import find_equilibrium
     >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> model = linearise(process, find_equilibrium(process))
+    >>> model = linearise(find_equilibrium(load_process("quadruple-tank")))
     >>> (-1.0 / model.A.diagonal()[:2]).round(2)
     array([62.36, 90.63])
     """
+    require_type(
+        point, OperatingPoint, "point", "an OperatingPoint", "find it with find_equilibrium"
+    )
+    process = point.process
     for signal, value in zip(process.state, point.state, strict=True):
         if signal.unit == "m" and value <= signal.low:
             raise InputError(
@@ -75,3 +78,35 @@ def linearise(process: Process, point: OperatingPoint) -> LinearModel:
         outputs=tuple(signal.name for signal in process.measurements),
         point=point,
     )
+
+
+def operating_point_of(model: LinearModel) -> OperatingPoint:
+    """Return the operating point that a model was made at, and with it the process.
+
+    Raises
+    ------
+    InputError
+        The model has none, as one that came from python-control; or it is no model.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> operating_point_of(tank)
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: linear model, point: got None, expected a model of a process \
+at an operating point; make it by linearise(point), or give it its point by dataclasses.replace.
+    """
+    require_type(
+        model, LinearModel, "model", "a LinearModel", "make it with linearise, or by analyse"
+    )
+    if model.point is None:
+        raise InputError(
+            "linear model, point",
+            None,
+            "a model of a process at an operating point",
+            "make it by linearise(point), or give it its point by dataclasses.replace",
+        )
+    return model.point

@@ -8,13 +8,15 @@ from clepsydra.linear.linear_model import LinearModel
 
 # A root closer to the origin than this share of the fastest rate stands at the origin.
 ORIGIN = 1e-10
+# A singular value below this share of the largest is rounding.
+_SINGULAR = 1e-12
 
 
 def poles(model: LinearModel) -> np.ndarray:
     """Return the eigenvalues of A, the rightmost (slowest, or least stable) first.
 
     Every state of the model counts, also one that the inputs do not move or the outputs do
-    not show.
+    not show. Integrators stand at zero exactly, see `integrators`.
 
     Parameters
     ----------
@@ -33,14 +35,50 @@ def poles(model: LinearModel) -> np.ndarray:
     >>> poles(model).real
     array([-0.02, -0.1 ])
     """
-    return rightmost_first(np.linalg.eigvals(model.A))
+    rates = np.linalg.eigvals(model.A)
+    rates[np.argsort(np.abs(rates))[: integrators(model.A)]] = 0.0
+    return rightmost_first(rates)
+
+
+def integrators(A: np.ndarray, size: float | None = None) -> int:
+    """Return how many poles stand at the origin, from singular values.
+
+    Eigenvalues are less sure: rounding splits two integrators in series into ±√ε, a stable and
+    an unstable pole. Here the null space of A is taken out, then that of what remains, until
+    what remains is regular.
+
+    Parameters
+    ----------
+    A : ndarray [n, n]
+        [1/s]
+    size : float, optional
+        The rate [1/s] beside which rounding is judged, for an A that is part of a larger
+        model; the largest singular value of A where left out.
+
+    Examples
+    --------
+    >>> integrators(np.array([[1.0, -1.0], [1.0, -1.0]]))
+    2
+    """
+    if size is None:
+        size = float(np.linalg.norm(A, 2)) if A.size else 0.0
+    remaining = np.asarray(A, float)
+    while len(remaining):
+        _, sizes, directions = np.linalg.svd(remaining)
+        rank = int(np.sum(sizes > _SINGULAR * size))
+        if rank == len(remaining):
+            break
+        regular = directions[:rank]
+        remaining = regular @ remaining @ regular.T
+    return len(A) - len(remaining)
 
 
 def time_constants(model: LinearModel) -> np.ndarray:
     """Return T = -1/Re(p) of each pole p, in the order of `poles`.
 
     It is the time in which the mode shrinks to 1/e; infinite for a pole on the imaginary axis
-    (an integrator), negative for an unstable one, where it is the time of growth.
+    (an integrator, or an oscillation without damping), negative for an unstable one, where it
+    is the time of growth.
 
     Parameters
     ----------

@@ -23,6 +23,11 @@ class SensitivityPeak(NamedTuple):
     frequency : float
         [rad/s]; infinite where S only approaches its peak with rising frequency, not a number
         when the closed loop is unstable.
+
+    Examples
+    --------
+    >>> SensitivityPeak(peak=1.6, frequency=0.03).peak
+    1.6
     """
 
     peak: float

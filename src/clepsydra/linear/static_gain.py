@@ -6,9 +6,8 @@ import numpy as np
 
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.minimal_realisation import minimal_realisation
+from clepsydra.linear.poles import integrators
 from clepsydra.linear.response import evaluate_transfer
-
-_SINGULAR = 1e-12
 
 
 def static_gain(model: LinearModel) -> np.ndarray:
@@ -39,7 +38,7 @@ def static_gain(model: LinearModel) -> np.ndarray:
     [[2.0], [inf]]
     """
     size = float(np.linalg.norm(model.A, 2)) if model.states else 0.0
-    if not _is_singular(model.A, size):
+    if not integrators(model.A):
         return np.asarray(model.D - model.C @ np.linalg.solve(model.A, model.B))
     gain = np.zeros((len(model.outputs), len(model.inputs)))
     for row, column in np.ndindex(*gain.shape):
@@ -49,7 +48,7 @@ def static_gain(model: LinearModel) -> np.ndarray:
 
 
 def _element_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, size: float) -> float:
-    if not _is_singular(A, size):
+    if not integrators(A, size):
         return float((D - C @ np.linalg.solve(A, B))[0, 0])
     # Near the origin G is R / s^k, with k the number of integrators: its sign there is that of
     # the growth. The eigenvalues of two integrators in series may be off by √ε.
@@ -57,8 +56,3 @@ def _element_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, si
     moving = rates[rates > 1e-6 * fastest]
     near = 1e-4 * (float(moving.min()) if moving.size else fastest)
     return float(np.copysign(np.inf, evaluate_transfer(A, B, C, D, np.array([near]))[0, 0, 0].real))
-
-
-def _is_singular(A: np.ndarray, size: float) -> bool:
-    """Tell whether there is an integrator, from the singular values (eigenvalues are less sure)."""
-    return bool(len(A) and np.linalg.svd(A, compute_uv=False)[-1] <= _SINGULAR * size)

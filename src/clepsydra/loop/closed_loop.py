@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.engine.runge_kutta import runge_kutta
+from clepsydra.loop.step_size import check_substeps
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
 from clepsydra.program.reader import inline
+
+_ABSOLUTE, _SQUARED = "sum_of_absolute_errors", "sum_of_squared_errors"
 
 
 def closed_loop(
@@ -40,8 +45,10 @@ def closed_loop(
         Inputs that never change in the runs to come, by name; they are folded into the
         program and are no inputs any more. Folding changes no bit of any result.
     running_scores : bool
-        Add the states "iae[level_1]" [signal unit × s] and "ise[level_1]" of every controlled
-        measurement, summed over the samples, for batches that store no trajectories.
+        Add the states "sum_of_absolute_errors[y]" [y s] and "sum_of_squared_errors[y]" [y² s]
+        of every controlled measurement y, for batches that store no trajectories: the sum over
+        the samples of sampling period × error at the sample, without noise. They are left
+        sums, where the scores `iae` and `ise` integrate from sample to sample.
 
     Returns
     -------
@@ -51,12 +58,98 @@ def closed_loop(
         disturbances, "m.noise", "m.sensor" (1 = good), "u.mode", "u.manual", "u.tracking".
         Parameters: the process's, then "controller." + the law's. Outputs: the process's state,
         the measurements, the manipulated variables, and "u.status".
+
+    Raises
+    ------
+    InputError
+        The controller names signals that the process lacks, the number of steps is not from 1
+        to 10,000, or a constant is no input or no number.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> analysis = analyse(process)
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> program = closed_loop(process, controller, substeps=2, constant={"pump_1.mode": 1.0})
+    >>> len(program.inputs), [signal.name for signal in program.inputs][:2]
+    (17, ['level_1.setpoint', 'level_2.setpoint'])
     """
-    return _Join(process, controller, dict(constant or {}), substeps, running_scores).program()
+    check_signals(controller, process)
+    check_substeps(substeps)
+    given = dict(constant or {})
+    _check_constant(given, process)
+    return _Join(process, controller, given, substeps, running_scores).program()
+
+
+def check_signals(controller: Controller, process: Process) -> None:
+    """Refuse a controller that is wired to signals which a process lacks.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> analysis = analyse(process)
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> check_signals(replace(controller, manipulated=("pump_1", "pump_7")), process)
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: PI, SIMC, manipulated: got 'pump_7', expected an input of \
+quadruple-tank: pump_1, pump_2; correct the name.
+    """
+    for what, names, kind, known in (
+        ("measurements", controller.measurements, "a measurement", process.measurements),
+        (
+            "setpoints",
+            controller.setpoints,
+            "a controlled measurement",
+            [process.signal(name) for name in process.controlled],
+        ),
+        ("manipulated", controller.manipulated, "an input", process.inputs),
+    ):
+        available = [signal.name for signal in known]
+        for name in names:
+            if name not in available:
+                raise InputError(
+                    f"{controller.name}, {what}",
+                    name,
+                    f"{kind} of {process.name}: {', '.join(available)}",
+                    "correct the name",
+                )
+
+
+def _check_constant(constant: Mapping[str, float], process: Process) -> None:
+    known = [signal.name for signal in loop_inputs(process)]
+    for name, value in constant.items():
+        if name not in known:
+            raise InputError(
+                "closed loop, constant", name, f"one of {', '.join(known)}", "correct the name"
+            )
+        if not is_finite_number(value):
+            raise InputError(
+                f"closed loop, constant, {name}", value, "a finite number", "give it in SI"
+            )
 
 
 def loop_inputs(process: Process) -> tuple[Signal, ...]:
-    """Return the inputs of a closed loop, at rest in automatic with sound sensors."""
+    """Return the inputs of a closed loop, at rest in automatic with sound sensors.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> inputs = {signal.name: signal for signal in loop_inputs(load_process("quadruple-tank"))}
+    >>> inputs["level_1.sensor"].initial, inputs["pump_1.manual"].unit
+    (1.0, 'V')
+    """
     controlled = [process.signal(name) for name in process.controlled]
     return (
         *(Signal(f"{y.name}.setpoint", y.unit, y.display_unit, y.low, y.high) for y in controlled),
@@ -79,7 +172,13 @@ def loop_inputs(process: Process) -> tuple[Signal, ...]:
 
 
 def controller_name(signal: str) -> str:
-    """Return the name that a state or parameter of a step law has in the closed loop."""
+    """Return the name that a state or parameter of a step law has in the closed loop.
+
+    Examples
+    --------
+    >>> controller_name("integral_time_1")
+    'controller.integral_time_1'
+    """
     return f"controller.{signal}"
 
 
@@ -95,10 +194,11 @@ class _Join:
         self.process, self.controller, self.substeps = process, controller, substeps
         law = controller.law
         self.scored = process.controlled if running_scores else ()
+        measured = [process.signal(name) for name in self.scored]
         scores = [
-            Signal(f"{score}[{name}]", f"{unit} s")
-            for score, unit in (("iae", "signal"), ("ise", "signal^2"))
-            for name in self.scored
+            Signal(f"{score}[{y.name}]", f"{y.unit}{power} s")
+            for score, power in ((_ABSOLUTE, ""), (_SQUARED, "^2"))
+            for y in measured
         ]
         self.inputs = tuple(s for s in loop_inputs(process) if s.name not in constant)
         self.state = (*process.state, *(_renamed(entry) for entry in law.state), *scores)
@@ -176,8 +276,8 @@ class _Join:
             for name in self.scored
         ]
         rates = {
-            "iae": [builder.operation("absolute", error) for error in errors],
-            "ise": [builder.operation("multiply", error, error) for error in errors],
+            _ABSOLUTE: [builder.operation("absolute", error) for error in errors],
+            _SQUARED: [builder.operation("multiply", error, error) for error in errors],
         }
         return [
             builder.operation(

@@ -9,6 +9,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.poles import origin_radius, time_constants
 from clepsydra.linear.zeros import zeros
@@ -35,9 +36,7 @@ PRETTY = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 MOST_SAMPLES = 1_000_000
 
 
-def default_scenario(
-    process: Process, point: OperatingPoint, model: LinearModel, seed: int = 1
-) -> Scenario:
+def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
     """Return setpoint steps, load steps and a stretch of noise, one thing a segment.
 
     *Order.* A short rest; for each controlled measurement a setpoint step away from the
@@ -62,11 +61,9 @@ def default_scenario(
 
     Parameters
     ----------
-    process : Process
-    point : OperatingPoint
-        Where the scenario begins.
     model : LinearModel
-        Of the process at `point`, with at least the controlled measurements as outputs.
+        Of a process at the operating point where the scenario begins, with at least the
+        controlled measurements as outputs.
     seed : int
         Of the noise, not negative.
 
@@ -77,9 +74,9 @@ def default_scenario(
     Raises
     ------
     InputError
-        A measurement has no finite range, a setpoint step has no room or cannot be held by
-        the inputs, the scenario would take more than a million samples, or the seed is
-        negative.
+        The model has no operating point, a measurement has no finite range, a setpoint step
+        has no room or cannot be held by the inputs, the scenario would take more than a
+        million samples, or the seed is no whole number from 0.
 
     References
     ----------
@@ -90,17 +87,16 @@ def default_scenario(
     --------
     The quadruple tank steps by 1 V, a tenth of its sensors' 10 V, in segments of 600 s:
 
-    >>> from clepsydra.linear.equilibrium import find_equilibrium
-    >>> from clepsydra.linear.linearise import linearise
+    >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> point = find_equilibrium(process)
-    >>> scenario = default_scenario(process, point, linearise(process, point))
+    >>> scenario = default_scenario(analyse(load_process("quadruple-tank")).model)
     >>> scenario.segments[0]
     Segment(kind='setpoint', signal='level_1', start=60.0, stop=660.0, size=1.0)
     """
-    if seed < 0:
+    if not isinstance(seed, (int, np.integer)) or isinstance(seed, bool) or seed < 0:
         raise InputError("seed", seed, "a whole number from 0", "choose another seed")
+    point = operating_point_of(model)
+    process = point.process
     controlled = model.select(outputs=process.controlled)
     period = process.sampling_period
     loads = [
@@ -242,7 +238,7 @@ def _inner(signal: Signal) -> tuple[float, float]:
 
 
 def _span(process: Process, signal: Signal) -> float:
-    span = signal.high - signal.low
+    span = signal.span
     if not (math.isfinite(span) and span > 0.0):
         raise InputError(
             f"{process.name}, {signal.name}",
@@ -255,7 +251,7 @@ def _span(process: Process, signal: Signal) -> float:
 
 def _scale(signal: Signal) -> float:
     """Return the width of a range, or 1 where it has none."""
-    span = signal.high - signal.low
+    span = signal.span
     return span if math.isfinite(span) and span > 0.0 else 1.0
 
 

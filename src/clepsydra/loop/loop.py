@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.reference import LawEvaluation, ReferenceIntegrator
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.loop.closed_loop import closed_loop, controller_name, loop_inputs
+from clepsydra.loop.closed_loop import (
+    check_signals,
+    closed_loop,
+    controller_name,
+    loop_inputs,
+)
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
-from clepsydra.loop.step_size import substeps_for
+from clepsydra.loop.step_size import MOST_SUBSTEPS, check_substeps, substeps_for
 from clepsydra.process.process import Process
 
 Solver = Literal["kernel", "reference"]
@@ -29,26 +36,58 @@ _LARGEST_REFINEMENT = 64
 
 @dataclass(frozen=True)
 class Loop:
-    """A process under a controller, starting at rest at an operating point.
+    """A process under a controller, starting at rest at the operating point of its model.
 
     Parameters
     ----------
-    process : Process
     controller : Controller
-    point : OperatingPoint
     model : LinearModel
-        At that point; its fastest eigenvalue sets the integration step.
+        Of the process at an operating point; its fastest eigenvalue sets the integration
+        step. Its outputs do not count.
+
+    Raises
+    ------
+    InputError
+        The model has no operating point, the controller names signals that the process
+        lacks, or the process is sampled too slowly to be simulated.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> loop = Loop(design_simc(analysis.model, analysis.pairing), analysis.model)
+    >>> run = loop.run(default_scenario(analysis.model))
+    >>> round(float(run.true_measurement("level_1")[659] - run.true_measurement("level_1")[0]), 3)
+    1.0
     """
 
-    process: Process
     controller: Controller
-    point: OperatingPoint
     model: LinearModel
+
+    def __post_init__(self) -> None:
+        require_type(
+            self.controller, Controller, "controller", "a Controller", "design one, or make one"
+        )
+        check_signals(self.controller, self.process)
+        substeps_for(self.model)
+
+    @property
+    def point(self) -> OperatingPoint:
+        """Where the loop starts at rest."""
+        return operating_point_of(self.model)
+
+    @property
+    def process(self) -> Process:
+        """The process."""
+        return self.point.process
 
     @property
     def substeps(self) -> int:
         """RK4 steps in a sampling period, from the fastest eigenvalue."""
-        return substeps_for(self.model.A, self.process.sampling_period)
+        return substeps_for(self.model)
 
     def run(
         self, scenario: Scenario, *, solver: Solver = "kernel", substeps: int | None = None
@@ -67,36 +106,42 @@ class Loop:
         Raises
         ------
         InputError
-            The scenario has another sampling period, or signals that the process lacks.
+            The scenario has another sampling period, or signals that the process lacks; the
+            solver is unknown, or the number of steps is not from 1 to 10,000.
         """
         self._check(scenario)
+        if solver not in get_args(Solver):
+            raise InputError(
+                "solver", solver, f"one of {', '.join(get_args(Solver))}", "correct the name"
+            )
+        count = self.substeps if substeps is None else substeps
+        check_substeps(count)
         if solver == "reference":
             return self._collect(scenario, self._by_reference(scenario), substeps=0)
-        count = self.substeps if substeps is None else substeps
         return self._collect(scenario, self._by_kernel(scenario, count), substeps=count)
 
     def run_checked(self, scenario: Scenario) -> Run:
         """Simulate, estimate the error by halving the step, and refine until it is small.
 
         The estimate is the largest difference between the two runs, as a fraction of each
-        state's range; the steps are halved until it is below 1e-6, or 64 times as many
-        have been tried. The run with the smaller step is returned.
+        state's range; the steps are halved until it is below 1e-6, 64 times as many have
+        been tried, or a sampling period would hold more than 10,000. The run with the smaller
+        step is returned.
         """
-        count = self.substeps
+        most = min(_LARGEST_REFINEMENT * self.substeps, MOST_SUBSTEPS)
+        count = min(self.substeps, most // 2)
         coarse = self.run(scenario, substeps=count)
         while True:
-            fine = self.run(scenario, substeps=2 * count)
-            estimate = self._difference(coarse, fine)
             count *= 2
-            if estimate <= _TOLERANCE or count >= _LARGEST_REFINEMENT * self.substeps:
+            fine = self.run(scenario, substeps=count)
+            estimate = self._difference(coarse, fine)
+            if estimate <= _TOLERANCE or 2 * count > most:
                 return replace(fine, error_estimate=estimate)
             coarse = fine
 
     def _difference(self, coarse: Run, fine: Run) -> float:
         spans = {
-            signal.name: signal.high - signal.low
-            for signal in self.process.state
-            if np.isfinite(signal.high - signal.low)
+            signal.name: signal.span for signal in self.process.state if np.isfinite(signal.span)
         }
         return max(
             float(np.max(np.abs(coarse.values[name] - fine.values[name])) / span)
@@ -104,6 +149,9 @@ class Loop:
         )
 
     def _check(self, scenario: Scenario) -> None:
+        require_type(
+            scenario, Scenario, "scenario", "a Scenario", "make one, for example default_scenario"
+        )
         process = self.process
         if scenario.sampling_period != process.sampling_period:
             raise InputError(

@@ -28,6 +28,12 @@ class Document:
         As `tomllib` reads them.
     lines : dict
         Key path to line number.
+
+    Examples
+    --------
+    >>> document = Document("plant.toml", {"name": "plant"}, {("name",): 3})
+    >>> document.place("name")
+    'plant.toml, line 3, name'
     """
 
     file: str
@@ -48,6 +54,12 @@ def read_bytes(path: Path) -> bytes:
     ------
     InputError
         There is no such file, it is not a file, it cannot be read, or it is too large.
+
+    Examples
+    --------
+    >>> from clepsydra.process.catalogue_names import catalogue_file
+    >>> read_bytes(Path(str(catalogue_file("quadruple-tank")))).startswith(b"#")
+    True
     """
     expected, remedy = "a process file", "check the path"
     try:

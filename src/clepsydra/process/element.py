@@ -15,12 +15,10 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import casadi as ca
 
 from clepsydra.base.signal import Signal
+from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
-
-#: Every state, input, disturbance and parameter by name, as a CasADi scalar.
-Symbols = Mapping[str, ca.SX]
 
 
 @dataclass(frozen=True)
@@ -37,6 +35,11 @@ class Connection:
         The kind that the other element must have; "receiver" for any that a flow can end in.
     carries_flow : bool
         Liquid runs along this connection.
+
+    Examples
+    --------
+    >>> Connection(("destination",), "tank_1", "receiver").carries_flow
+    True
     """
 
     key: tuple[str, ...]
@@ -60,6 +63,15 @@ class Flow:
         Depends on parameters only.
     driver : casadi.SX
         Depends on states, inputs or disturbances.
+
+    Examples
+    --------
+    The flow of a pump, gain · voltage:
+
+    >>> gain, voltage = ca.SX.sym("gain"), ca.SX.sym("voltage")
+    >>> flow = Flow("basin", "tank_1", gain, voltage)
+    >>> str(flow.coefficient * flow.driver)
+    '(gain*voltage)'
     """
 
     source: str
@@ -72,12 +84,23 @@ class Flow:
 class Element(ABC):
     """What all elements have in common; a subclass overrides what it contributes.
 
+    Its equations take `symbols`: every state, input, disturbance and parameter of the plant.
+
     Parameters
     ----------
     name : str
         Unique in the process, an identifier.
     display_units : mapping
         Key of the process file to the unit that the user wrote there.
+
+    Examples
+    --------
+    A subclass overrides what it has; a reservoir has no equation at all:
+
+    >>> from clepsydra.process.reservoir import Reservoir
+    >>> basin = Reservoir("basin")
+    >>> basin.kind, basin.receives, basin.states(), basin.connections()
+    ('reservoir', True, (), ())
     """
 
     #: What the reader calls it: "tank".

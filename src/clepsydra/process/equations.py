@@ -25,6 +25,13 @@ class JoinedEquations:
         (x [n], u [m], d [k], p [l]) → dx/dt [n], SI.
     measure : casadi.Function
         (x [n], p [l]) → y [q], in the unit of each measurement.
+
+    Examples
+    --------
+    >>> from clepsydra.process.tank import Tank
+    >>> joined = join([Tank("tank", 0.01, 0.3)], Signal("gravity", "m/s^2", initial=9.81))
+    >>> [signal.name for signal in joined.parameters], joined.dynamics.size_out(0)
+    (['tank.area', 'gravity'], (1, 1))
     """
 
     state: tuple[Signal, ...]

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.process.element import Connection, Element, Flow, Symbols
+from clepsydra.process.element import Connection, Element, Flow
+from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader

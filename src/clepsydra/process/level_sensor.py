@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.process.element import Connection, Element, Symbols
+from clepsydra.process.element import Connection, Element
+from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader

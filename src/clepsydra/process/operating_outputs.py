@@ -20,6 +20,14 @@ def check_sensor_ranges(document: Document, elements: Sequence[Element]) -> None
     ------
     InputError
         The range lies above the rim or below the floor of its tank.
+
+    Examples
+    --------
+    A sensor whose range ends at the rim shows every level of its tank:
+
+    >>> from clepsydra.process.document import parse
+    >>> tank, sensor = Tank("tank", 0.01, 0.3), LevelSensor("level", "tank", 0.0, 0.3, None)
+    >>> check_sensor_ranges(parse(b"name = 'plant'", "plant.toml"), [tank, sensor])
     """
     for sensor, tank in _sensors(elements):
         if sensor.to_level(sensor.low) >= tank.height or sensor.high <= 0.0:
@@ -39,6 +47,16 @@ def read_nominal_outputs(document: Document, elements: Sequence[Element]) -> dic
     InputError
         The operating point is given twice, not at all, by too many or too few values, or by
         values that no level can have.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> tank, sensor = Tank("tank", 0.01, 0.3), LevelSensor("level", "tank", 0.0, 0.3, None)
+    >>> from clepsydra.process.pump import Pump
+    >>> text = b"[pumps.pump]\\n[operating_point]\\nlevel = '12 cm'"
+    >>> pump = Pump("pump", "basin", "tank", 1e-6, 0.0, 10.0, 5.0)
+    >>> read_nominal_outputs(parse(text, "plant.toml"), [tank, sensor, pump])
+    {'level': 0.12}
     """
     driven = [element for element in elements if element.inputs()]
     with_nominal = [e for e in driven if "nominal" in document.tables[e.table][e.name]]

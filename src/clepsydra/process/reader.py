@@ -7,8 +7,10 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.base.suggestion import suggestion
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.document import Document, parse, read_bytes
 from clepsydra.process.element import Element
@@ -16,7 +18,7 @@ from clepsydra.process.equations import join
 from clepsydra.process.kinds import KINDS
 from clepsydra.process.operating_outputs import check_sensor_ranges, read_nominal_outputs
 from clepsydra.process.process import Process
-from clepsydra.process.table_reader import TableReader, checked_name, suggestion
+from clepsydra.process.table_reader import TableReader, checked_name
 from clepsydra.process.wiring import check_wiring
 
 _GENERAL_KEYS = (
@@ -54,6 +56,13 @@ def load_process(name_or_path: str | Path) -> Process:
     >>> [signal.name for signal in process.inputs], process.signal("tank_1.area").initial
     (['pump_1', 'pump_2'], 0.0028)
     """
+    require_type(
+        name_or_path,
+        (str, Path),
+        "process",
+        f"a name of the catalogue ({', '.join(catalogue_names())}) or the path of a .toml file",
+        "give it as text or as a Path",
+    )
     if isinstance(name_or_path, str) and name_or_path in catalogue_names():
         file = catalogue_file(name_or_path)
         return _process(parse(file.read_bytes(), file.name), None)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import re
 from collections.abc import Iterable
 from typing import Any
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si, split_quantity, to_si
 from clepsydra.process.document import Document
 
@@ -230,18 +230,6 @@ def checked_name(name: str, place: str) -> str:
             "rename it, for example to tank_1",
         )
     return name
-
-
-def suggestion(wrong: str, known: Iterable[str], otherwise: str) -> str:
-    """Return "perhaps … was meant" where a known name is close, else what to do instead.
-
-    Examples
-    --------
-    >>> suggestion("tnak_1", ["tank_1", "basin"], "choose one")
-    "perhaps 'tank_1' was meant"
-    """
-    close = difflib.get_close_matches(wrong[:80], list(known), n=1)
-    return f"perhaps '{close[0]}' was meant" if close else otherwise
 
 
 def shown_value(value: object) -> object:

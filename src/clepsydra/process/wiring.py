@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from graphlib import CycleError, TopologicalSorter
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
 from clepsydra.process.element import Connection, Element
-from clepsydra.process.table_reader import suggestion
 
 #: Returns file, line and path of a key of an element, for a message.
 Place = Callable[..., str]
@@ -27,6 +27,17 @@ def check_wiring(elements: Sequence[Element], place: Place) -> None:
     InputError
         A flow to nowhere, from nowhere or in a circle, an element that no flow touches, two
         elements or signals whose names cannot be told apart.
+
+    Examples
+    --------
+    >>> from clepsydra.process.orifice import Orifice
+    >>> from clepsydra.process.tank import Tank
+    >>> elements = [Tank("tank", 0.01, 0.3), Orifice("outlet", "tank", "basn", 1e-4)]
+    >>> try:
+    ...     check_wiring(elements, lambda *keys: ".".join(keys))
+    ... except InputError as error:
+    ...     print(error.place, "|", error.expected)
+    orifices.outlet.destination | the name of a tank, reservoir or splitter
     """
     by_name: dict[str, Element] = {}
     for element in elements:
@@ -64,6 +75,14 @@ def flow_order(elements: Sequence[Element]) -> tuple[Element, ...]:
     ------
     graphlib.CycleError
         Elements that pass flows on feed each other in a circle.
+
+    Examples
+    --------
+    >>> from clepsydra.process.flow_splitter import FlowSplitter
+    >>> from clepsydra.process.reservoir import Reservoir
+    >>> valve = FlowSplitter("valve", {"basin": 1.0})
+    >>> [element.name for element in flow_order([valve, Reservoir("basin")])]
+    ['valve', 'basin']
     """
     passing = {element.name for element in elements if element.passes_on}
     feeders: dict[str, set[str]] = {element.name: set() for element in elements}

@@ -18,7 +18,6 @@ from clepsydra.program.program import (
     Loop,
     Operation,
     Statement,
-    read_by,
 )
 
 _ARITHMETIC: dict[str, Callable[..., Any]] = {
@@ -111,16 +110,8 @@ class BlockBuilder:
     def finish(self, results: Sequence[int]) -> Block:
         """Return the block, without the statements that nobody reads."""
         final = tuple(self.operation("number", value) for value in results)
-        needed = set(final)
-        kept: list[Statement] = []
-        for statement in reversed(self._statements):
-            written = statement.targets if isinstance(statement, Loop) else (statement.target,)
-            if needed.intersection(written):
-                needed.update(read_by(statement))
-                kept.append(statement)
-        kept.reverse()
-        truths = frozenset(self._truths & needed)
-        return Block(self._arguments, tuple(kept), final, truths)
+        truths = frozenset(self._truths)
+        return Block(self._arguments, tuple(self._statements), final, truths).without_unread()
 
     def _emit(
         self,

@@ -77,7 +77,15 @@ def _kept_as_call(body: ca.Function) -> ca.Function:
 
 @dataclass(frozen=True)
 class RecoveredLoop:
-    """A counted loop read back from a CasADi call: its count, body and tables."""
+    """A counted loop read back from a CasADi call: its count, body and tables.
+
+    Examples
+    --------
+    >>> row, total = ca.SX.sym("row"), ca.SX.sym("total")
+    >>> body = ca.Function("body", [row, total, ca.SX(0, 1)], [total + row])
+    >>> RecoveredLoop("total", 3, body, [[1.0, 2.0, 4.0]]).count
+    3
+    """
 
     name: str
     count: int
@@ -90,6 +98,18 @@ def recover_loop(function: ca.Function) -> RecoveredLoop | None:
 
     The function of a counted loop is a list of calls of one body; the tables are the constants
     that the calls read.
+
+    Examples
+    --------
+    >>> row, total = ca.SX.sym("row"), ca.SX.sym("total")
+    >>> body = ca.Function("body", [row, total, ca.SX(0, 1)], [total + row])
+    >>> value = counted_loop("total", 3, body, carried=ca.SX(0), tables=[[1, 2, 4]])
+    >>> law = ca.Function("law", [], [value])
+    >>> calls = [k for k in range(law.n_instructions()) if law.instruction_id(k) == ca.OP_CALL]
+    >>> recover_loop(law.instructions_sx()[calls[0]].which_function()).tables
+    [[1.0, 2.0, 4.0]]
+    >>> recover_loop(law) is None
+    True
     """
     if not function.name().startswith(_PREFIX):
         return None

@@ -26,6 +26,11 @@ class DelayRing:
     ------
     InputError
         The length is below one.
+
+    Examples
+    --------
+    >>> DelayRing(Signal("flow", "m^3/s"), length=5).name
+    'flow'
     """
 
     signal: Signal

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
@@ -46,6 +46,11 @@ class Operation:
     - ``maximum(a, b)`` is ``a > b ? a : b``, ``minimum(a, b)`` is ``a < b ? a : b``;
     - ``select(c, a, b)`` is ``c ? a : b`` with a truth value c;
     - ``number(c)`` is ``c ? 1 : 0`` and ``truth(a)`` is ``a != 0``.
+
+    Examples
+    --------
+    >>> Operation(2, "add", (0, 1)).fused
+    False
     """
 
     target: int
@@ -73,6 +78,15 @@ class Loop:
     carried, invariants : tuple of int
         Values outside the loop.
     name : str
+
+    Examples
+    --------
+    Three turns that add up a table, from 0:
+
+    >>> body = Block(2, (Operation(2, "add", (1, 0)),), (2,))
+    >>> total = Loop((1,), 3, body, ((1.0, 2.0, 4.0),), (0,), (), "total")
+    >>> read_by(total)
+    (0,)
     """
 
     targets: tuple[int, ...]
@@ -93,6 +107,14 @@ class Block:
 
     Every value is assigned once. `truths` are the values that are truth values, all others
     are numbers; arguments and results are always numbers.
+
+    Examples
+    --------
+    The block of y = √(a + b):
+
+    >>> block = Block(2, (Operation(2, "add", (0, 1)), Operation(3, "square_root", (2,))), (3,))
+    >>> [operation.code for operation in block.operations()], block.uses()
+    (['add', 'square_root'], {3: 1, 0: 1, 1: 1, 2: 1})
     """
 
     arguments: int
@@ -107,6 +129,23 @@ class Block:
             count[value] = count.get(value, 0) + 1
         return count
 
+    def without_unread(self) -> Block:
+        """Return the block without the statements whose values nothing reads.
+
+        >>> unread = Operation(1, "negate", (0,))
+        >>> Block(1, (unread, Operation(2, "add", (0, 0))), (2,)).without_unread().statements
+        (Operation(target=2, code='add', arguments=(0, 0), constant=0.0, fused=False),)
+        """
+        needed = set(self.results)
+        kept: list[Statement] = []
+        for statement in reversed(self.statements):
+            written = statement.targets if isinstance(statement, Loop) else (statement.target,)
+            if needed.intersection(written):
+                needed.update(read_by(statement))
+                kept.append(statement)
+        kept.reverse()
+        return replace(self, statements=tuple(kept), truths=self.truths & needed)
+
     def operations(self) -> Iterator[Operation]:
         """Yield every operation, those inside loops included, each once."""
         for statement in self.statements:
@@ -117,7 +156,13 @@ class Block:
 
 
 def read_by(statement: Statement) -> tuple[int, ...]:
-    """Return the values that a statement reads."""
+    """Return the values that a statement reads.
+
+    Examples
+    --------
+    >>> read_by(Operation(2, "add", (0, 1)))
+    (0, 1)
+    """
     if isinstance(statement, Loop):
         return statement.carried + statement.invariants
     return statement.arguments
@@ -139,6 +184,15 @@ class Program:
     block : Block
     names : mapping
         Names that the law gave to values on the way.
+
+    Examples
+    --------
+    An accumulator: its next state and its output are the sum of state and input.
+
+    >>> block = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
+    >>> program = Program("sum", (Signal("total"),), (Signal("flow"),), (), (Signal("y"),), block)
+    >>> program.state_arguments, program.input_arguments, program.next_state, program.output_values
+    (range(0, 1), range(1, 2), (2,), (2,))
     """
 
     name: str

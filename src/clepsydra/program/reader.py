@@ -87,6 +87,14 @@ def inline(
     ------
     ClepsydraError
         The function is not an SX function or uses an operation that no target prints.
+
+    Examples
+    --------
+    >>> x = ca.SX.sym("x")
+    >>> builder = BlockBuilder(1)
+    >>> values = inline(builder, ca.Function("f", [x], [ca.sqrt(x) + 1]), [0])
+    >>> [operation.code for operation in builder.finish(values).operations()]
+    ['square_root', 'constant', 'add']
     """
     outputs = _read(builder, function, arguments, fused)
     return [
@@ -205,7 +213,15 @@ def _call(
 
 
 def read_body(loop: RecoveredLoop, *, fused: bool = False) -> Block:
-    """Read the body of a counted loop into a block of its own."""
+    """Read the body of a counted loop into a block of its own.
+
+    Examples
+    --------
+    >>> row, total = ca.SX.sym("row"), ca.SX.sym("total")
+    >>> body = ca.Function("body", [row, total, ca.SX(0, 1)], [total + row])
+    >>> read_body(RecoveredLoop("sum", 2, body, [[1.0, 2.0]])).arguments
+    2
+    """
     size = sum(loop.body.numel_in(i) for i in range(loop.body.n_in()))
     inner = BlockBuilder(size)
     return inner.finish(inline(inner, loop.body, range(size), fused=fused))

@@ -11,6 +11,7 @@ import casadi as ca
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
 
+#: Named quantities of an equation, as CasADi scalars.
 Symbols = Mapping[str, ca.SX]
 
 
@@ -26,6 +27,13 @@ class Equations:
         Output name to its value.
     intermediates : mapping
         Names for values on the way, which a printed program uses as variable names.
+
+    Examples
+    --------
+    >>> level = ca.SX.sym("level")
+    >>> equations = Equations({"level": 0.9 * level}, {"reading": 50 * level})
+    >>> list(equations.next_state), dict(equations.intermediates)
+    (['level'], {})
     """
 
     next_state: Mapping[str, Any]
@@ -103,6 +111,20 @@ def step_law(
     ------
     ValueError
         Names clash, or the equations leave a state or output undefined or give it a vector.
+
+    Examples
+    --------
+    A filter of first order that takes half of each step:
+
+    >>> halve = step_law(
+    ...     "halve", inputs=[Signal("level", "m")], parameters=[], state=[Signal("kept", "m")],
+    ...     outputs=[Signal("smooth", "m")],
+    ...     equations=lambda s: Equations(
+    ...         {"kept": (s["kept"] + s["level"]) / 2}, {"smooth": s["kept"]}
+    ...     ),
+    ... )
+    >>> [float(value) for value in halve.function([1.0], [3.0], [])[:2]]
+    [2.0, 1.0]
     """
     inputs, parameters = tuple(inputs), tuple(parameters)
     state, outputs = tuple(state), tuple(outputs)

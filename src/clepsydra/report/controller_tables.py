@@ -1,12 +1,16 @@
-"""The parameters of a controller as rows of text, indexed ones side by side."""
+"""Parameters, wiring and status words of a controller as text."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
+
+from clepsydra.controllers.blocks.status import STATUS_BITS, read_status
 from clepsydra.controllers.controller import Controller
-from clepsydra.report.quantities import number_text, unit_text
+from clepsydra.loop.run import Run
+from clepsydra.report.quantities import number_text, short_text, unit_text
 
 
 @dataclass(frozen=True)
@@ -19,6 +23,12 @@ class ParameterTable:
         Last index of the parameters' names; one empty text for those without an index.
     rows : tuple of (name, unit, values)
         One value for each column.
+
+    Examples
+    --------
+    >>> table = ParameterTable(("1", "2"), (("integral_time", "s", ("30.00", "40.00")),))
+    >>> dict(zip(table.columns, table.rows[0][2]))
+    {'1': '30.00', '2': '40.00'}
     """
 
     columns: tuple[str, ...]
@@ -30,6 +40,13 @@ def parameter_tables(controller: Controller) -> list[ParameterTable]:
 
     "integral_time_1" and "integral_time_2" become the row "integral_time" with columns 1 and 2;
     "feedback_2_3" stands in the row "feedback_2", column 3.
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> result = run_study("quadruple-tank")
+    >>> [table.columns for table in parameter_tables(result.ranking[0].controller)]
+    [('1', '2')]
     """
     units = {signal.name: signal.unit for signal in controller.law.parameters}
     grouped: dict[tuple[str, str], dict[str, float]] = {}
@@ -50,13 +67,59 @@ def parameter_tables(controller: Controller) -> list[ParameterTable]:
 
 
 def wiring(controller: Controller) -> list[tuple[str, str]]:
-    """Return which signal of the process stands behind each index: (role, "1 = level_1, …")."""
+    """Return which signal of the process stands behind each index: (role, "1 = level_1, …").
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> result = run_study("quadruple-tank")
+    >>> wiring(result.ranking[0].controller)[-1]
+    ('manipulated variables', '1 = pump_1, 2 = pump_2')
+    """
     roles = (
         ("measurements", controller.measurements),
         ("setpoints", controller.setpoints),
         ("manipulated variables", controller.manipulated),
     )
     return [(role, _numbered(names)) for role, names in roles]
+
+
+def status_words(run: Run) -> list[str]:
+    """Return what the status words told, and for how long; outputs that told the same together.
+
+    Parameters
+    ----------
+    run : Run
+
+    Returns
+    -------
+    list of str
+        "pump_1, pump_2: the mode is automatic (840 s); the output stands at its high limit
+        (12 s)"
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> result = run_study("quadruple-tank")
+    >>> status_words(result.ranking[0].run)[0].split(" (")[0]
+    'pump_1, pump_2: the mode is automatic'
+    """
+    outputs: dict[str, list[str]] = {}
+    for name in run.controller.manipulated:
+        seconds = dict.fromkeys(STATUS_BITS, 0.0)
+        for word, samples in zip(
+            *np.unique(run.values[f"{name}.status"], return_counts=True), strict=True
+        ):
+            for bit in read_status(int(word)):
+                seconds[bit] += float(samples) * run.scenario.sampling_period
+        told = [
+            f"{STATUS_BITS[bit].meaning} ({short_text(duration)} s)"
+            for bit, duration in seconds.items()
+            if duration
+        ]
+        words = "; ".join(told) or "the mode is manual, nothing else to tell"
+        outputs.setdefault(words, []).append(name)
+    return [f"{', '.join(names)}: {words}" for words, names in outputs.items()]
 
 
 def _numbered(names: Iterable[str]) -> str:

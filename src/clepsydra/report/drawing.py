@@ -17,7 +17,7 @@ from clepsydra.report.placement import (
     Placement,
     place,
 )
-from clepsydra.report.quantities import number_text, quantity_text, short_text
+from clepsydra.report.quantities import fitted, number_text, quantity_text, short_text
 from clepsydra.report.routing import Pipe, Routes, route
 
 _STYLE = (
@@ -28,6 +28,10 @@ _STYLE = (
     "text.small{font-size:12px}"
 )
 _HOP = 6.0
+#: Letters that the name beside a pump, an inflow or a splitter may have.
+_LABEL = 24
+#: A page narrower than this scrolls sideways, so that words stay readable [px].
+_LEAST_WIDTH = 560.0
 
 
 def process_drawing(process: Process, point: OperatingPoint) -> str:
@@ -71,7 +75,8 @@ def process_drawing(process: Process, point: OperatingPoint) -> str:
     title = escape(f"Process drawing of {process.title}, at the operating point")
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {placement.width:.0f} {height:.0f}"'
-        f' role="img" style="max-width:{placement.width:.0f}px">'
+        f' role="img" style="max-width:{placement.width:.0f}px;'
+        f'min-width:{min(placement.width, _LEAST_WIDTH):.0f}px">'
         f"<title>{title}</title><style>{_STYLE}</style>" + "\n".join(parts) + "</svg>"
     )
 
@@ -82,13 +87,14 @@ def _labels(
     """Return the lines written beside each pump, inflow and splitter."""
     values = point.as_dict()
     labels: dict[str, tuple[str, ...]] = {
-        element.name: (element.name,) for element in process.elements
+        element.name: (fitted(element.name, _LABEL),) for element in process.elements
     }
     for feed in graph.feeds:
         signal = process.signal(feed.name)
         value = quantity_text(signal, values[feed.name])
         percent = f"{number_text(signal.to_percent(values[feed.name]), 2)} %"
-        labels[feed.name] = (feed.name, value, percent) if feed.pumped else (feed.name, value)
+        name = fitted(feed.name, _LABEL)
+        labels[feed.name] = (name, value, percent) if feed.pumped else (name, value)
     return labels
 
 
@@ -173,7 +179,7 @@ def _draw_tanks(
             symbols.tank(centre - TANK_WIDTH / 2, top, percent / 100, colours[signal.name], title)
         )
         first = top + _clear_of(TANK_HEIGHT * (1.0 - percent / 100.0))
-        parts.append(symbols.text(centre, first, symbols.fitted(name, 14), style="name"))
+        parts.append(symbols.text(centre, first, fitted(name, 14), style="name"))
         parts.append(symbols.text(centre, first + 18, level))
         parts.append(symbols.text(centre, first + 34, f"{number_text(percent)} %", style="small"))
     return parts
@@ -198,13 +204,13 @@ def _draw_fittings(
     parts = []
     for outlet, x, y, side in routes.orifices:
         parts.append(symbols.orifice(x, y, f"orifice {outlet.name}"))
-        anchor, words = "end" if side < 0 else "start", symbols.fitted(outlet.name, 14)
+        anchor, words = "end" if side < 0 else "start", fitted(outlet.name, 14)
         parts.append(symbols.text(x + 14 * side, y + 4, words, anchor, "small", MUTED))
     for riser in placement.risers:
         if riser.name != riser.feed.name:
             continue
         name, y = riser.name, routes.pump_y
-        title = ", ".join(labels[name])
+        title = ", ".join((name, *labels[name][1:]))
         if riser.feed.pumped:
             parts.append(
                 f'<path d="M{riser.x:g} {y:g}V{routes.basin_y + 16:g}" stroke="{colours[name]}"'
@@ -222,7 +228,7 @@ def _draw_fittings(
             style = "" if line else "name"
             parts.append(symbols.text(x, y - 10 + 17 * line, words, anchor, style))
     for feed, x, y in routes.stubs:
-        parts.append(symbols.text(x, y - 19, symbols.fitted(feed.name, 14), style="small"))
+        parts.append(symbols.text(x, y - 19, fitted(feed.name, 14), style="small"))
         parts.append(symbols.text(x, y - 5, labels[feed.name][1], style="small"))
     for fitting in routes.fittings:
         shares = ", ".join(f"{100 * share:g} %" for *_, share in fitting.shares)
@@ -230,7 +236,9 @@ def _draw_fittings(
         parts.append(symbols.splitter(fitting.x, fitting.y, fitting.ports, title))
         anchor = "end" if fitting.outward < 0 else "start"
         x = fitting.x + 17 * fitting.outward
-        parts.append(symbols.text(x, fitting.y + 14, fitting.split.name, anchor, "small", MUTED))
+        parts.append(
+            symbols.text(x, fitting.y + 14, labels[fitting.split.name][0], anchor, "small", MUTED)
+        )
         for x, y, anchor, share in fitting.shares:
             parts.append(symbols.text(x, y, f"{short_text(100 * share)} %", anchor, "small"))
     return parts
@@ -264,6 +272,6 @@ def _draw_instruments(
             parts.append(symbols.text(x, above - 25, f"SP {reading}", style="small"))
         title = f"LT-{number}: {sensor} measures the level of {tank}, {reading}"
         parts.append(symbols.balloon(x, y, "LT", number, False, title))
-        parts.append(symbols.text(x, y + 33, symbols.fitted(sensor, 14), style="small"))
+        parts.append(symbols.text(x, y + 33, fitted(sensor, 14), style="small"))
         parts.append(symbols.text(x, y + 48, reading, style="small"))
     return parts

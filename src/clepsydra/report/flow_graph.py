@@ -15,7 +15,13 @@ from clepsydra.process.tank import Tank
 
 @dataclass(frozen=True)
 class Split:
-    """A flow splitter and the share that each destination receives."""
+    """A flow splitter and the share that each destination receives.
+
+    Examples
+    --------
+    >>> Split("valve", ((0.7, "tank_1"), (0.3, "tank_4"))).branches[0]
+    (0.7, 'tank_1')
+    """
 
     name: str
     branches: tuple[tuple[float, str | Split], ...]
@@ -23,7 +29,13 @@ class Split:
 
 @dataclass(frozen=True)
 class Outlet:
-    """A flow that leaves a tank by its own weight."""
+    """A flow that leaves a tank by its own weight.
+
+    Examples
+    --------
+    >>> Outlet("outlet_3", "tank_3", "tank_1").target
+    'tank_1'
+    """
 
     name: str
     source: str
@@ -32,7 +44,13 @@ class Outlet:
 
 @dataclass(frozen=True)
 class Feed:
-    """A flow that is brought in: by a pump from `source`, or as a disturbance from outside."""
+    """A flow that is brought in: by a pump from `source`, or as a disturbance from outside.
+
+    Examples
+    --------
+    >>> Feed("inflow_1", False, "", "tank_1").pumped
+    False
+    """
 
     name: str
     pumped: bool
@@ -50,6 +68,12 @@ class FlowGraph:
     outlets : tuple of Outlet
     feeds : tuple of Feed
     sensors : tuple of (sensor, tank)
+
+    Examples
+    --------
+    >>> upper, lower = Outlet("a", "upper", "lower"), Outlet("b", "lower", "basin")
+    >>> FlowGraph(("upper", "lower"), (upper, lower), (), ()).layers()
+    {'lower': 0, 'upper': 1}
     """
 
     tanks: tuple[str, ...]

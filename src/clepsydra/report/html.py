@@ -7,10 +7,16 @@ from dataclasses import dataclass
 from importlib import metadata, resources
 from pathlib import Path
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.files import whole_file
 from clepsydra.report.analysis_tables import Grid, analysis_grids, operating_point_grid
 from clepsydra.report.colours import signal_colours
-from clepsydra.report.controller_tables import ParameterTable, parameter_tables, wiring
+from clepsydra.report.controller_tables import (
+    ParameterTable,
+    parameter_tables,
+    status_words,
+    wiring,
+)
 from clepsydra.report.drawing import process_drawing
 from clepsydra.report.panels import all_panels, controlled_panels
 from clepsydra.report.quantities import short_text
@@ -18,6 +24,7 @@ from clepsydra.report.score_tables import (
     RANKING_COLUMNS,
     RANKING_NOTE,
     ScoreTable,
+    is_recommended,
     ranking_rows,
     score_tables,
 )
@@ -34,23 +41,37 @@ class _Page:
     parameters: list[ParameterTable]
     wiring: list[tuple[str, str]]
     scores: list[ScoreTable]
+    status: list[str]
     picture: str
 
 
-def write_report(result: StudyResult, path: Path) -> None:
+def write_report(result: StudyResult, path: str | Path) -> None:
     """Write the report of a study; an existing file is replaced only by a whole one.
 
     Parameters
     ----------
     result : StudyResult
-    path : Path
+    path : str or Path
         An HTML file. Two reports of one result are equal byte for byte.
 
     Raises
     ------
     InputError
-        The folder cannot be written to.
+        The result is none of a study, or the folder cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from clepsydra.study.study import run_study
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_report(run_study("quadruple-tank"), Path(folder, "study.html"))
+    ...     Path(folder, "study.html").read_text("utf-8")[:15]
+    '<!DOCTYPE html>'
     """
+    require_type(
+        result, StudyResult, "report, result", "a StudyResult", "give what run_study returned"
+    )
+    require_type(path, (str, Path), "report, path", "a file name", 'write as in "report.html"')
     text = report_text(result)
     with whole_file(Path(path)) as part:
         part.write_text(text, encoding="utf-8", newline="\n")
@@ -61,6 +82,13 @@ def report_text(result: StudyResult) -> str:
 
     Everything from the user's files is escaped by the template; only pictures, which escape
     their own words, are put in as they are.
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> result = run_study("quadruple-tank")
+    >>> result.verdict in report_text(result)
+    True
     """
     import jinja2
     from markupsafe import Markup
@@ -79,6 +107,7 @@ def report_text(result: StudyResult) -> str:
     return template.render(
         result=result,
         best=first,
+        recommended=is_recommended(result),
         overview=Markup(overview),
         drawing=Markup(process_drawing(result.process, result.point)),
         columns=RANKING_COLUMNS,
@@ -103,6 +132,7 @@ def _page(result: StudyResult, place: int) -> _Page:
         parameter_tables(candidate.controller),
         wiring(candidate.controller),
         score_tables(result.process, candidate),
+        status_words(candidate.run),
         svg_text(figure, title, f"run{place + 1}"),
     )
 

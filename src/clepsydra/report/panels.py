@@ -13,15 +13,20 @@ from clepsydra.loop.run import Run
 from clepsydra.report.colours import INK, LIMIT, MUTED
 from clepsydra.report.quantities import (
     display_factor,
+    fitted,
     sensor_scale,
     short_text,
     unit_text,
 )
+from clepsydra.scores.effort import at_limit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Legend = list[tuple[str, dict[str, Any]]]
+
+#: Letters that a legend has room for beside the name of a limit, and those that a line takes.
+_LEGEND_LETTERS, _HANDLE_LETTERS = 84, 7
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,11 @@ class Panel:
     measurement : str
         The sensor that shows a level, empty for none.
     controlled : bool
+
+    Examples
+    --------
+    >>> Panel("input", Signal("pump_1", "V", low=0.0, high=10.0), height=0.85).controlled
+    False
     """
 
     kind: str
@@ -47,7 +57,15 @@ class Panel:
 
 
 def controlled_panels(run: Run) -> list[Panel]:
-    """Return one panel for each level that follows a setpoint."""
+    """Return one panel for each level that follows a setpoint.
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> run = run_study("quadruple-tank").ranking[0].run
+    >>> [panel.signal.name for panel in controlled_panels(run)]
+    ['tank_1.level', 'tank_2.level']
+    """
     process = run.process
     return [
         Panel("level", process.signal(process.measured_state[name]), 1.3, name, True)
@@ -56,7 +74,15 @@ def controlled_panels(run: Run) -> list[Panel]:
 
 
 def all_panels(run: Run) -> list[Panel]:
-    """Return the panels of a whole run: levels, manipulated variables, disturbances that act."""
+    """Return the panels of a whole run: levels, manipulated variables, disturbances that act.
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> run = run_study("quadruple-tank").ranking[0].run
+    >>> [panel.signal.name for panel in all_panels(run)][2:6]
+    ['tank_3.level', 'tank_4.level', 'pump_1', 'pump_2']
+    """
     process = run.process
     sensors = {state: name for name, state in reversed(process.measured_state.items())}
     controlled = controlled_panels(run)
@@ -87,6 +113,16 @@ def draw_panel(axes: Axes, panel: Panel, run: Run, time: np.ndarray, colour: str
         In the unit of the time axis.
     colour : str
         Of the signal.
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> run = run_study("quadruple-tank").ranking[0].run
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().add_subplot()
+    >>> draw_panel(axes, controlled_panels(run)[0], run, run.time, "#0072B2")
+    >>> axes.get_ylabel()
+    'cm'
     """
     signal = panel.signal
     factor = display_factor(signal)
@@ -147,7 +183,7 @@ def _set_view(axes: Axes, panel: Panel, shown: np.ndarray, factor: float) -> Non
     bounded = np.isfinite(low) and np.isfinite(high)
     margin = max(0.08 * (top - bottom), 1e-3 * max(abs(top), abs(bottom)), 1e-9 * factor)
     if bounded:
-        span = high - low
+        span = signal.span * factor
         margin = max(margin, 0.01 * span)
         if panel.kind == "input":
             bottom, top, margin = min(bottom, low), max(top, high), 0.06 * span
@@ -177,17 +213,15 @@ def _set_view(axes: Axes, panel: Panel, shown: np.ndarray, factor: float) -> Non
 
 def _draw_saturation(axes: Axes, run: Run, signal: Signal, time: np.ndarray) -> Legend:
     """Mark on the time axis where the manipulated variable stands at a limit."""
-    values = run.values[signal.name]
-    tolerance = 1e-9 * (signal.high - signal.low) if np.isfinite(signal.high - signal.low) else 0.0
-    at_limit = (values <= signal.low + tolerance) | (values >= signal.high - tolerance)
-    if not at_limit.any():
+    saturated = at_limit(run.values[signal.name], signal.low, signal.high)
+    if not saturated.any():
         return []
     period = time[1] - time[0] if len(time) > 1 else 1.0
-    for start, stop in _stretches(at_limit):
+    for start, stop in _stretches(saturated):
         axes.axvspan(
             time[start], time[stop - 1] + period, 0.0, 0.075, facecolor=INK, edgecolor=INK, lw=1.2
         )
-    seconds = float(at_limit.sum()) * run.scenario.sampling_period
+    seconds = float(saturated.sum()) * run.scenario.sampling_period
     style = {"color": INK, "linewidth": 4.0, "solid_capstyle": "butt"}
     return [(f"at a limit for {short_text(seconds)} s", style)]
 
@@ -199,7 +233,7 @@ def _stretches(flags: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _draw_percent(axes: Axes, signal: Signal, factor: float) -> None:
-    span = (signal.high - signal.low) * factor
+    span = signal.span * factor
     if not np.isfinite(span) or span <= 0.0:
         return
     low = signal.low * factor
@@ -225,10 +259,12 @@ def _few_ticks() -> Any:
 def _draw_legend(axes: Axes, legend: Sequence[tuple[str, dict[str, Any]]]) -> None:
     from matplotlib.lines import Line2D
 
+    letters = _LEGEND_LETTERS // len(legend) - _HANDLE_LETTERS
+    crowded = sum(len(name) + _HANDLE_LETTERS for name, _ in legend) > _LEGEND_LETTERS
     axes.yaxis.set_major_locator(_few_ticks())
     axes.legend(
         [Line2D([], [], **style) for _, style in legend],
-        [name for name, _ in legend],
+        [fitted(name, letters) if crowded else name for name, _ in legend],
         loc="lower left",
         bbox_to_anchor=(0.0, 0.98),
         ncols=len(legend),

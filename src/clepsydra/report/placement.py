@@ -13,7 +13,8 @@ from clepsydra.report.flow_graph import Feed, FlowGraph, Outlet, Split, leaves
 TANK_WIDTH, TANK_HEIGHT = 132.0, 116.0
 #: Room for the instruments of one sensor beside a tank.
 SENSOR_WIDTH = 98.0
-LETTER = 8.0
+#: Width of a bold letter in a name, wide fonts included.
+LETTER = 9.0
 
 
 @dataclass
@@ -35,6 +36,12 @@ class Riser:
     outward : {-1, +1}
         The side on which its labels stand.
     x : float
+
+    Examples
+    --------
+    >>> feed = Feed("pump_1", True, "basin", "tank_1")
+    >>> Riser("pump_1", feed, None, [(None, "tank_1")], None, gap=0, outward=-1).x
+    0.0
     """
 
     name: str
@@ -66,6 +73,14 @@ class Placement:
     downcomers : dict
         (outlet, receiver) to the x of the upright line that it takes past other tanks.
     width : float
+
+    Examples
+    --------
+    >>> outlet, pump = Outlet("outlet", "tank", "basin"), Feed("pump", True, "basin", "tank")
+    >>> graph = FlowGraph(("tank",), (outlet,), (pump,), ())
+    >>> placement = place(graph, {"pump": ("pump",)})
+    >>> placement.below("tank"), placement.falls_straight(outlet, "basin")
+    ([], True)
     """
 
     graph: FlowGraph
@@ -103,6 +118,16 @@ def place(graph: FlowGraph, labels: dict[str, tuple[str, ...]]) -> Placement:
     graph : FlowGraph
     labels : dict
         Name of each pump, inflow and splitter to the lines written beside it.
+
+    Examples
+    --------
+    A pump stands to the left of the only tank that it feeds:
+
+    >>> outlet, pump = Outlet("outlet", "tank", "basin"), Feed("pump", True, "basin", "tank")
+    >>> graph = FlowGraph(("tank",), (outlet,), (pump,), ())
+    >>> placement = place(graph, {"pump": ("pump",)})
+    >>> placement.risers[0].x < placement.centre["tank"]
+    True
     """
     layer = graph.layers()
     placement = Placement(graph, layer, _columns(graph, layer))

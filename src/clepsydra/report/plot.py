@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from clepsydra.base.arguments import require_type
 from clepsydra.loop.run import Run
 from clepsydra.report.panels import all_panels
 from clepsydra.report.trends import trend_figure
+from clepsydra.study.result import Candidate, StudyResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,6 +26,11 @@ def plot(run: Run) -> Figure:
     matplotlib.figure.Figure
         A notebook shows it; ``figure.savefig("run.pdf")`` writes it.
 
+    Raises
+    ------
+    InputError
+        It is no run; a whole study holds one for each controller.
+
     Examples
     --------
     >>> from clepsydra.study.study import run_study
@@ -31,4 +38,10 @@ def plot(run: Run) -> Figure:
     >>> len(figure.axes)  # the strip, four levels, two pumps, two inflows
     9
     """
+    remedy = "give one, as from Loop(controller, model).run(scenario)"
+    if isinstance(run, StudyResult):
+        remedy = "give result.ranking[0].run" if run.ranking else "no controller of it has a run"
+    elif isinstance(run, Candidate):
+        remedy = "give candidate.run"
+    require_type(run, Run, "plot", "a Run", remedy)
     return trend_figure(run, all_panels(run))

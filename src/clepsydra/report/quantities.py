@@ -1,4 +1,4 @@
-"""Numbers as the reader sees them: display units, few digits, and levels behind a sensor."""
+"""Numbers and names as the reader sees them: display units, few digits, short names."""
 
 from __future__ import annotations
 
@@ -93,6 +93,20 @@ def quantity_text(signal: Signal, value: float, digits: int = 3) -> str:
     return f"{number_text(shown, digits)} {unit_text(signal.shown_unit)}".strip()
 
 
+def fitted(name: str, letters: int) -> str:
+    """Return a name with its middle left out where it is too long for its place.
+
+    Examples
+    --------
+    >>> fitted("a_rather_long_tank_name", 15)
+    'a_rathe…nk_name'
+    """
+    if len(name) <= letters:
+        return name
+    half = (letters - 1) // 2
+    return f"{name[:half]}…{name[-half:]}"
+
+
 @dataclass(frozen=True)
 class SensorScale:
     """The straight line between a state and the measurement that shows it.
@@ -103,6 +117,11 @@ class SensorScale:
         Measurement unit per state unit.
     offset : float
         Measurement where the state is zero.
+
+    Examples
+    --------
+    >>> SensorScale(gain=50.0, offset=0.0).to_state(np.array([6.0]))  # [V] to [m]
+    array([0.12])
     """
 
     gain: float
@@ -134,12 +153,12 @@ def sensor_scale(process: Process, measurement: str) -> SensorScale:
     names = [signal.name for signal in process.state]
     place = names.index(process.measured_state[measurement])
     row = [signal.name for signal in process.measurements].index(measurement)
-    low, high = process.state[place].low, process.state[place].high
+    level = process.state[place]
     readings = []
-    for level in (low, high):
+    for end in (level.low, level.high):
         state = np.array([signal.low for signal in process.state])
-        state[place] = level
+        state[place] = end
         output = process.measure(state, process.parameter_values)
         readings.append(float(np.asarray(output).ravel()[row]))
-    gain = (readings[1] - readings[0]) / (high - low)
-    return SensorScale(gain, readings[0] - gain * low)
+    gain = (readings[1] - readings[0]) / level.span
+    return SensorScale(gain, readings[0] - gain * level.low)

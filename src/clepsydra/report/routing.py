@@ -1,18 +1,17 @@
-"""The pipes of the process drawing: orthogonal, each on its own track between the tanks."""
+"""The pipes of the process drawing: drafts become corner points, and everything gets a y."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 from clepsydra.report.flow_graph import Feed, Outlet, Split, leaves
-from clepsydra.report.placement import TANK_HEIGHT, TANK_WIDTH, Placement, Riser
+from clepsydra.report.pipe_drafts import BOTTOM, Crossway, Draft, draft_pipes
+from clepsydra.report.placement import TANK_HEIGHT, Placement, Riser
 
 _TRACK = 20.0
 _OUTLET_BAND = 46.0
 _STUB_BAND = 58.0
 _INLET_BAND = 26.0
-#: Channel below the lowest tanks.
-BOTTOM = -1
 
 Point = tuple[float, float]
 
@@ -30,6 +29,11 @@ class Pipe:
     title : str
         For readers who do not see the picture.
     points : list of (x, y)
+
+    Examples
+    --------
+    >>> Pipe("tank_3", "outlet_3", "outlet_3 to tank_1", [(0.0, 0.0), (0.0, 40.0)]).points[-1]
+    (0.0, 40.0)
     """
 
     source: str
@@ -43,6 +47,12 @@ class Fitting:
     """A splitter: where it sits and the directions of its ports, of "up", "down", "left", "right".
 
     `shares` are (x, y, anchor, share): the share of the flow written beside each port.
+
+    Examples
+    --------
+    >>> valve = Split("valve", ((0.7, "tank_1"), (0.3, "tank_4")))
+    >>> sorted(Fitting(valve, 0.0, 0.0, {"down", "right", "up"}, "pump_1", -1).ports)
+    ['down', 'right', 'up']
     """
 
     split: Split
@@ -71,6 +81,11 @@ class Routes:
     pump_y, basin_y : float
         Centres of the pumps; surface of the reservoirs.
     basin_uses : list of (x, reservoir)
+
+    Examples
+    --------
+    >>> Routes(tops={"tank_1": 60.0}).tops["tank_1"]
+    60.0
     """
 
     pipes: list[Pipe] = field(default_factory=list)
@@ -83,36 +98,19 @@ class Routes:
     basin_uses: list[tuple[float, str]] = field(default_factory=list)
 
 
-@dataclass
-class _Crossway:
-    """A horizontal stretch of a pipe; its track in the channel is found last."""
-
-    channel: int
-    start: float
-    stop: float
-    track: int = 0
-
-
-@dataclass
-class _Draft:
-    """A pipe before its heights are known: x of its start, then crossways, then its end."""
-
-    source: str
-    line: str
-    title: str
-    start: float
-    crossways: list[_Crossway]
-    receiver: str
-    end: float = 0.0
-
-
 def route(placement: Placement) -> Routes:
-    """Find the way of every pipe and with it the height of everything."""
+    """Find the way of every pipe and with it the height of everything.
+
+    Examples
+    --------
+    >>> from clepsydra.report.flow_graph import FlowGraph
+    >>> from clepsydra.report.placement import place
+    >>> outlet, pump = Outlet("outlet", "tank", "basin"), Feed("pump", True, "basin", "tank")
+    >>> routes = route(place(FlowGraph(("tank",), (outlet,), (pump,), ()), {"pump": ("pump",)}))
+    >>> [pipe.title for pipe in routes.pipes]
+    ['outlet to basin', 'pump to tank']
+    """
     router = _Router(placement)
-    router.draft_outlets()
-    router.draft_risers()
-    router.assign_ports()
-    router.assign_tracks()
     router.set_heights()
     router.draw()
     return router.routes
@@ -121,141 +119,37 @@ def route(placement: Placement) -> Routes:
 class _Router:
     def __init__(self, placement: Placement) -> None:
         self.placement = placement
+        self.drafts = draft_pipes(placement)
         self.routes = Routes()
-        self.drains: list[tuple[Outlet, _Draft]] = []
-        self.rises: list[tuple[Riser, float | None, _Draft]] = []
-        self.joints: dict[int, _Crossway] = {}
-        self.stub_ports: list[tuple[Feed, str, float]] = []
         self.bottoms: dict[int, float] = {}
-
-    def draft_outlets(self) -> None:
-        """Start each outlet at the floor of its tank and send it to its receivers."""
-        placement = self.placement
-        for tank in placement.graph.tanks:
-            own = [outlet for outlet in placement.graph.outlets if outlet.source == tank]
-            central = next(
-                (
-                    outlet
-                    for outlet in own
-                    if any(placement.falls_straight(outlet, leaf) for leaf in leaves(outlet.target))
-                ),
-                None,
-            )
-            offset = 0
-            for outlet in own:
-                x = placement.centre[tank]
-                if outlet is not central:
-                    offset += 1
-                    side = placement.sensor_side[tank] * (1 if offset % 2 else -1)
-                    x += side * (33.0 + 18.0 * ((offset - 1) // 2))
-                for receiver in leaves(outlet.target):
-                    self._draft_drain(outlet, receiver, x)
-
-    def _draft_drain(self, outlet: Outlet, receiver: str, x: float) -> None:
-        placement = self.placement
-        below = placement.layer[outlet.source] - 1
-        draft = _Draft(
-            outlet.source, outlet.name, f"{outlet.name} to {receiver}", x, [], receiver, x
-        )
-        self.drains.append((outlet, draft))
-        if placement.falls_straight(outlet, receiver):
-            return
-        passing = placement.downcomers.get((outlet.name, receiver))
-        if passing is not None:
-            draft.crossways.append(_Crossway(below, x, passing))
-            x = passing
-        if receiver in placement.layer:
-            draft.crossways.append(_Crossway(placement.layer[receiver], x, x))
-        else:
-            draft.end = x
-
-    def draft_risers(self) -> None:
-        """Send each riser up to the tanks that it feeds, and join risers to their parents."""
-        for place, riser in enumerate(self.placement.risers):
-            if riser.parent is not None:
-                self.joints[place] = _Crossway(BOTTOM, riser.x, riser.parent.x)
-            for share, receiver in riser.targets:
-                channel = self.placement.layer.get(receiver, BOTTOM)
-                crossway = _Crossway(channel, riser.x, riser.x)
-                title = f"{riser.feed.name} to {receiver}"
-                draft = _Draft(riser.feed.name, riser.name, title, riser.x, [crossway], receiver)
-                if channel == BOTTOM:
-                    draft.end = crossway.stop = riser.x + 24.0 * riser.outward
-                self.rises.append((riser, share, draft))
-
-    def assign_ports(self) -> None:
-        """Spread what enters a tank over its width, in the order in which it arrives."""
-        placement = self.placement
-        drafts = [draft for _, draft in self.drains] + [draft for _, _, draft in self.rises]
-        for tank in placement.graph.tanks:
-            centre = placement.centre[tank]
-            left: list[tuple[float, _Draft | Feed]] = []
-            right: list[tuple[float, _Draft | Feed]] = []
-            for draft in drafts:
-                if draft.receiver == tank and draft.crossways:
-                    x = draft.crossways[-1].start
-                    (left if x < centre else right).append((x, draft))
-            for feed in placement.stubs:
-                if feed.target == tank:
-                    side = right if placement.sensor_side[tank] > 0 else left
-                    side.append((centre + placement.sensor_side[tank] * TANK_WIDTH, feed))
-            for group, sign in ((left, -1), (right, 1)):
-                # The farther an arrival has come, the closer to the near wall it ends.
-                group.sort(key=lambda entry: -abs(entry[0] - centre))
-                step = (TANK_WIDTH / 2 - 14.0) / (len(group) + 0.5)
-                for place, (_, arrival) in enumerate(group):
-                    port = centre + sign * (TANK_WIDTH / 2 - 14.0 - step * (place + 0.3))
-                    if isinstance(arrival, Feed):
-                        self.stub_ports.append((arrival, tank, port))
-                    else:
-                        arrival.end = arrival.crossways[-1].stop = port
-
-    def assign_tracks(self) -> None:
-        """Give crossways of a channel tracks, short ones lowest, so that few pipes cross."""
-        crossways = [way for _, draft in self.drains for way in draft.crossways]
-        crossways += [way for _, _, draft in self.rises for way in draft.crossways]
-        crossways += list(self.joints.values())
-        taken: dict[tuple[int, int], list[tuple[float, float]]] = {}
-        for way in sorted(crossways, key=lambda way: abs(way.stop - way.start)):
-            low, high = sorted((way.start, way.stop))
-            while any(
-                low < end + 12.0 and start - 12.0 < high
-                for start, end in taken.get((way.channel, way.track), [])
-            ):
-                way.track += 1
-            taken.setdefault((way.channel, way.track), []).append((low, high))
-        self.tracks = {
-            channel: 1 + max(way.track for way in crossways if way.channel == channel)
-            for channel in {way.channel for way in crossways}
-        }
 
     def set_heights(self) -> None:
         """Stack channels and tanks from the top down."""
         layer = self.placement.layer
         y = 8.0
         for level in range(max(layer.values()), -1, -1):
-            stubs = any(layer[tank] == level for _, tank, _ in self.stub_ports)
-            y += _TRACK * self.tracks.get(level, 0) + (_STUB_BAND if stubs else _INLET_BAND)
+            stubs = any(layer[tank] == level for _, tank, _ in self.drafts.stub_ports)
+            y += _TRACK * self.drafts.tracks.get(level, 0) + (_STUB_BAND if stubs else _INLET_BAND)
             self.bottoms[level] = y - (_STUB_BAND if stubs else _INLET_BAND)
             for tank in self.placement.graph.tanks:
                 if layer[tank] == level:
                     self.routes.tops[tank] = y
             y += TANK_HEIGHT + _OUTLET_BAND
-        y += _TRACK * self.tracks.get(BOTTOM, 0)
+        y += _TRACK * self.drafts.tracks.get(BOTTOM, 0)
         self.bottoms[BOTTOM] = y
         pumps = any(riser.name == riser.feed.name for riser in self.placement.risers)
         # A splitter just above the pumps needs room for its name.
-        self.routes.pump_y = y + (48.0 if BOTTOM in self.tracks else 34.0)
+        self.routes.pump_y = y + (48.0 if BOTTOM in self.drafts.tracks else 34.0)
         self.routes.basin_y = self.routes.pump_y + 50.0 if pumps else y + 10.0
 
-    def _height(self, way: _Crossway) -> float:
+    def _height(self, way: Crossway) -> float:
         return self.bottoms[way.channel] - _TRACK * way.track
 
     def draw(self) -> None:
         """Turn drafts into pipes."""
         self._draw_outlets()
         self._draw_risers()
-        for feed, tank, x in self.stub_ports:
+        for feed, tank, x in self.drafts.stub_ports:
             top = self.routes.tops[tank]
             self.routes.stubs.append((feed, x, top - 28.0))
             title = f"{feed.name} to {tank}"
@@ -263,13 +157,13 @@ class _Router:
                 Pipe(feed.name, feed.name, title, [(x, top - 28.0), (x, top + 3.0)])
             )
 
-    def _end(self, draft: _Draft) -> float:
+    def _end(self, draft: Draft) -> float:
         if draft.receiver in self.routes.tops:
             return self.routes.tops[draft.receiver] + 3.0
         self.routes.basin_uses.append((draft.end, draft.receiver))
         return self.routes.basin_y
 
-    def _points(self, draft: _Draft, first: Point) -> list[Point]:
+    def _points(self, draft: Draft, first: Point) -> list[Point]:
         points = [first]
         for way in draft.crossways:
             y = self._height(way)
@@ -280,7 +174,7 @@ class _Router:
     def _draw_outlets(self) -> None:
         routes = self.routes
         for outlet in self.placement.graph.outlets:
-            own = [draft for entry, draft in self.drains if entry is outlet]
+            own = [draft for entry, draft in self.drafts.drains if entry is outlet]
             floor = routes.tops[outlet.source] + TANK_HEIGHT
             x = own[0].start
             for draft in own:
@@ -295,7 +189,7 @@ class _Router:
                 self._fit_drain_splitter(outlet, outlet.target, own, side)
 
     def _fit_drain_splitter(
-        self, outlet: Outlet, split: Split, own: list[_Draft], side: int
+        self, outlet: Outlet, split: Split, own: list[Draft], side: int
     ) -> None:
         """Set a splitter where the first branch leaves the pipe that falls from a tank."""
         turning = [draft for draft in own if draft.crossways]
@@ -322,8 +216,8 @@ class _Router:
         for place, riser in enumerate(self.placement.risers):
             if riser.name == riser.feed.name:
                 feet[id(riser)] = routes.pump_y
-            if place in self.joints and riser.parent is not None:
-                y = self._height(self.joints[place])
+            if place in self.drafts.joints and riser.parent is not None:
+                y = self._height(self.drafts.joints[place])
                 if riser.name == riser.feed.name:
                     way = [(riser.x, routes.pump_y), (riser.x, y), (riser.parent.x, y)]
                 else:
@@ -334,7 +228,7 @@ class _Router:
             if riser.feed.pumped and riser.name == riser.feed.name:
                 routes.basin_uses.append((riser.x, riser.feed.source))
         for riser in self.placement.risers:
-            own = [(share, draft) for owner, share, draft in self.rises if owner is riser]
+            own = [(share, draft) for owner, share, draft in self.drafts.rises if owner is riser]
             for _, draft in own:
                 first = (riser.x, feet[id(riser)])
                 routes.pipes.append(
@@ -343,7 +237,7 @@ class _Router:
             if riser.split is not None:
                 self._fit_splitter(riser, own)
 
-    def _fit_splitter(self, riser: Riser, own: list[tuple[float | None, _Draft]]) -> None:
+    def _fit_splitter(self, riser: Riser, own: list[tuple[float | None, Draft]]) -> None:
         """Set a splitter where the first pipe leaves its riser, and write the shares."""
         assert riser.split is not None
         exits = [
@@ -353,7 +247,7 @@ class _Router:
         for share, branch in riser.split.branches:
             if isinstance(branch, Split):
                 child = children[branch.name]
-                joint = self.joints[self.placement.risers.index(child)]
+                joint = self.drafts.joints[self.placement.risers.index(child)]
                 exits.append((self._height(joint), child.x, share))
         exits.sort(reverse=True)
         y = exits[0][0]

@@ -11,12 +11,19 @@ from clepsydra.process.process import Process
 from clepsydra.report.quantities import display_factor, number_text, unit_text
 from clepsydra.scores.catalogue import SCORES
 from clepsydra.study.ranking import RULE
-from clepsydra.study.result import Candidate, StudyResult
+from clepsydra.study.result import Candidate, Standing, StudyResult
 
 
 @dataclass(frozen=True)
 class RankingColumn:
-    """A column of numbers in the ranking: its title, its unit, and where the number is from."""
+    """A column of numbers in the ranking: its title, its unit, and where the number is from.
+
+    Examples
+    --------
+    >>> column = RankingColumn("max|S|", "", lambda _, candidate: candidate.maximum_sensitivity)
+    >>> column.title
+    'max|S|'
+    """
 
     title: str
     unit: str
@@ -25,7 +32,13 @@ class RankingColumn:
 
 @dataclass(frozen=True)
 class RankingRow:
-    """One controller in the ranking: `cells` follow `RANKING_COLUMNS`, decimals aligned."""
+    """One controller in the ranking: `cells` follow `RANKING_COLUMNS`, decimals aligned.
+
+    Examples
+    --------
+    >>> RankingRow(1, "PI, SIMC", ("12.4", "8.1"), "Robust.").cells[0]
+    '12.4'
+    """
 
     rank: int
     controller: str
@@ -41,8 +54,8 @@ def _worst(score: str, in_percent: bool = False) -> Callable[[Process, Candidate
         for key, number in candidate.scores.items():
             name, _, signal = key.removesuffix("]").partition("[")
             if name == score:
-                scale = process.signal(signal)
-                found.append(100.0 * number / (scale.high - scale.low) if in_percent else number)
+                span = process.signal(signal).span
+                found.append(100.0 * number / span if in_percent else number)
         return max(found, default=math.nan)
 
     return value
@@ -61,7 +74,7 @@ RANKING_COLUMNS = (
 
 RANKING_NOTE = (
     "Each number is that of the worst signal. IAE, load peak and moves (total variation) are in "
-    "percent of the signal's range; max|S| is the peak of the sensitivity, below 2 is robust."
+    "percent of the signal's range; max|S| is the peak of the sensitivity."
     f" Order: {RULE}"
 )
 
@@ -98,6 +111,23 @@ def ranking_rows(result: StudyResult) -> list[RankingRow]:
     ]
 
 
+def is_recommended(result: StudyResult) -> bool:
+    """Tell whether the first of the ranking is more than the least bad.
+
+    Parameters
+    ----------
+    result : StudyResult
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> result = run_study("quadruple-tank")
+    >>> is_recommended(result)
+    True
+    """
+    return bool(result.ranking) and result.ranking[0].standing is not Standing.UNSAFE
+
+
 def _aligned(values: Sequence[float]) -> list[str]:
     """Return numbers with one count of decimals, so that a right-aligned column lines up.
 
@@ -114,7 +144,13 @@ def _aligned(values: Sequence[float]) -> list[str]:
 
 @dataclass(frozen=True)
 class ScoreTable:
-    """Scores of some signals: `rows` are (title, description, [(value, unit), …])."""
+    """Scores of some signals: `rows` are (title, description, [(value, unit), …]).
+
+    Examples
+    --------
+    >>> ScoreTable(("level_1",), (("IAE", "Integral.", (("50.0", "cm s"),)),)).rows[0][0]
+    'IAE'
+    """
 
     signals: tuple[str, ...]
     rows: tuple[tuple[str, str, tuple[tuple[str, str], ...]], ...]
@@ -124,6 +160,14 @@ def score_tables(process: Process, candidate: Candidate) -> list[ScoreTable]:
     """Return the scores of a controller, those of outputs and those of inputs apart.
 
     Values and units are those that the reader sees of each signal.
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> result = run_study("quadruple-tank")
+    >>> outputs, inputs = score_tables(result.process, result.ranking[0])
+    >>> [title for title, _, _ in inputs.rows]
+    ['Total variation', 'Time in saturation']
     """
     tables = []
     for names in (process.controlled, tuple(signal.name for signal in process.inputs)):

@@ -30,22 +30,14 @@ def text(
     )
 
 
-def fitted(name: str, letters: int) -> str:
-    """Return a name with its middle left out where it is too long for its place.
+def tank(x: float, y: float, share: float, colour: str, title: str) -> str:
+    """Return an open vessel with its rim at y, filled to a share of its height.
 
     Examples
     --------
-    >>> fitted("a_rather_long_tank_name", 15)
-    'a_rathe…nk_name'
+    >>> "<title>level of tank_1</title>" in tank(0, 0, 0.6, "#0072B2", "level of tank_1")
+    True
     """
-    if len(name) <= letters:
-        return name
-    half = (letters - 1) // 2
-    return f"{name[:half]}…{name[-half:]}"
-
-
-def tank(x: float, y: float, share: float, colour: str, title: str) -> str:
-    """Return an open vessel with its rim at y, filled to a share of its height."""
     share = min(max(share, 0.0), 1.0)
     surface = y + TANK_HEIGHT * (1.0 - share)
     right, floor = x + TANK_WIDTH, y + TANK_HEIGHT
@@ -62,7 +54,13 @@ def tank(x: float, y: float, share: float, colour: str, title: str) -> str:
 
 
 def pump(x: float, y: float, colour: str, title: str) -> str:
-    """Return a pump that delivers upward: a circle with a triangle."""
+    """Return a pump that delivers upward: a circle with a triangle.
+
+    Examples
+    --------
+    >>> pump(0, 0, "#E69F00", "pump_1").count("<circle")
+    1
+    """
     half = 0.866 * PUMP
     return (
         f"<g><title>{escape(title)}</title>"
@@ -75,7 +73,15 @@ def pump(x: float, y: float, colour: str, title: str) -> str:
 
 
 def splitter(x: float, y: float, ports: set[str], title: str) -> str:
-    """Return a valve: one triangle for each port, pointing at its middle."""
+    """Return a valve: one triangle for each port, pointing at its middle.
+
+    Examples
+    --------
+    One triangle for each port:
+
+    >>> splitter(0, 0, {"down", "right", "up"}, "splitter_1").count("Z")
+    3
+    """
     paths = []
     for port in sorted(ports):
         across, along = _PORTS[port]
@@ -90,7 +96,13 @@ def splitter(x: float, y: float, ports: set[str], title: str) -> str:
 
 
 def orifice(x: float, y: float, title: str) -> str:
-    """Return a restriction in a pipe that falls: two short bars."""
+    """Return a restriction in a pipe that falls: two short bars.
+
+    Examples
+    --------
+    >>> orifice(0, 0, "outlet_1").count("h18")
+    2
+    """
     bars = "".join(f"M{x - 9:g} {y + shift:g}h18" for shift in (-2.5, 2.5))
     return (
         f'<g><title>{escape(title)}</title><path d="{bars}" stroke="{INK}" stroke-width="1.8"/></g>'
@@ -101,6 +113,11 @@ def balloon(x: float, y: float, letters: str, number: int, in_panel: bool, title
     """Return an instrument: a circle with its letters and loop number.
 
     The line across the middle says that it stands where the operator is, not in the field.
+
+    Examples
+    --------
+    >>> ">LIC</text>" in balloon(0, 0, "LIC", 101, in_panel=True, title="controls level_1")
+    True
     """
     bar = (
         f'<line x1="{x - BALLOON:g}" y1="{y:g}" x2="{x + BALLOON:g}" y2="{y:g}" stroke="{INK}"'
@@ -119,7 +136,13 @@ def balloon(x: float, y: float, letters: str, number: int, in_panel: bool, title
 
 
 def basin(left: float, right: float, y: float, name: str) -> str:
-    """Return a reservoir with its surface at y."""
+    """Return a reservoir with its surface at y.
+
+    Examples
+    --------
+    >>> ">basin</text>" in basin(0, 90, 0, "basin")
+    True
+    """
     return (
         f"<g><title>{escape(f'reservoir {name}')}</title>"
         f'<rect x="{left:.1f}" y="{y:g}" width="{right - left:.1f}" height="40" fill="{MUTED}"'

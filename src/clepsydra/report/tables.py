@@ -6,7 +6,12 @@ from typing import TYPE_CHECKING
 
 from clepsydra.linear.analysis import Analysis
 from clepsydra.report.analysis_tables import Grid, analysis_grids, operating_point_grid
-from clepsydra.report.score_tables import RANKING_COLUMNS, RANKING_NOTE, ranking_rows
+from clepsydra.report.score_tables import (
+    RANKING_COLUMNS,
+    RANKING_NOTE,
+    is_recommended,
+    ranking_rows,
+)
 from clepsydra.study.result import StudyResult
 
 if TYPE_CHECKING:
@@ -25,6 +30,17 @@ def ranking_table(result: StudyResult) -> RenderableType:
     -------
     rich.console.RenderableType
         At most 100 columns wide on a console of that width.
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> result = run_study("quadruple-tank")
+    >>> import io
+    >>> from rich.console import Console
+    >>> console = Console(width=100, record=True, file=io.StringIO())
+    >>> console.print(ranking_table(result))
+    >>> console.export_text().strip().startswith(result.verdict[:40])
+    True
     """
     from rich import box
     from rich.console import Group
@@ -39,7 +55,7 @@ def ranking_table(result: StudyResult) -> RenderableType:
         table.add_column(f"{column.title}\n{column.unit}", justify="right", no_wrap=True)
     rows = ranking_rows(result)
     for row in rows:
-        style = "bold" if row.rank == 1 else ""
+        style = "bold" if row.rank == 1 and is_recommended(result) else ""
         cells = [Text(text, style=style) for text in (str(row.rank), row.controller, *row.cells)]
         table.add_row(*cells)
     parts: list[RenderableType] = [Text(result.verdict, style="bold"), table]
@@ -60,6 +76,18 @@ def analysis_table(analysis: Analysis) -> RenderableType:
     Parameters
     ----------
     analysis : Analysis
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import io
+    >>> from rich.console import Console
+    >>> console = Console(width=100, record=True, file=io.StringIO())
+    >>> console.print(analysis_table(analysis))
+    >>> "Relative gains" in console.export_text()
+    True
     """
     from rich.columns import Columns
     from rich.console import Group
@@ -81,6 +109,11 @@ def analysis_table(analysis: Analysis) -> RenderableType:
 def _next_step(result: StudyResult) -> str:
     if not result.ranking:
         return "no controller applies; the reasons above say what the process lacks."
+    if not is_recommended(result):
+        return (
+            "no controller can be recommended; open the report, see what the warnings above are "
+            "about, and change the process or its sampling period."
+        )
     return (
         f"open the report and read the page of {result.ranking[0].controller.name}: its "
         "parameters, pictures and warnings."

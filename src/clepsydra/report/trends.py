@@ -69,6 +69,14 @@ def trend_figure(run: Run, panels: Sequence[Panel]) -> Figure:
     -------
     matplotlib.figure.Figure
         Without pyplot: it belongs to nobody but the caller.
+
+    Examples
+    --------
+    >>> from clepsydra.report.panels import controlled_panels
+    >>> from clepsydra.study.study import run_study
+    >>> run = run_study("quadruple-tank").ranking[0].run
+    >>> len(trend_figure(run, controlled_panels(run)).axes)  # two panels and the strip above
+    3
     """
     import matplotlib
     from matplotlib.figure import Figure
@@ -113,7 +121,15 @@ def time_unit(duration: float) -> tuple[str, float]:
 
 
 def segment_words(process: Process, segment: Segment) -> tuple[str, str, str]:
-    """Return what happens in a segment: the kind, the signal and the size with its unit."""
+    """Return what happens in a segment: the kind, the signal and the size with its unit.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> segment_words(process, Segment("setpoint", "level_1", 0.0, 400.0, 0.5))
+    ('setpoint', 'level_1', '+0.5 V = +1 cm')
+    """
     if segment.kind == "noise":
         return "measurement", "noise", ""
     signal = process.signal(segment.signal)

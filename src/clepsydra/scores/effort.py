@@ -86,6 +86,28 @@ def time_in_saturation(time: ArrayLike, signal: ArrayLike, low: float, high: flo
     clock, (held,), complete = read_trajectories(time, signal)
     if not complete:
         return float("inf")
-    tolerance = AT_LIMIT * (high - low) if math.isfinite(high - low) else 0.0
     duration = np.diff(clock, append=2.0 * clock[-1] - clock[-2])
-    return float(np.sum(duration[(held <= low + tolerance) | (held >= high - tolerance)]))
+    return float(np.sum(duration[at_limit(held, low, high)]))
+
+
+def at_limit(held: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Tell of each sample whether the manipulated variable stands at one of its limits.
+
+    Parameters
+    ----------
+    held : ndarray [n]
+        Manipulated variable [signal unit].
+    low, high : float
+        Its limits [signal unit]; infinite where there is none.
+
+    Returns
+    -------
+    ndarray [n], bool
+
+    Examples
+    --------
+    >>> at_limit(np.array([0.0, 4.0, 10.0]), low=0.0, high=10.0).tolist()
+    [True, False, True]
+    """
+    tolerance = AT_LIMIT * (high - low) if math.isfinite(high - low) else 0.0
+    return np.asarray((held <= low + tolerance) | (held >= high - tolerance))

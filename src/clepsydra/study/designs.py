@@ -9,13 +9,10 @@ from clepsydra.design.bryson import design_lqi
 from clepsydra.design.phase_margin import design_phase_margin
 from clepsydra.design.simc import design_simc
 from clepsydra.linear.analysis import Analysis
-from clepsydra.process.process import Process
 
 #: What the reader calls it, and how it is designed; a design that does not apply says why.
-DESIGNS: dict[str, Callable[[Process, Analysis], Controller]] = {
-    "PI, SIMC": lambda process, analysis: design_simc(process, analysis.model, analysis.pairing),
-    "PI, phase margin": lambda process, analysis: design_phase_margin(
-        process, analysis.model, analysis.pairing
-    ),
-    "LQI, Bryson": lambda process, analysis: design_lqi(process, analysis.model),
+DESIGNS: dict[str, Callable[[Analysis], Controller]] = {
+    "PI, SIMC": lambda analysis: design_simc(analysis.model, analysis.pairing),
+    "PI, phase margin": lambda analysis: design_phase_margin(analysis.model, analysis.pairing),
+    "LQI, Bryson": lambda analysis: design_lqi(analysis.model),
 }

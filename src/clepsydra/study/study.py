@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.sampled_loop import sampled_loop
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
-from clepsydra.loop.sampled_model import sampled_model
+from clepsydra.loop.step_size import substeps_for
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 from clepsydra.scores.evaluate import score_run
@@ -39,28 +40,30 @@ def run_study(process: Process | str | Path, *, seed: int = 1) -> StudyResult:
     NoEquilibrium
         The process has no operating point.
     InputError
-        The process file cannot be used.
+        The process file cannot be used, or the process is sampled too slowly or too fast to
+        be simulated.
     """
     if not isinstance(process, Process):
         process = load_process(process)
     analysis = analyse(process)
-    point, model = analysis.operating_point, linearise(process, analysis.operating_point)
-    scenario = default_scenario(process, point, analysis.model, seed=seed)
+    substeps_for(analysis.model)  # a process that cannot be simulated is refused before all else
+    model = linearise(analysis.operating_point)
+    scenario = default_scenario(analysis.model, seed=seed)
     trials: list[Trial] = []
     refused: list[tuple[str, str]] = []
     for name, design in DESIGNS.items():
         try:
-            controller = design(process, analysis)
+            controller = design(analysis)
         except NotApplicable as refusal:
             refused.append((name, refusal.reason))
             continue
-        run = Loop(process, controller, point, model).run_checked(scenario)
+        run = Loop(controller, model).run_checked(scenario)
         trials.append(
             Trial(
                 controller=controller,
                 run=run,
                 scores=scores_of(run),
-                maximum_sensitivity=sampled_model(controller, model, process).maximum_sensitivity,
+                maximum_sensitivity=sampled_loop(controller, model).maximum_sensitivity,
                 warnings=run_warnings(run),
             )
         )
@@ -72,7 +75,7 @@ def run_study(process: Process | str | Path, *, seed: int = 1) -> StudyResult:
         ranking=ranking,
         not_applicable=tuple(refused),
         verdict=verdict(process, ranking),
-        warnings=point.warnings,
+        warnings=analysis.operating_point.warnings,
     )
 
 

@@ -2,11 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, get_args
 
 import casadi as ca
 
+from clepsydra.base.errors import InputError
+
 AntiWindup = Literal["back_calculation", "clamping"]
+
+
+def check_anti_windup(anti_windup: str) -> None:
+    """Refuse a name that stands for no way of anti-windup.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> check_anti_windup("none")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: anti_windup: got 'none', expected one of back_calculation, \
+clamping; correct the name.
+    """
+    known = get_args(AntiWindup)
+    if anti_windup not in known:
+        raise InputError(
+            "anti_windup", anti_windup, f"one of {', '.join(known)}", "correct the name"
+        )
 
 
 def clamping(integral: ca.SX, increment: ca.SX, unlimited: ca.SX, limited: ca.SX) -> ca.SX:

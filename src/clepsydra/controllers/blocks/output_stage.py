@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -16,7 +17,7 @@ from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.mode import Mode, followed_integral
 from clepsydra.controllers.blocks.status import status_word
 from clepsydra.controllers.blocks.validity import is_number, is_time_step
-from clepsydra.program.step_law import Symbols
+from clepsydra.program.step_law import Equations, Symbols
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,8 @@ class OutputStage:
 
     Parameters
     ----------
+    number : int
+        i, from 1.
     manipulated : casadi.SX
         The output, always a number within its limits.
     integral : casadi.SX
@@ -33,8 +36,15 @@ class OutputStage:
         The status word.
     intermediates : dict
         Names for values on the way, which a printed program uses.
+
+    Examples
+    --------
+    >>> stage = OutputStage(2, ca.SX(10), ca.SX(7), ca.SX(9), {})
+    >>> float(ca.evalf(stage.manipulated)), stage.number
+    (10.0, 2)
     """
 
+    number: int
     manipulated: ca.SX
     integral: ca.SX
     status: ca.SX
@@ -111,11 +121,7 @@ def output_stage(
     asked = ca.if_else(controls, unlimited, asked)
     manipulated = limit(asked, low, high)
 
-    if anti_windup == "back_calculation":
-        share = tracking_share(time_step, symbols[f"tracking_time_{number}"])
-        integrated = back_calculation(integral, increment, unlimited, manipulated, share)
-    else:
-        integrated = clamping(integral, increment, unlimited, manipulated)
+    integrated = _integrated(symbols, number, increment, unlimited, manipulated, anti_windup)
     followed = followed_integral(integral, manipulated, last_output, proportional, signals_known)
     next_integral = ca.if_else(controls, integrated, ca.if_else(follows, followed, integral))
     # An increment beyond the range of numbers is not taken.
@@ -125,33 +131,70 @@ def output_stage(
         ca.logic_not(signals_are_numbers),
         ca.logic_not(ca.logic_or(in_automatic, follows)),
     )
-    status = status_word(
-        {
-            "automatic": in_automatic,
-            "tracking": in_tracking,
-            "at_low_limit": manipulated <= low,
-            "at_high_limit": manipulated >= high,
-            "sensor_fault": ca.logic_not(sensors_are_good),
-            "invalid_input": input_unusable,
-            "invalid_time_step": ca.logic_not(time_step_good),
-        }
-    )
-    intermediates = {
-        "in_automatic": in_automatic,
-        "in_tracking": in_tracking,
-        "signals_known": signals_known,
-        "unlimited": unlimited,
-        "controls": controls,
-        "by_hand": by_hand,
-        "follows": follows,
-        "asked": asked,
-        "followed": followed,
-        "next_integral": next_integral,
+    conditions = {
+        "automatic": in_automatic,
+        "tracking": in_tracking,
+        "at_low_limit": manipulated <= low,
+        "at_high_limit": manipulated >= high,
+        "sensor_fault": ca.logic_not(sensors_are_good),
+        "invalid_input": input_unusable,
+        "invalid_time_step": ca.logic_not(time_step_good),
     }
-    return OutputStage(
-        manipulated,
-        kept_integral,
-        status,
-        {f"{name}_{number}": value for name, value in intermediates.items()}
-        | {"time_step_good": time_step_good},
-    )
+    intermediates = {
+        f"in_automatic_{number}": in_automatic,
+        f"in_tracking_{number}": in_tracking,
+        f"signals_known_{number}": signals_known,
+        f"unlimited_{number}": unlimited,
+        f"controls_{number}": controls,
+        f"by_hand_{number}": by_hand,
+        f"follows_{number}": follows,
+        f"asked_{number}": asked,
+        f"followed_{number}": followed,
+        f"next_integral_{number}": next_integral,
+        "time_step_good": time_step_good,
+    }
+    return OutputStage(number, manipulated, kept_integral, status_word(conditions), intermediates)
+
+
+def _integrated(
+    symbols: Symbols,
+    number: int,
+    increment: ca.SX,
+    unlimited: ca.SX,
+    limited: ca.SX,
+    anti_windup: AntiWindup,
+) -> ca.SX:
+    """Return the integral after a sample in automatic."""
+    integral = symbols[f"integral_{number}"]
+    if anti_windup == "clamping":
+        return clamping(integral, increment, unlimited, limited)
+    share = tracking_share(symbols["time_step"], symbols[f"tracking_time_{number}"])
+    return back_calculation(integral, increment, unlimited, limited, share)
+
+
+def stage_equations(stages: Sequence[OutputStage], intermediates: Mapping[str, ca.SX]) -> Equations:
+    """Return the equations of a law that ends in these output stages.
+
+    Parameters
+    ----------
+    stages : sequence of OutputStage
+    intermediates : mapping
+        Names for values before the stages; those of the stages are added.
+
+    Examples
+    --------
+    >>> stage = OutputStage(1, ca.SX(10), ca.SX(7), ca.SX(9), {"unlimited_1": ca.SX(12)})
+    >>> equations = stage_equations([stage], {"error_1": ca.SX(3)})
+    >>> sorted(equations.next_state), sorted(equations.outputs), sorted(equations.intermediates)
+    (['integral_1', 'last_output_1'], ['manipulated_1', 'status_1'], ['error_1', 'unlimited_1'])
+    """
+    next_state: dict[str, ca.SX] = {}
+    outputs: dict[str, ca.SX] = {}
+    named = dict(intermediates)
+    for stage in stages:
+        next_state[f"integral_{stage.number}"] = stage.integral
+        next_state[f"last_output_{stage.number}"] = stage.manipulated
+        outputs[f"manipulated_{stage.number}"] = stage.manipulated
+        outputs[f"status_{stage.number}"] = stage.status
+        named |= stage.intermediates
+    return Equations(next_state, outputs, named)

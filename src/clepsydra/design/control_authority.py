@@ -1,10 +1,11 @@
-"""How hard a controller may push: the room that the inputs' ranges leave."""
+"""Control authority: how hard a controller may push before its input meets a limit."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
 
+from clepsydra.base.signal import Signal
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.process.process import Process
 
@@ -12,15 +13,23 @@ from clepsydra.process.process import Process
 DESIGN_STEP = 0.1
 
 
-def room(low: float, high: float, value: float) -> float:
+def control_authority(signal: Signal, value: float) -> float:
     """Return the distance from a value to the nearer limit, at least a tenth of the range.
+
+    Parameters
+    ----------
+    signal : Signal
+        An input with a finite range.
+    value : float
+        Where it stands [signal unit].
 
     Examples
     --------
-    >>> room(0.0, 10.0, 3.0), room(0.0, 10.0, 9.8)
+    >>> pump = Signal("pump", "V", low=0.0, high=10.0)
+    >>> control_authority(pump, 3.0), control_authority(pump, 9.8)
     (3.0, 1.0)
     """
-    return max(min(value - low, high - value), 0.1 * (high - low))
+    return max(min(value - signal.low, signal.high - value), 0.1 * signal.span)
 
 
 def check_ranges(
@@ -36,7 +45,6 @@ def check_ranges(
     Examples
     --------
     >>> from types import SimpleNamespace
-    >>> from clepsydra.base.signal import Signal
     >>> process = SimpleNamespace(signal={"level": Signal("level", "V")}.__getitem__)
     >>> check_ranges(process, ["level"], [], "SIMC")
     Traceback (most recent call last):
@@ -45,19 +53,17 @@ def check_ranges(
 range; give it one.
     """
     for name in (*outputs, *inputs):
-        signal = process.signal(name)
-        if not (math.isfinite(signal.low) and math.isfinite(signal.high)):
+        if not math.isfinite(process.signal(name).span):
             raise NotApplicable(method, f"{name} has no finite range; give it one")
 
 
-def largest_proportional_gain(process: Process, output: str, input_name: str, at: float) -> float:
-    """Return the gain at which a setpoint step of a tenth of the range just uses up the room.
+def largest_proportional_gain(measurement: Signal, manipulated: Signal, at: float) -> float:
+    """Return the gain at which a setpoint step of a tenth of the range just uses up the input.
 
     Parameters
     ----------
-    process : Process
-    output, input_name : str
-        The measurement and the input of the loop.
+    measurement, manipulated : Signal
+        Of the loop.
     at : float
         The input at the operating point [input unit].
 
@@ -70,14 +76,8 @@ def largest_proportional_gain(process: Process, output: str, input_name: str, at
     --------
     A pump of 0 to 10 V at 3 V and a sensor of 0 to 10 V: 3 V of room for a step of 1 V.
 
-    >>> from types import SimpleNamespace
-    >>> from clepsydra.base.signal import Signal
-    >>> signals = {"level": Signal("level", "V", low=0, high=10),
-    ...            "pump": Signal("pump", "V", low=0, high=10)}
-    >>> process = SimpleNamespace(signal=signals.__getitem__)
-    >>> largest_proportional_gain(process, "level", "pump", 3.0)
+    >>> level = Signal("level", "V", low=0.0, high=10.0)
+    >>> largest_proportional_gain(level, Signal("pump", "V", low=0.0, high=10.0), 3.0)
     3.0
     """
-    measurement, manipulated = process.signal(output), process.signal(input_name)
-    free = room(manipulated.low, manipulated.high, at)
-    return free / (DESIGN_STEP * (measurement.high - measurement.low))
+    return control_authority(manipulated, at) / (DESIGN_STEP * measurement.span)

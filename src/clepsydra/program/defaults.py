@@ -7,7 +7,6 @@ from collections.abc import Mapping
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.entries import Entry
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
 
@@ -49,7 +48,7 @@ def with_defaults(program: Program, values: Mapping[str, float]) -> Program:
             return signal
         return dataclasses.replace(signal, initial=float(values[signal.name]))
 
-    def started_state(entry: Entry) -> Entry:
+    def started_state(entry: Signal | DelayRing) -> Signal | DelayRing:
         if isinstance(entry, DelayRing):
             return dataclasses.replace(entry, signal=started(entry.signal))
         return started(entry)

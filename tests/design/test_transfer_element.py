@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import zpk2ss
 
-from clepsydra.design.element import element
+from clepsydra.design.transfer_element import transfer_element
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.response import frequency_response
 
@@ -32,7 +32,7 @@ def model_of(zeros, poles, high_frequency_gain):
 @pytest.mark.parametrize("gain", [2.0, -0.5])
 def test_response_is_that_of_the_model(zeros, poles, gain):
     model = model_of(zeros, poles, gain)
-    found = element(model, "y", "u")
+    found = transfer_element(model, "y", "u")
     omegas = np.logspace(-3, 2, 200)
     response = frequency_response(model, omegas)[:, 0, 0]
     assert [found.magnitude(w) for w in omegas] == pytest.approx(np.abs(response), rel=1e-8)
@@ -48,10 +48,10 @@ def test_response_is_that_of_the_model(zeros, poles, gain):
 
 def test_quadruple_tank_elements_have_johanssons_gains_and_time_constants(minimum_phase):
     tank = minimum_phase
-    direct = element(tank.model, "level_1", "pump_1")
+    direct = transfer_element(tank.model, "level_1", "pump_1")
     assert direct.gain == pytest.approx(tank.direct_gains[0], rel=1e-10)
     assert -1 / np.real(direct.poles) == pytest.approx([tank.T[0]], rel=1e-10)
-    cross = element(tank.model, "level_2", "pump_1")
+    cross = transfer_element(tank.model, "level_2", "pump_1")
     assert cross.gain == pytest.approx(tank.cross_gains[1], rel=1e-10)
     assert -1 / np.real(cross.poles) == pytest.approx([tank.T[1], tank.T[3]], rel=1e-9)
     assert (direct.zeros, cross.zeros) == ((), ())
@@ -63,5 +63,5 @@ def test_an_input_without_effect_is_none(minimum_phase):
         model.A, model.B * [1.0, 0.0], model.E, model.C, model.D,
         model.states, model.inputs, model.disturbances, model.outputs,
     )  # fmt: skip
-    assert element(idle, "level_1", "pump_2") is None
-    assert element(idle, "level_1", "pump_1") is not None
+    assert transfer_element(idle, "level_1", "pump_2") is None
+    assert transfer_element(idle, "level_1", "pump_1") is not None

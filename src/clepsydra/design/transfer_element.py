@@ -15,7 +15,7 @@ from clepsydra.linear.zeros import zeros
 
 
 @dataclass(frozen=True)
-class Element:
+class TransferElement:
     """g(s) = gain / s^integrators · Π(1 − s/z) / Π(1 − s/p).
 
     Parameters
@@ -29,7 +29,7 @@ class Element:
 
     Examples
     --------
-    >>> tank = Element(2.0, (-0.02,), (), 0)
+    >>> tank = TransferElement(2.0, (-0.02,), (), 0)
     >>> tank.magnitude(0.02) * math.sqrt(2.0), math.degrees(tank.phase(0.02))
     (2.0, -45.0)
     """
@@ -65,7 +65,7 @@ class Element:
         return angle
 
 
-def element(model: LinearModel, output: str, input_name: str) -> Element | None:
+def transfer_element(model: LinearModel, output: str, input_name: str) -> TransferElement | None:
     """Return the element from an input to an output; None where the input does not move it.
 
     Parameters
@@ -83,7 +83,7 @@ def element(model: LinearModel, output: str, input_name: str) -> Element | None:
     >>> one = np.eye(1)
     >>> tank = LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
     ...                    ("tank.level",), ("pump",), (), ("level",))
-    >>> round(element(tank, "level", "pump").gain, 9)
+    >>> round(transfer_element(tank, "level", "pump").gain, 9)
     2.0
     """
     chosen = model.select(outputs=[output], inputs=[input_name])
@@ -103,7 +103,7 @@ def element(model: LinearModel, output: str, input_name: str) -> Element | None:
     shape = math.prod((1.0 - point / zero for zero in moving_zeros), start=1.0 + 0.0j)
     shape /= point**integrators
     shape /= math.prod((1.0 - point / pole for pole in moving_poles), start=1.0 + 0.0j)
-    return Element(float((value / shape).real), moving_poles, moving_zeros, integrators)
+    return TransferElement(float((value / shape).real), moving_poles, moving_zeros, integrators)
 
 
 def _away_from_origin(roots: np.ndarray, radius: float) -> tuple[complex, ...]:

@@ -7,11 +7,11 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from clepsydra.controllers.controller import Controller
+from clepsydra.design.sampled_loop import SampledLoop, sampled_loop
 from clepsydra.design.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.loop import Loop
-from clepsydra.loop.sampled_model import SampledModel, sampled_model
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
@@ -68,16 +68,14 @@ class OneTank:
         self.period = period
         analysis = analyse(self.process)
         self.point = analysis.operating_point
-        self.model = linearise(self.process, self.point)
-        self.simc = design_simc(self.process, analysis.model, analysis.pairing)
+        self.model = linearise(self.point)
+        self.simc = design_simc(analysis.model, analysis.pairing)
         a, b = tank_rates()
         self.held = np.exp(a * period)
         self.moved = b * (self.held - 1.0) / a
 
-    def sampled(self, gain: float, integral_time: float) -> SampledModel:
-        return sampled_model(
-            with_settings(self.simc, gain, integral_time), self.model, self.process
-        )
+    def sampled(self, gain: float, integral_time: float) -> SampledLoop:
+        return sampled_loop(with_settings(self.simc, gain, integral_time), self.model)
 
     def closed(self, gain: float, integral_time: float) -> np.ndarray:
         """Return the closed loop's matrix over level and integral.
@@ -134,7 +132,6 @@ def test_maximum_sensitivity_is_the_peak_of_a_brute_force_sweep(tank, share, per
     sampled = tank.sampled(gain, integral_time)
     assert np.max(np.abs(np.linalg.eigvals(tank.closed(gain, integral_time)))) < 1
     assert sampled.is_stable
-    assert sampled.sampling_period == tank.period
     expected = tank.peak(gain, integral_time)
     assert expected > 1.001
     assert sampled.maximum_sensitivity == pytest.approx(expected, rel=1e-8)
@@ -175,7 +172,7 @@ def test_stability_is_what_the_simulation_does(tank, factor):
         seed=1,
     )
     controller = with_settings(tank.simc, gain, integral_time)
-    run = Loop(tank.process, controller, tank.point, tank.model).run(scenario)
+    run = Loop(controller, tank.model).run(scenario)
     swing = np.abs(np.diff(run.values["pump_1"]))
     growth = np.max(swing[90:100]) / np.max(swing[20:30])
     # The mode near -1 swings from sample to sample; the integral's own is slow and smooth.
@@ -196,8 +193,8 @@ def test_two_coupled_loops_against_a_sweep_of_singular_values():
     process = load_process("quadruple-tank-nonminimum-phase")
     analysis = analyse(process)
     point = analysis.operating_point
-    model = linearise(process, point)
-    controller = design_simc(process, analysis.model, analysis.pairing)
+    model = linearise(point)
+    controller = design_simc(analysis.model, analysis.pairing)
     period = process.sampling_period
     A, B, C = model.A, model.B, model.C[:2]
     held, integral, term = np.zeros((4, 4)), np.zeros((4, 4)), np.eye(4)
@@ -220,5 +217,5 @@ def test_two_coupled_loops_against_a_sweep_of_singular_values():
         return np.linalg.svd(np.linalg.inv(np.eye(2) + loop), compute_uv=False)[0]
 
     # Both sensors have the same range, so that no scaling is seen.
-    sampled = sampled_model(controller, model, process)
+    sampled = sampled_loop(controller, model)
     assert sampled.maximum_sensitivity == pytest.approx(refined_peak(sensitivity), rel=1e-8)

@@ -1,0 +1,45 @@
+"""Arguments of a public function that are something else than it takes."""
+
+from __future__ import annotations
+
+from clepsydra.base.errors import InputError
+
+
+def require_type(
+    value: object, wanted: type | tuple[type, ...], place: str, expected: str, remedy: str
+) -> None:
+    """Refuse an argument of another type, in words.
+
+    Parameters
+    ----------
+    value : object
+        The argument.
+    wanted : type or tuple of type
+    place : str
+        The name of the argument.
+    expected, remedy : str
+        What it must be, and how to get one.
+
+    Raises
+    ------
+    InputError
+        The argument is of another type.
+
+    Examples
+    --------
+    >>> require_type([1.0], str, "process", "a name", "give the name of a process")
+    Traceback (most recent call last):
+    clepsydra.base.errors.InputError: process: got 'a list', expected a name; \
+give the name of a process.
+    """
+    if isinstance(value, wanted):
+        return
+    shown: object
+    if value is None or isinstance(value, (bool, int, float)):
+        shown = value
+    elif isinstance(value, str):
+        shown = value[:60]
+    else:  # a whole result or an array would bury the message
+        name = type(value).__name__
+        shown = f"{'an' if name[0].lower() in 'aeiou' else 'a'} {name}"
+    raise InputError(place, shown, expected, remedy)

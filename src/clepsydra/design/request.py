@@ -1,0 +1,33 @@
+"""What a user asked a design for, checked."""
+
+from __future__ import annotations
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.parameters import is_finite_number
+
+
+def positive_number(place: str, value: float, expected: str, remedy: str) -> float:
+    """Return a number above zero.
+
+    Parameters
+    ----------
+    place : str
+        "SIMC, closed_loop_time_constant"
+    value : float
+        As given.
+    expected, remedy : str
+        For the message.
+
+    Raises
+    ------
+    InputError
+        It is no finite number above zero.
+
+    Examples
+    --------
+    >>> positive_number("SIMC, closed_loop_time_constant", 30, "a time above 0 s", "use seconds")
+    30.0
+    """
+    if not is_finite_number(value) or value <= 0.0:
+        raise InputError(place, value, expected, remedy)
+    return float(value)

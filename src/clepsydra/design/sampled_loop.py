@@ -1,0 +1,180 @@
+"""The linear model of a sampled loop, exact at the sampling instants."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.linear_step_law import StepLawDerivatives
+from clepsydra.design.sampling_period import check_sampling_period
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.sensitivity import largest_gain
+
+#: An eigenvalue this near to the unit circle stands on it.
+_ROUNDING = 1e-10
+
+
+@dataclass(frozen=True, eq=False)
+class SampledLoop:
+    """x(k+1) = A x(k) + B d(k), e(k) = C x(k) + D d(k): the output sensitivity of a loop.
+
+    d is added to the controlled measurements as they reach the step law, and e is what the
+    law then sees of them, both as shares of the measurements' ranges. So D is the identity.
+
+    Parameters
+    ----------
+    A, B, C, D : ndarray
+
+    Examples
+    --------
+    An integrator under proportional control that takes half of the error in each sample,
+    S = (z − 1)/(z − 0.5), has its peak at half the sampling frequency, z = −1:
+
+    >>> one = np.eye(1)
+    >>> loop = SampledLoop(0.5 * one, -0.5 * one, one, one)
+    >>> loop.is_stable, round(loop.maximum_sensitivity, 6)
+    (True, 1.333333)
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether every eigenvalue stands inside the unit circle, and none on it."""
+        return bool(np.max(np.abs(np.linalg.eigvals(self.A)), initial=0.0) < 1.0 - _ROUNDING)
+
+    @property
+    def maximum_sensitivity(self) -> float:
+        """Largest singular value of S(e^jωT) over frequency [1]; infinite if unstable."""
+        if not self.is_stable:
+            return float("inf")
+        # The bilinear map takes the unit circle to the imaginary axis and keeps every gain.
+        identity = np.eye(len(self.A))
+        inverse = np.linalg.inv(self.A + identity)
+        return largest_gain(
+            (self.A - identity) @ inverse,
+            np.sqrt(2.0) * inverse @ self.B,
+            np.sqrt(2.0) * self.C @ inverse,
+            self.D - self.C @ inverse @ self.B,
+        ).peak
+
+
+def sampled_loop(controller: Controller, model: LinearModel) -> SampledLoop:
+    """Join the process, held over each sample, and the derivatives of the step law.
+
+    S is that of the measurements which the controller has setpoints for.
+
+    Parameters
+    ----------
+    controller : Controller
+    model : LinearModel
+        Of a process at an operating point, with the measurements that the controller reads.
+
+    Raises
+    ------
+    InputError
+        The model has no operating point, lacks a signal of the controller, has a direct way
+        from an input to an output, or is sampled too slowly (`design.sampling_period`).
+    ClepsydraError
+        The step law holds a delay ring.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> round(sampled_loop(controller, analysis.model).maximum_sensitivity, 3)
+    2.0
+    """
+    return SampledLoops(controller, model).at(controller.values)
+
+
+class SampledLoops:
+    """The sampled loops of one controller, for any values of its parameters.
+
+    What does not depend on the values is computed once, so that a design can try many.
+
+    Parameters
+    ----------
+    controller : Controller
+        Its law, wiring and initial state count, not its values.
+    model : LinearModel
+        As for `sampled_loop`.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> loops = SampledLoops(controller, analysis.model)
+    >>> loops.at(controller.values | {"proportional_gain_1": -3.0}).is_stable
+    False
+    """
+
+    def __init__(self, controller: Controller, model: LinearModel) -> None:
+        period = check_sampling_period(model)
+        point = operating_point_of(model)
+        process, at = point.process, point.as_dict()
+        controlled = tuple(dict.fromkeys(controller.setpoints))
+        seen = model.select(tuple(dict.fromkeys(controller.measurements)), controller.manipulated)
+        if np.any(seen.D != 0.0):
+            raise InputError(
+                "linear model, D",
+                seen.D.tolist(),
+                "zeros: a sampled law reads its measurements before it moves the inputs",
+                "let the input act through a state",
+            )
+        self._derivatives = StepLawDerivatives(controller.law)
+        self._state = controller.initial_state
+        self._inputs = {
+            name: at[wire.removesuffix(".setpoint")]
+            for name, wire in controller.input_wires.items()
+            if wire.removesuffix(".setpoint") in at
+        } | {"time_step": period}
+        self._held, self._moved = _held(seen.A, seen.B, period)
+        rows = [seen.outputs.index(name) for name in controller.measurements]
+        self._measured = seen.C[rows]
+        self._enters = np.array(
+            [[float(y == name) for name in controlled] for y in controller.measurements]
+        )
+        self._controlled = model.select(outputs=controlled).C
+        spans = np.array([process.signal(name).span for name in controlled])
+        self._sizes = np.where(np.isfinite(spans), spans, 1.0)
+
+    def at(self, values: Mapping[str, float]) -> SampledLoop:
+        """Return the loop with these parameter values."""
+        law = self._derivatives.at(values, self._state, self._inputs)
+        C, moved = self._measured, self._moved
+        A = np.block(
+            [
+                [self._held + moved @ law.D_measurement @ C, moved @ law.C],
+                [law.B_measurement @ C, law.A],
+            ]
+        )
+        B = np.vstack([moved @ law.D_measurement, law.B_measurement]) @ self._enters
+        shown = np.hstack([self._controlled, np.zeros((len(self._sizes), len(law.A)))])
+        sizes = self._sizes
+        return SampledLoop(A, B * sizes, shown / sizes[:, None], np.eye(len(sizes)))
+
+
+def _held(A: np.ndarray, B: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the state and input matrices over one period with the input held."""
+    from scipy.linalg import expm
+
+    n, m = B.shape
+    block = np.zeros((n + m, n + m))
+    block[:n, :n], block[:n, n:] = A, B
+    whole = expm(block * period)
+    return whole[:n, :n], whole[:n, n:]

@@ -1,0 +1,94 @@
+"""Designs for slow sampling, on the nonlinear tanks, and sampling too slow to be simulated."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.design.bryson import design_lqi
+from clepsydra.design.phase_margin import design_phase_margin
+from clepsydra.design.simc import design_simc
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop import loop as loop_module
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.step_size import MOST_SUBSTEPS, substeps_for
+from clepsydra.process.reader import load_process
+from clepsydra.study.study import run_study
+
+NAMES = ["quadruple-tank", "quadruple-tank-nonminimum-phase"]
+DESIGNS = {
+    "simc": design_simc,
+    "phase margin": design_phase_margin,
+    "lqi": lambda model, pairing: design_lqi(model),
+}
+
+
+def analysed(name: str, period: float):
+    process = replace(load_process(name), sampling_period=period)
+    return analyse(process)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(("period", "rest"), [(30.0, 0.01), (60.0, 0.01), (1000.0, 0.1)])
+@pytest.mark.parametrize("design", list(DESIGNS))
+def test_levels_come_to_rest_at_their_setpoints(name, period, rest, design):
+    analysis = analysed(name, period)
+    controller = DESIGNS[design](analysis.model, analysis.pairing)
+    scenario = default_scenario(analysis.model)
+    run = Loop(controller, analysis.model).run(scenario)
+    for segment in scenario.segments:
+        if segment.kind == "noise":
+            continue
+        last = round(segment.stop / period) - 1
+        for i, level in enumerate(("level_1", "level_2")):
+            missed = run.true_measurement(level)[last] - scenario.setpoints[last, i]
+            # Of a step of 1 V, after six times the slowest thing that the process does.
+            assert abs(missed) < rest, (segment, level)
+    # Away from noise the loop comes to rest: no swing from sample to sample.
+    before = round(scenario.segments[-1].start / period)
+    assert np.abs(np.diff(run.values["pump_1"][before - 4 : before])).max() < rest
+
+
+def fast_mode(model: LinearModel) -> float:
+    return float(np.abs(np.linalg.eigvals(model.A)).max())
+
+
+@pytest.mark.parametrize("period", [1e9, 1e300])
+def test_a_period_without_end_is_refused_before_anything_is_computed(period):
+    analysis = analysed(NAMES[0], period)
+    with pytest.raises(InputError, match=r"quadruple-tank, sampling_period: got '1e\+") as refusal:
+        run_study(replace(load_process(NAMES[0]), sampling_period=period))
+    assert f"fastest time constant of {1 / fast_mode(analysis.model):.3g} s" in str(refusal.value)
+    for design in DESIGNS.values():
+        with pytest.raises(InputError, match="sampling_period"):
+            design(analysis.model, analysis.pairing)
+    usual = analysed(NAMES[0], 1.0)
+    with pytest.raises(InputError, match="sampling_period"):
+        Loop(design_lqi(usual.model), analysis.model)
+
+
+def test_the_step_keeps_its_share_of_the_fastest_time_constant_up_to_the_limit():
+    fastest = fast_mode(analysed(NAMES[0], 1.0).model)
+    for period in (0.01, 1.0, 8.0, 1000.0 / fastest * 0.999):
+        count = substeps_for(analysed(NAMES[0], period).model)
+        assert count == max(1, math.ceil(fastest * period / 0.1))
+    assert count == MOST_SUBSTEPS - 10
+    with pytest.raises(InputError):
+        substeps_for(analysed(NAMES[0], 1000.0 / fastest * 1.001).model)
+
+
+@pytest.mark.parametrize(("times", "substeps"), [(0.04, 64), (900.0, 9000), (400.0, 8000)])
+def test_refinement_ends_at_64_times_the_steps_or_at_the_limit(times, substeps, monkeypatch):
+    """With a tolerance that no run can meet."""
+    monkeypatch.setattr(loop_module, "_TOLERANCE", 0.0)
+    fastest = fast_mode(analysed(NAMES[0], 1.0).model)
+    analysis = analysed(NAMES[0], times / fastest)
+    scenario = default_scenario(analysis.model)
+    run = Loop(design_lqi(analysis.model), analysis.model).run_checked(scenario)
+    assert run.substeps == pytest.approx(substeps, rel=0.12)
+    assert run.substeps <= MOST_SUBSTEPS
+    assert 0.0 < run.error_estimate < 1e-6
