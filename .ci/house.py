@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 LONGEST = 600
-SUFFIXES = {".py", ".cpp", ".toml", ".md", ".j2", ".html", ".css"}
+SUFFIXES = {".py", ".cpp", ".toml", ".md", ".jinja", ".css"}
 FOLDERS = ("src", "tests", "benchmarks", "docs", ".ci")
 
 
