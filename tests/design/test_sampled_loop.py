@@ -1,6 +1,7 @@
 """The sampled loop against a second model in plain numpy, and against simulated divergence."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,30 +17,8 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
+ONE_TANK = Path(__file__).parents[1] / "one-tank.toml"
 AREA, HOLE, GAIN, GRAVITY, VOLTAGE = 28e-4, 0.071e-4, 3.33e-6, 9.81, 1.5
-FILE = """
-name = "one-tank"
-sampling_period = "{period} s"
-gravity = "9.81 m/s^2"
-controlled = ["level_1"]
-[reservoirs.basin]
-[tanks.tank_1]
-area = "28 cm^2"
-height = "20 cm"
-[orifices.outlet_1]
-source = "tank_1"
-destination = "basin"
-area = "0.071 cm^2"
-[pumps.pump_1]
-source = "basin"
-destination = "tank_1"
-gain = "3.33 cm^3/(s V)"
-range = ["0 V", "10 V"]
-nominal = "1.5 V"
-[sensors.level_1]
-tank = "tank_1"
-range = ["0 cm", "20 cm"]
-"""
 
 
 def tank_rates() -> tuple[float, float]:
@@ -63,7 +42,8 @@ class OneTank:
 
     def __init__(self, folder, period: float):
         path = folder / f"one-tank-{period}.toml"
-        path.write_text(FILE.format(period=period))
+        text = ONE_TANK.read_text().replace('"1 s"', f'"{period} s"')
+        path.write_text(text)
         self.process: Process = load_process(path)
         self.period = period
         analysis = analyse(self.process)

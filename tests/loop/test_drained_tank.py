@@ -14,41 +14,12 @@ from clepsydra.program.program import Program
 from clepsydra.program.reader import inline
 
 AREA, HOLE, HEIGHT, GRAVITY = 28e-4, 0.071e-4, 0.2, 9.81
-FILE = """
-name = "one-tank"
-sampling_period = "1 s"
-controlled = ["level_1"]
-
-[reservoirs.basin]
-
-[tanks.tank_1]
-area = "28 cm^2"
-height = "20 cm"
-
-[orifices.outlet_1]
-source = "tank_1"
-destination = "basin"
-area = "0.071 cm^2"
-
-[pumps.pump_1]
-source = "basin"
-destination = "tank_1"
-gain = "3.33 cm^3/(s V)"
-range = ["0 V", "10 V"]
-nominal = "3 V"
-
-[sensors.level_1]
-tank = "tank_1"
-range = ["0 cm", "20 cm"]
-"""
 
 
 @pytest.fixture
-def drained(tmp_path: Path):
+def drained():
     """Return a function (step [s], samples) → levels, with the pump off, from a full tank."""
-    path = tmp_path / "one-tank.toml"
-    path.write_text(FILE)
-    process = load_process(path)
+    process = load_process(Path(__file__).parents[1] / "one-tank.toml")
 
     def run(step: float, samples: int) -> np.ndarray:
         names = [p.name for p in process.parameters]

@@ -203,34 +203,17 @@ def test_an_unknown_process_is_refused_with_those_that_are_known():
     assert "quadruple-tonk" in str(refusal.value) and "quadruple-tank" in str(refusal.value)
 
 
-ONE_TANK = """
-name = "one-tank"
-sampling_period = "1 s"
-controlled = ["level_1"]
-[reservoirs.basin]
-[tanks.tank_1]
-area = "28 cm^2"
-height = "20 cm"
-[orifices.outlet_1]
-source = "tank_1"
-destination = "basin"
-area = "0.071 cm^2"
-[pumps.pump_1]
-source = "basin"
-destination = "tank_1"
-gain = "3.33e-7 cm^3/(s V)"
-range = ["0 V", "1e8 V"]
-nominal = "1.5e7 V"
-[sensors.level_1]
-tank = "tank_1"
-range = ["0 cm", "20 cm"]
-"""
-
-
 def test_a_design_whose_numbers_no_controller_takes_does_not_end_the_study(tmp_path):
     """Ten million times the volts, ten million times the gains: LQI's pass 1e9 V/m, PI's do not."""
     path = tmp_path / "high-voltage.toml"
-    path.write_text(ONE_TANK)
+    text = (Path(__file__).parents[1] / "one-tank.toml").read_text()
+    for volts, of_high_voltage in (
+        ("3.33 cm", "3.33e-7 cm"),
+        ("10 V", "1e8 V"),
+        ("1.5 V", "1.5e7 V"),
+    ):
+        text = text.replace(volts, of_high_voltage)
+    path.write_text(text)
     result = run_study(path)
     reasons = dict(result.not_applicable)
     assert list(reasons) == ["LQI, Bryson"]

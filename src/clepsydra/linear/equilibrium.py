@@ -27,20 +27,26 @@ class NoEquilibrium(ClepsydraError):
 
     Parameters
     ----------
-    name : str
-        Of the process.
+    process : Process
+        Its file, or its name where it has none, is the place in the message.
     reasons : sequence of str
         Sentences with the names of the signals, without the full stop.
 
     Examples
     --------
-    >>> print(NoEquilibrium("plant", ["tank_1.level accumulates"]))
-    plant has no equilibrium as asked: tank_1.level accumulates.
+    >>> from clepsydra.process.reader import load_process
+    >>> print(NoEquilibrium(load_process("quadruple-tank"), ["tank_1.level accumulates"]))
+    quadruple-tank: no equilibrium as asked: tank_1.level accumulates; ask for other inputs or \
+outputs (in a process file the pumps' 'nominal', or [operating_point]), or change the plant.
     """
 
-    def __init__(self, name: str, reasons: tuple[str, ...] | list[str]) -> None:
+    def __init__(self, process: Process, reasons: tuple[str, ...] | list[str]) -> None:
         self.reasons = tuple(reasons)
-        super().__init__(f"{name} has no equilibrium as asked: {'; '.join(self.reasons)}.")
+        super().__init__(
+            f"{process.path or process.name}: no equilibrium as asked: "
+            f"{'; '.join(self.reasons)}; ask for other inputs or outputs (in a process file the "
+            "pumps' 'nominal', or [operating_point]), or change the plant."
+        )
 
 
 def find_equilibrium(
@@ -99,10 +105,10 @@ def find_equilibrium(
     search = EquilibriumSearch(process, request)
     solution = _first_found(search)
     if not solution.solved:
-        raise NoEquilibrium(process.name, reasons_without_solution(search, solution))
+        raise NoEquilibrium(process, reasons_without_solution(search, solution))
     outside = reasons_outside_ranges(search, solution)
     if outside:
-        raise NoEquilibrium(process.name, outside)
+        raise NoEquilibrium(process, outside)
     state, manipulated = search.values(solution.unknowns)
     local = search.derivatives.at(state, manipulated, request.disturbances)
     warnings = [

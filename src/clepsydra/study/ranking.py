@@ -101,7 +101,7 @@ def rank(trials: Sequence[Trial]) -> tuple[Candidate, ...]:
 def verdict(process: Process, ranking: Sequence[Candidate]) -> str:
     """Return the answer of a study in one sentence."""
     if not ranking:
-        return f"No controller of this study applies to {process.name}; the reasons are listed."
+        return f"No controller of this study applies to {process.title}; the reasons are listed."
     best = ranking[0]
     if best.standing is Standing.UNSAFE:
         return (

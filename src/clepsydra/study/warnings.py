@@ -6,6 +6,7 @@ import numpy as np
 
 from clepsydra.base.units import from_si
 from clepsydra.loop.run import Run
+from clepsydra.scores.effort import at_limit
 
 #: Share of the run in saturation above which the reader is told.
 _SATURATED = 0.05
@@ -49,8 +50,7 @@ def _levels(run: Run) -> list[str]:
 def _saturation(run: Run) -> list[str]:
     words = []
     for u in run.process.inputs:
-        held = run.values[u.name]
-        share = float(np.mean((held <= u.low) | (held >= u.high)))
+        share = float(np.mean(at_limit(run.values[u.name], u.low, u.high)))
         if share > _SATURATED:
             words.append(f"{u.name} stands at a limit for {100 * share:.0f} % of the time.")
     return words
