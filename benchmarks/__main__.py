@@ -7,13 +7,17 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 from benchmarks import machine, page
 from benchmarks.cplusplus import CompilerMissing
-from benchmarks.experiments import FULL, QUICK, Disagreement, Experiments, Measured
+from benchmarks.experiments import FULL, QUICK, Disagreement, Experiments
+from benchmarks.scale import Scale
+
+T = TypeVar("T")
 
 
-def _progress(what: str, measure: Callable[[], Measured]) -> Measured:
+def _progress(what: str, measure: Callable[[], T]) -> T:
     print(f"measuring: {what} …", file=sys.stderr, flush=True)
     return measure()
 
@@ -29,15 +33,18 @@ def main() -> int:
         facts = machine.description()
         with tempfile.TemporaryDirectory() as folder:
             experiments = Experiments(size, Path(folder))
+            scale = Scale(size.slow_rounds, size.operations, Path(folder))
             results = page.Results(
                 machine=facts,
                 rounds=f"{size.rounds} rounds ({size.slow_rounds} on two cores, "
-                "for first calls and for the command line)",
+                "for first calls, the command line, chains and the catalogue)",
                 batch=_progress("batch on one core", experiments.batch),
                 one_run=_progress("one run", experiments.one_run),
                 two_cores=_progress("large batch on two cores", experiments.two_cores),
                 first_call=_progress("first calls", experiments.first_call),
                 command_line=_progress("command line", experiments.command_line),
+                chains=_progress("chains of tanks", scale.chains),
+                catalogue=_progress("processes of the catalogue", scale.catalogue),
             )
     except (CompilerMissing, Disagreement, RuntimeError) as error:
         print(f"benchmarks: {error}", file=sys.stderr)

@@ -50,10 +50,11 @@ class Size:
     samples: int = 1_000
     run_samples: int = 10_000
     large_scenarios: int = 100_000
+    operations: int = 20_000_000
 
 
 FULL = Size(rounds=15, slow_rounds=5)
-QUICK = Size(rounds=3, slow_rounds=1)
+QUICK = Size(rounds=3, slow_rounds=1, operations=2_000_000)
 
 
 @dataclass(frozen=True)

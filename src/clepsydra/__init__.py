@@ -14,7 +14,10 @@ __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
         "ClepsydraError": "clepsydra.base.errors",
+        "Connection": "clepsydra.process.element",
         "Controller": "clepsydra.controllers.controller",
+        "Element": "clepsydra.process.element",
+        "Flow": "clepsydra.process.flow",
         "Kernel": "clepsydra.engine.kernel",
         "LinearModel": "clepsydra.linear.linear_model",
         "Loop": "clepsydra.loop.loop",
@@ -39,6 +42,7 @@ __getattr__, __dir__, __all__ = lazy_names(
         "print_structured_text": "clepsydra.deploy.structured_text",
         "program_of": "clepsydra.program.reader",
         "run_study": "clepsydra.study.study",
+        "simulate": "clepsydra.loop.simulation",
         "write_report": "clepsydra.report.html",
     },
 )

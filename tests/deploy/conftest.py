@@ -1,6 +1,7 @@
-"""Lets the tests of this folder import its helpers by name."""
+"""Lets the tests of this folder import its helpers, and those of the programs, by name."""
 
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[1] / "program"))

@@ -7,8 +7,10 @@ doi 10.1109/87.845876: equations (1), (2), (4) and section III.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from types import SimpleNamespace
 
 import casadi as ca
@@ -17,6 +19,9 @@ import pytest
 
 from clepsydra.base.signal import Signal
 from clepsydra.process.process import Process
+
+# Lets the tests of this folder import its helpers by name.
+sys.path.insert(0, str(Path(__file__).parent))
 
 GRAVITY = 9.81
 

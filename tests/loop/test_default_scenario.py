@@ -14,7 +14,7 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.scenario import Scenario
-from clepsydra.process.inflow import Inflow
+from clepsydra.process.forced_flow import ForcedFlow
 from clepsydra.process.process import Process
 
 GRAVITY = 9.81
@@ -29,7 +29,7 @@ NONMINIMUM_PHASE = ((0.43, 0.34), (3.14e-6, 3.29e-6), (3.15, 3.15))
 def make_process(
     states: tuple[str, ...],
     inputs: tuple[Signal, ...],
-    inflows: tuple[Inflow, ...],
+    inflows: tuple[ForcedFlow, ...],
     measurements: tuple[Signal, ...],
     controlled: tuple[str, ...],
     sampling_period: float,
@@ -58,8 +58,8 @@ def make_process(
     )
 
 
-def inflow_to(tank: str, step: float = 1e-6) -> Inflow:
-    return Inflow(f"inflow_{tank}", tank, low=-1e-5, high=1e-5, nominal=0.0, step=step)
+def inflow_to(tank: str, step: float = 1e-6) -> ForcedFlow:
+    return ForcedFlow(f"inflow_{tank}", "", tank, low=-1e-5, high=1e-5, nominal=0.0, step=step)
 
 
 def quadruple_tank(parameters: tuple, voltages: tuple[float, float] | None = None) -> LinearModel:

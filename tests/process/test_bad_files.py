@@ -7,13 +7,19 @@ from pathlib import Path
 import pytest
 
 from clepsydra.base.errors import InputError
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.process.reader import load_process
+from clepsydra.study.study import run_study
 
 VALID = (Path(__file__).parent / "plant.toml").read_text(encoding="utf-8")
+CATALOGUE = ", ".join(catalogue_names())
 
 # What is replaced in the valid file, by what, and the message after the file's name.
-EDITS = tomllib.loads((Path(__file__).parent / "bad_files.toml").read_text(encoding="utf-8"))[
-    "edit"
+EDITS = [
+    edit
+    for path in sorted(Path(__file__).parent.glob("bad_*.toml"))
+    for edit in tomllib.loads(path.read_text(encoding="utf-8"))["edit"]
 ]
 
 
@@ -48,6 +54,30 @@ def test_one_edit(edit: dict[str, str]) -> None:
     assert message_for(content) == f"plant.toml, {edit['message']}"
 
 
+def test_every_mistake_is_another_one() -> None:
+    assert len(EDITS) >= 200
+    assert len({(edit["replace"], edit["by"]) for edit in EDITS}) == len(EDITS)
+    assert len({edit["message"].partition(": got")[2] for edit in EDITS}) > 150
+
+
+def test_a_delay_of_no_number_of_steps_is_refused_in_a_simulation() -> None:
+    """Which steps there are is known only with the loop; the linear model takes any delay."""
+    stream = 'fractions = { tank_1 = 0.7, pipe = 0.3 }\n[delays.pipe]\ndestination = "tank_2"\n'
+    for time in ("3.14159 s", "1e-12 s"):
+        text = VALID.replace(
+            'fractions = { tank_1 = 0.7, tank_2 = "30 %" }', f'{stream}time = "{time}"'
+        )
+        Path("plant.toml").write_text(text, encoding="utf-8")
+        analyse(load_process("plant.toml"))
+        with pytest.raises(InputError) as caught:
+            run_study("plant.toml")
+        assert str(caught.value) == (
+            f"plant, pipe.delayed_flow, time: got '{time}', expected a multiple of an integration "
+            "step of at least 0.0001 s, which is a whole part of the sampling period of 1 s; round "
+            "the delay or change the sampling period."
+        )
+
+
 def test_operating_level_above_the_rim() -> None:
     text = VALID.replace('nominal = "3 V"', '[operating_point]\nlevel_1 = "12 V"')
     text = text.replace(
@@ -73,7 +103,11 @@ def test_two_values_for_one_level() -> None:
     ("kept", "message"),
     [
         ("", "no tanks', expected at least one tank; add a table, as in [tanks.tank_1]."),
-        ("tanks", "no pumps', expected at least one pump; add a table, as in [pumps.pump_1]."),
+        (
+            "tanks",
+            "no pumps', expected at least one pump, or a flow that is manipulated; add a table, as "
+            "in [pumps.pump_1].",
+        ),
         (
             "tanks reservoirs pumps",
             "no sensors', expected at least one sensor; add a table, as in [sensors.sensor_1].",
@@ -150,14 +184,14 @@ def test_byte_order_mark_and_windows_line_ends_are_read() -> None:
         ),
         (
             "quadrupel-tank",
-            "process: got 'quadrupel-tank', expected a name of the catalogue (quadruple-tank, "
-            "quadruple-tank-nonminimum-phase) or the path of a .toml file; "
+            f"process: got 'quadrupel-tank', expected a name of the catalogue ({CATALOGUE}) or the "
+            "path of a .toml file; "
             "perhaps 'quadruple-tank' was meant.",
         ),
         (
             "",
-            "process: got '', expected a name of the catalogue (quadruple-tank, "
-            "quadruple-tank-nonminimum-phase) or the path of a .toml file; "
+            f"process: got '', expected a name of the catalogue ({CATALOGUE}) or the path of a "
+            ".toml file; "
             "choose a name, or check the path.",
         ),
     ],
@@ -217,7 +251,7 @@ def test_what_is_neither_name_nor_path(value, shown):
     with pytest.raises(InputError) as refusal:
         load_process(value)
     assert str(refusal.value) == (
-        f"process: got {shown}, expected a name of the catalogue (quadruple-tank, "
-        "quadruple-tank-nonminimum-phase) or the path of a .toml file; "
+        f"process: got {shown}, expected a name of the catalogue ({CATALOGUE}) or the path of a "
+        ".toml file; "
         "give it as text or as a Path."
     )

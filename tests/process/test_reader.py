@@ -5,10 +5,11 @@ from pathlib import Path
 import pytest
 
 from clepsydra.base.units import from_si
-from clepsydra.process.inflow import Inflow
+from clepsydra.process.forced_flow import ForcedFlow
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 from clepsydra.process.tank import Tank
+from clepsydra.process.vessels.prism import Prism
 
 VALID = (Path(__file__).parent / "plant.toml").read_text(encoding="utf-8")
 
@@ -38,7 +39,7 @@ def test_signals_of_the_catalogue() -> None:
     for signal in process.disturbances:
         assert (signal.unit, signal.display_unit) == ("m^3/s", "cm^3/s")
         assert (signal.low, signal.high, signal.initial) == (0.0, 5e-6, 0.0)
-    assert [e.step for e in process.elements if isinstance(e, Inflow)] == [1.5e-6, 1.5e-6]
+    assert [e.step for e in process.elements if isinstance(e, ForcedFlow)] == [1.5e-6, 1.5e-6]
     assert process.sampling_period == 1.0
     assert process.nominal_outputs == {}
     assert process.path is None
@@ -90,7 +91,7 @@ def test_any_unit_of_the_right_kind(tmp_path: Path) -> None:
     assert second.signal("valve.tank_1").shown_unit == "%"
     assert second.sampling_period == 1.0
     tank = next(e for e in second.elements if isinstance(e, Tank))
-    assert (tank.area, tank.height) == (0.0028, 0.2)
+    assert tank.vessel == Prism(0.2, area=0.0028)
 
 
 def test_integrating_tank_is_allowed(tmp_path: Path) -> None:

@@ -49,6 +49,7 @@ def test_lines() -> None:
         (*tank, "inner"): 18,
         (*tank, "dotted"): 19,
         (*tank, "dotted", "key"): 19,
+        (*tank, "dotted", "key", "path"): 19,
         (*tank, "escaped a"): 20,
         ("array",): 22,
         ("array", "one"): 23,

@@ -1,19 +1,20 @@
 """Blocks computed statement by statement in plain Python: a third route beside kernel and CasADi.
 
 Nothing here is shared with the builder or the printers: the meaning of each code is written
-down once more, from the description of `Operation` and `Loop`, with double precision scalars
-and the functions of the C library.
+down once more, from the description of `Operation`, `Loop` and `Conditional`, with double
+precision scalars and the functions of the C library.
 """
 
 import ctypes
 import ctypes.util
 import math
 import struct
+from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
 
-from clepsydra.program.program import LIBRARY, Block, Loop, Operation
+from clepsydra.program.program import LIBRARY, Block, Conditional, Loop, Operation
 
 _LIBRARY = ctypes.CDLL(ctypes.util.find_library("m") or "libm.so.6")
 
@@ -63,8 +64,16 @@ MEANING = {
 }
 
 
-def evaluate_block(block: Block, arguments: Sequence[float]) -> list[float]:
-    """Return the results of a block; every value is assigned once and before it is read."""
+Rings = dict[str, deque[float]]
+
+
+def evaluate_block(
+    block: Block, arguments: Sequence[float], rings: Rings | None = None
+) -> list[float]:
+    """Return the results of a block; every value is assigned once and before it is read.
+
+    `rings` hold what the rings of its loops hold, the oldest first; they are advanced.
+    """
     assert len(arguments) == block.arguments
     values: dict[int, float | bool] = dict(enumerate(map(float, arguments)))
 
@@ -77,10 +86,23 @@ def evaluate_block(block: Block, arguments: Sequence[float]) -> list[float]:
         if isinstance(statement, Loop):
             carried = [values[i] for i in statement.carried]
             invariants = [values[i] for i in statement.invariants]
+            queues = [(rings or {})[ring.name] for ring in statement.rings]
             for turn in range(statement.count):
                 row = [table[turn] for table in statement.tables]
-                carried = evaluate_block(statement.body, [*row, *carried, *invariants])
+                oldest = [queue.popleft() for queue in queues]
+                results = evaluate_block(statement.body, [*row, *carried, *oldest, *invariants])
+                carried, written = results[: len(carried)], results[len(carried) :]
+                for queue, value in zip(queues, written, strict=True):
+                    queue.append(value)
             for target, value in zip(statement.targets, carried, strict=True):
+                assign(target, value)
+        elif isinstance(statement, Conditional):
+            condition = values[statement.condition]
+            assert isinstance(condition, bool)
+            carried = [values[i] for i in statement.carried]
+            given = [*carried, *(values[i] for i in statement.invariants)]
+            results = evaluate_block(statement.body, given) if condition else carried
+            for target, value in zip(statement.targets, results, strict=True):
                 assign(target, value)
         else:
             assert isinstance(statement, Operation)

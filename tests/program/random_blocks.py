@@ -6,7 +6,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.program import COMPARISONS, LIBRARY, LOGIC, Block, Loop, Operation
+from clepsydra.program.program import (
+    COMPARISONS,
+    LIBRARY,
+    LOGIC,
+    Block,
+    Conditional,
+    Loop,
+    Operation,
+)
 
 NUMBERS = {
     **dict.fromkeys(("add", "subtract", "multiply", "divide", "minimum", "maximum"), 2),
@@ -14,7 +22,8 @@ NUMBERS = {
     **{name: count for name, count in LIBRARY.items() if name != "copysign"},
 }
 EXACT_NUMBERS = [name for name in NUMBERS if name not in LIBRARY]
-SPECIAL = [0.0, -0.0, 1.0, -1.0, 2.0, 0.5, math.inf, -math.inf, math.nan, 1e300, 1.1e300, 5e-324]
+FINITE = (0.0, -0.0, 1.0, -1.0, 2.0, 0.5, 1e300, 1.1e300, 5e-324)
+SPECIAL = (*FINITE, math.inf, -math.inf, math.nan)
 
 
 @dataclass
@@ -56,6 +65,14 @@ class PlainBlock:
         self.statements.append(Loop(targets, count, body, tables, carried, invariants, name))
         return targets
 
+    def conditional(self, name, condition, body, carried, invariants) -> tuple[int, ...]:
+        condition = self._as(True, condition)
+        carried = tuple(self._as(False, value) for value in carried)
+        invariants = tuple(self._as(False, value) for value in invariants)
+        targets = tuple(self._new() for _ in carried)
+        self.statements.append(Conditional(targets, condition, body, carried, invariants, name))
+        return targets
+
     def finish(self, results) -> Block:
         results = tuple(self._as(False, value) for value in results)
         return Block(self.arguments, tuple(self.statements), tuple(results), frozenset(self.truths))
@@ -66,8 +83,21 @@ class PlainBlock:
         return self.operation("truth" if truth else "number", value)
 
 
-def random_block(seed: int, arguments: int, results: int, depth: int = 2) -> tuple[Block, Block]:
-    """Return the same random block plainly and through the builder."""
+def random_block(
+    seed: int,
+    arguments: int,
+    results: int,
+    depth: int = 2,
+    *,
+    nesting: float = 0.04,
+    library: bool = True,
+    special: tuple[float, ...] = SPECIAL,
+) -> tuple[Block, Block]:
+    """Return the same random block plainly and through the builder.
+
+    `nesting` is the share of loops and conditionals, one half each, `library` whether functions
+    of the C library occur, `special` the constants that do beside ordinary numbers.
+    """
     random = np.random.default_rng(seed)
     plain, built = PlainBlock(arguments), BlockBuilder(arguments)
     pool = [(i, i) for i in range(arguments)]
@@ -84,12 +114,12 @@ def random_block(seed: int, arguments: int, results: int, depth: int = 2) -> tup
         pool.append((plain.operation(code, *of_plain), built.operation(code, *of_built)))
 
     for _ in range(5):
-        both("constant", float(random.choice([*SPECIAL, random.normal()])))
+        both("constant", float(random.choice([*special, random.normal()])))
     for _ in range(50):
         kind = random.random()
         if kind < 0.12:
-            both("constant", float(random.choice([*SPECIAL, random.normal()])))
-        elif kind < 0.5:
+            both("constant", float(random.choice([*special, random.normal()])))
+        elif kind < 0.5 or (kind < 0.58 and not library):
             code = str(random.choice(EXACT_NUMBERS))
             operation(code, NUMBERS[code])
         elif kind < 0.58:
@@ -101,16 +131,31 @@ def random_block(seed: int, arguments: int, results: int, depth: int = 2) -> tup
         elif kind < 0.84:
             code = str(random.choice(["and", "or", "not"]))
             operation(code, 1 if code == "not" else 2)
-        elif kind < 0.96 or depth == 0:
+        elif kind < 1 - nesting or depth == 0:
             operation("select", 3)
         else:
+            branch = kind < 1 - nesting / 2
             tables, carried, invariants = (int(n) for n in random.integers(1, 4, size=3))
+            tables = 0 if branch else tables
             bodies = random_block(
-                int(random.integers(2**31)), tables + carried + invariants, carried, depth - 1
+                int(random.integers(2**31)),
+                tables + carried + invariants,
+                carried,
+                depth - 1,
+                nesting=nesting,
+                library=library,
+                special=special,
             )
+            start, held, condition = operands(carried), operands(invariants), operands(1)
+            if branch:
+                of_plain, of_built = (
+                    block.conditional("branch", condition[i][0], bodies[i], start[i], held[i])
+                    for i, block in enumerate((plain, built))
+                )
+                pool.extend(zip(of_plain, of_built, strict=True))
+                continue
             count = int(random.integers(1, 5))
             table = random.normal(size=(tables, count)).tolist()
-            start, held = operands(carried), operands(invariants)
             of_plain = plain.loop("turns", bodies[0], count, table, start[0], held[0])
             of_built = built.loop("turns", bodies[1], count, table, start[1], held[1])
             pool.extend(zip(of_plain, of_built, strict=True))

@@ -42,7 +42,7 @@ def binary(expression) -> Block:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_random_law_read_and_interpreted_is_casadi_bit_for_bit(seed):
-    law = random_law(500 + seed)
+    law = random_law(500 + seed, printed=True)
     program = program_of(law)
     random = np.random.default_rng(seed)
     size = len(law.state), len(law.inputs), len(law.parameters)

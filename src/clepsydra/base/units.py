@@ -31,6 +31,9 @@ second = [time] = s = sec
 volt = [voltage] = V
 ampere = [current] = A
 percent = 0.01 = %
+gram = 1e-3 * kilogram = g
+kilogram = [mass] = kg
+mole = [substance] = mol
 inch = 0.0254 * meter = in
 foot = 12 * inch = ft = feet
 minute = 60 * second = min
@@ -139,6 +142,23 @@ def from_si(value: float, unit: str, display_unit: str) -> float:
     if unit == display_unit or not math.isfinite(value):
         return value
     return float(Fraction(repr(float(value))) / _factor(display_unit, unit))
+
+
+def convertible(unit: str, to: str) -> bool:
+    """Return whether one unit measures the same as another; False where it is no unit at all.
+
+    Examples
+    --------
+    >>> convertible("kmol/m^3", "mol/m^3"), convertible("kmol/m^3", "kg/m^3")
+    (True, False)
+    """
+    import pint
+
+    try:
+        _factor(unit, to)
+    except (pint.UndefinedUnitError, pint.DimensionalityError, ValueError):
+        return False
+    return True
 
 
 def _factor_of_user(

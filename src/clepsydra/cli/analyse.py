@@ -2,22 +2,51 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
 from clepsydra.cli.options import JsonOption, ProcessArgument
 
 
-def analyse(process: ProcessArgument, as_json: JsonOption = False) -> None:
+def analyse(
+    process: ProcessArgument,
+    as_json: JsonOption = False,
+    file: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE.html",
+            help="Write a page with poles, Bode, Nyquist, step responses and relative gains.",
+        ),
+    ] = None,
+) -> None:
     """Show operating point, poles, zeros, static gain, RGA and pairing of a process."""
+    from clepsydra.base.errors import InputError
     from clepsydra.linear.analysis import analyse as analyse_process
     from clepsydra.process.reader import load_process
 
+    if file is not None and (file.suffix.lower() not in (".html", ".htm") or file.is_dir()):
+        raise InputError(
+            "--output", str(file), "the name of a file that ends in .html", "rename it"
+        )
     analysis = analyse_process(load_process(process))
+    if file is not None:
+        from clepsydra.report.analysis_page import write_analysis_page
+
+        write_analysis_page(analysis, file)
     if as_json:
         from clepsydra.cli.output import print_json
 
-        print_json(analysis.as_dict())
+        written = {} if file is None else {"page": str(file)}
+        print_json({**analysis.as_dict(), **written})
         return
     from rich.console import Console
 
     from clepsydra.report.tables import analysis_table
 
     Console(width=100).print(analysis_table(analysis))
+    if file is not None:
+        typer.echo(f"Page: {file}")

@@ -8,6 +8,10 @@ import typer
 
 from clepsydra import __version__
 from clepsydra.cli.analyse import analyse
+from clepsydra.cli.draw import draw
+from clepsydra.cli.new import new
+from clepsydra.cli.processes import processes
+from clepsydra.cli.simulate import simulate
 from clepsydra.cli.study import study
 
 application = typer.Typer(
@@ -20,7 +24,11 @@ application = typer.Typer(
     epilog="Start with: clepsydra study quadruple-tank",
 )
 application.command()(study)
+application.command()(simulate)
 application.command()(analyse)
+application.command()(draw)
+application.command()(processes)
+application.command()(new)
 
 
 def _show_version(wanted: bool) -> None:

@@ -4,7 +4,23 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 from typing import Any
+
+from clepsydra.base.errors import InputError
+
+
+def check_folder(folder: Path) -> None:
+    """Refuse a folder that does not exist, before any work is done."""
+    if not folder.is_dir():
+        raise InputError("--output", str(folder), "a folder that exists", "make the folder first")
+
+
+def output_file(path: Path) -> Path:
+    """Return the path of a file to be written; refuse that of a folder."""
+    if path.is_dir():
+        raise InputError("--output", str(path), "the name of a file", "move that folder away")
+    return path
 
 
 def print_json(document: dict[str, Any]) -> None:

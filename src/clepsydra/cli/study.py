@@ -20,14 +20,15 @@ def study(
     seed: Annotated[int, typer.Option(min=0, help="Seed of the measurement noise.")] = 1,
 ) -> None:
     """Design, simulate, score and rank controllers for a process; write report and data."""
-    from clepsydra.base.errors import InputError
+    from clepsydra.cli.output import check_folder, output_file, print_json
     from clepsydra.process.reader import load_process
     from clepsydra.study.study import run_study
 
-    if not folder.is_dir():
-        raise InputError("--output", str(folder), "a folder that exists", "make the folder first")
+    check_folder(folder)
     plant = load_process(process)
-    report, data = (_target(folder / f"{plant.name}.{kind}") for kind in ("html", "parquet"))
+    report, data = (
+        output_file(folder / f"{plant.file_stem}.{kind}") for kind in ("html", "parquet")
+    )
     result = run_study(plant, seed=seed)
     if not as_json:
         from rich.console import Console
@@ -45,17 +46,7 @@ def study(
         write_parquet([candidate.run for candidate in result.ranking], data)
         written["trajectories"] = str(data)
     if as_json:
-        from clepsydra.cli.output import print_json
-
         print_json({**result.as_dict(), **written})
     else:
         for what, where in written.items():
             typer.echo(f"{what.capitalize()}: {where}")
-
-
-def _target(path: Path) -> Path:
-    from clepsydra.base.errors import InputError
-
-    if path.is_dir():
-        raise InputError("--output", str(path), "the name of a file", "move that folder away")
-    return path

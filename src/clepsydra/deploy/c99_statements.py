@@ -1,11 +1,11 @@
-"""Statements of C99: declarations, assignments, counted loops, tables."""
+"""Statements of C99: declarations, assignments, counted loops, branches, tables."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from clepsydra.deploy.expressions import Notation, decimal, render
-from clepsydra.deploy.listing import Assignment, ListingStatement
+from clepsydra.deploy.listing import Assignment, CountedLoop, ListingStatement
 from clepsydra.program.program import LIBRARY
 
 FUNCTIONS = {
@@ -45,8 +45,11 @@ def statement(entry: ListingStatement, depth: int) -> list[str]:
         return _declare(entry, depth, "const ")
     indent = "  " * depth
     lines = [line for start in entry.start for line in _declare(start, depth, "")]
-    index, count = entry.index, entry.count
-    lines.append(f"{indent}for (int32_t {index} = 0; {index} < {count}; ++{index}) {{")
+    if isinstance(entry, CountedLoop):
+        index, count = entry.index, entry.count
+        lines.append(f"{indent}for (int32_t {index} = 0; {index} < {count}; ++{index}) {{")
+    else:
+        lines.append(f"{indent}if ({render(entry.condition, NOTATION)}) {{")
     for inner in entry.body:
         lines += statement(inner, depth + 1)
     for update in entry.update:

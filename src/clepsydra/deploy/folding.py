@@ -7,13 +7,22 @@ from dataclasses import replace
 
 from clepsydra.deploy.expressions import Expression, Notation, flag, render, variable
 from clepsydra.deploy.identifiers import Identifiers
-from clepsydra.deploy.listing import Assignment, CountedLoop, Listing, ListingStatement, parts
-from clepsydra.program.program import Block, Loop, Operation
+from clepsydra.deploy.listing import (
+    Assignment,
+    Branch,
+    CountedLoop,
+    Listing,
+    ListingStatement,
+    parts,
+)
+from clepsydra.program.program import Block, Conditional, Loop, Operation
 
 #: A folded expression grows no wider than this [characters].
 _WIDTH = 72
 #: Choices are folded into choices no deeper than this, so that a chain of ELSIF stays readable.
 _DEPTH = 4
+#: What stands for an argument that its block does not read.
+_UNREAD = variable("")
 
 
 def list_block(
@@ -81,6 +90,9 @@ class _Lister:
             if isinstance(statement, Loop):
                 self._loop(statement, scope, labels, uses)
                 continue
+            if isinstance(statement, Conditional):
+                self._conditional(statement, scope, labels, uses)
+                continue
             expression = scope.operation(statement)
             scope.values[statement.target] = expression
             if expression.is_atom:
@@ -97,31 +109,75 @@ class _Lister:
         names, first = self._names, len(loop.tables)
         entries = []
         index = names.new("i")
-        for table in loop.tables:
+        # A carried value that nothing reads, inside or after the loop, needs no variable.
+        own = loop.body.uses()
+        live = [k for k, target in enumerate(loop.targets) if target in uses or first + k in own]
+        needed = _with_results(loop.body, live)
+        read = needed.uses()
+        for number, table in enumerate(loop.tables):
+            if number not in read:
+                entries.append(_UNREAD)
+                continue
             name = names.new(f"{loop.name}_table")
             self.tables[name] = table
             entries.append(variable(f"{name}[{index}]"))
-        # A carried value that nothing reads, inside or after the loop, needs no variable.
-        read = loop.body.uses()
-        live = [k for k, target in enumerate(loop.targets) if target in uses or first + k in read]
-        carried: dict[int, str] = {}
-        for k in live:
-            target = loop.targets[k]
-            wanted = scope.preferred.get(target) or f"{loop.name}_value"
-            carried[k] = labels.get(target) or names.new(wanted)
-            scope.values[target] = variable(carried[k])
+        carried = self._carried(loop, live, scope, labels)
         start = tuple(Assignment(carried[k], scope.values[loop.carried[k]]) for k in live)
         inside = [
             *entries,
-            *(variable(carried.get(k, "")) for k in range(len(loop.targets))),
-            *(scope.atom(value) for value in loop.invariants),
+            *(variable(carried[k]) if k in carried else _UNREAD for k in range(len(loop.targets))),
+            *(
+                scope.atom(value) if argument in read else _UNREAD
+                for argument, value in enumerate(loop.invariants, first + len(loop.targets))
+            ),
         ]
-        needed = replace(loop.body, results=tuple(loop.body.results[k] for k in live))
         body, results = self.block(needed, inside, {}, {})
         update = self._update(list(carried.values()), results, body)
         scope.statements.append(
             CountedLoop(index, loop.count, start, tuple(body), update, loop.name)
         )
+
+    def _conditional(
+        self,
+        conditional: Conditional,
+        scope: _Scope,
+        labels: Mapping[int, str],
+        uses: Mapping[int, int],
+    ) -> None:
+        condition = scope.values[conditional.condition]
+        live = [k for k, target in enumerate(conditional.targets) if target in uses]
+        carried = self._carried(conditional, live, scope, labels)
+        needed = _with_results(conditional.body, live)
+        read = needed.uses()
+        # What only the body reads, it reads as it was before.
+        inside = [
+            variable(carried[k]) if k in carried else scope.atom(value) if k in read else _UNREAD
+            for k, value in enumerate(conditional.carried + conditional.invariants)
+        ]
+        start = tuple(Assignment(carried[k], scope.values[conditional.carried[k]]) for k in live)
+        body, results = self.block(needed, inside, {}, {})
+        update = self._update(list(carried.values()), results, body)
+        if body or update:
+            branch = Branch(condition, start, tuple(body), update, conditional.name)
+            scope.statements.append(branch)
+        else:
+            scope.statements += start
+
+    def _carried(
+        self,
+        statement: Loop | Conditional,
+        live: Sequence[int],
+        scope: _Scope,
+        labels: Mapping[int, str],
+    ) -> dict[int, str]:
+        """Name the variables of those carried values that need one, by their position."""
+        carried: dict[int, str] = {}
+        for k in live:
+            target = statement.targets[k]
+            wanted = scope.preferred.get(target) or f"{statement.name}_value"
+            carried[k] = labels.get(target) or self._names.new(wanted)
+            scope.values[target] = variable(carried[k])
+        return carried
 
     def _update(
         self, carried: Sequence[str], results: Sequence[Expression], body: list[ListingStatement]
@@ -215,6 +271,11 @@ class _Scope:
         if expression.code in self._notation.statements:
             return max(self._width(operand) for operand in expression.operands)
         return len(render(expression, self._notation))
+
+
+def _with_results(body: Block, live: Sequence[int]) -> Block:
+    """Return a body that computes some of its results only."""
+    return replace(body, results=tuple(body.results[k] for k in live)).without_unread()
 
 
 def _depth(expression: Expression) -> int:

@@ -13,7 +13,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.entries import Entry, signal_of
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Block, Loop, Program
+from clepsydra.program.program import Block, Conditional, Loop, Program
 
 
 def digest(program: Program) -> str:
@@ -50,6 +50,10 @@ def _block_lines(block: Block) -> Iterator[str]:
         if isinstance(statement, Loop):
             yield f"loop {statement.name!r} {statement.targets} {statement.count}"
             yield f"tables {statement.tables!r}"
+            yield f"over {statement.carried} {statement.invariants}"
+            yield from _block_lines(statement.body)
+        elif isinstance(statement, Conditional):
+            yield f"conditional {statement.name!r} {statement.targets} {statement.condition}"
             yield f"over {statement.carried} {statement.invariants}"
             yield from _block_lines(statement.body)
         else:
@@ -135,14 +139,16 @@ def harmless(text: str) -> str:
 
 
 def check_printable(program: Program) -> None:
-    """Refuse what is no program, and a program with a fused operation.
+    """Refuse what is no program, and a program with a fused operation or a ring in a loop.
 
-    Structured Text has none, and a controller must compute the same bits everywhere.
+    Structured Text has no fused operation, and a controller must compute the same bits
+    everywhere. A ring that advances with the turns of a loop is the transport delay of a
+    simulated process; a controller's delays count samples.
 
     Raises
     ------
     InputError
-        It is no program, or some operation is fused.
+        It is no program, some operation is fused, or a loop has rings.
 
     Examples
     --------
@@ -169,3 +175,10 @@ def check_printable(program: Program) -> None:
                 "a program without fused operations",
                 "print the controller's own program, not a simulation that contains it",
             )
+    for ring in program.rings:
+        raise InputError(
+            f"program {program.name}, {ring.name}",
+            f"a delay by {ring.length} turns of a loop",
+            "a program whose delays count samples",
+            "print the controller's own program, not a simulation that contains it",
+        )

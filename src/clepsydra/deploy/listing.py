@@ -1,4 +1,4 @@
-"""What a printed program consists of: assignments, counted loops, results and tables."""
+"""What a printed program consists of: assignments, loops, branches, results and tables."""
 
 from __future__ import annotations
 
@@ -39,12 +39,31 @@ class CountedLoop:
     index: str
     count: int
     start: tuple[Assignment, ...]
-    body: tuple[Assignment | CountedLoop, ...]
+    body: tuple[ListingStatement, ...]
     update: tuple[Assignment, ...]
     label: str
 
 
-ListingStatement = Assignment | CountedLoop
+@dataclass(frozen=True)
+class Branch:
+    """``if condition``: variables with start value, and body and next value where it is true.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.expressions import flag, variable
+    >>> start, update = Assignment("level", variable("x")), Assignment("level", variable("limit"))
+    >>> Branch(flag("spilling"), (start,), (), (update,), "spill").condition.text
+    'spilling'
+    """
+
+    condition: Expression
+    start: tuple[Assignment, ...]
+    body: tuple[ListingStatement, ...]
+    update: tuple[Assignment, ...]
+    label: str
+
+
+ListingStatement = Assignment | CountedLoop | Branch
 
 
 @dataclass(frozen=True)
@@ -64,7 +83,7 @@ class Listing:
     tables: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
     def walk(self) -> Iterator[ListingStatement]:
-        """Yield every statement, those inside loops included."""
+        """Yield every statement, those inside loops and branches included."""
         yield from _walk(self.statements)
 
     def expressions(self) -> Iterator[Expression]:
@@ -75,6 +94,8 @@ class Listing:
             else:
                 for assignment in statement.start + statement.update:
                     yield from parts(assignment.expression)
+            if isinstance(statement, Branch):
+                yield from parts(statement.condition)
         for result in self.results:
             yield from parts(result)
 
@@ -82,7 +103,7 @@ class Listing:
 def _walk(statements: Sequence[ListingStatement]) -> Iterator[ListingStatement]:
     for statement in statements:
         yield statement
-        if isinstance(statement, CountedLoop):
+        if not isinstance(statement, Assignment):
             yield from _walk(statement.body)
 
 

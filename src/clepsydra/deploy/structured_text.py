@@ -217,9 +217,10 @@ def _declared(statements: Sequence[ListingStatement]) -> list[tuple[str, str]]:
     """Return name and type of every variable that statements assign, in order."""
     found: list[tuple[str, str]] = []
     for entry in statements:
+        if isinstance(entry, Assignment):
+            found.append((entry.name, "BOOL" if entry.expression.is_truth else "LREAL"))
+            continue
         if isinstance(entry, CountedLoop):
             found.append((entry.index, "DINT"))
-            found += _declared(entry.start) + _declared(entry.body)
-        else:
-            found.append((entry.name, "BOOL" if entry.expression.is_truth else "LREAL"))
+        found += _declared(entry.start) + _declared(entry.body)
     return found

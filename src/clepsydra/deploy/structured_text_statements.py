@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from clepsydra.deploy.expressions import Expression, Notation, decimal, render, variable
-from clepsydra.deploy.listing import Assignment, ListingStatement
+from clepsydra.deploy.listing import Assignment, CountedLoop, ListingStatement
 
 NOTATION = Notation(
     language="Structured Text",
@@ -43,15 +43,21 @@ def statement(entry: ListingStatement, depth: int = 0) -> list[str]:
     if isinstance(entry, Assignment):
         return assign(entry.name, entry.expression, depth)
     indent = _STEP * depth
-    lines = [f"{indent}(* {entry.label}: {entry.count} turns *)"]
+    if isinstance(entry, CountedLoop):
+        title = f"{entry.label}: {entry.count} turns"
+        head, end = f"FOR {entry.index} := 0 TO {entry.count - 1} DO", "END_FOR;"
+    else:
+        title = entry.label
+        head, end = f"IF {render(entry.condition, NOTATION)} THEN", "END_IF;"
+    lines = [f"{indent}(* {title} *)"]
     for start in entry.start:
         lines += assign(start.name, start.expression, depth)
-    lines.append(f"{indent}FOR {entry.index} := 0 TO {entry.count - 1} DO")
+    lines.append(f"{indent}{head}")
     for inner in entry.body:
         lines += statement(inner, depth + 1)
     for update in entry.update:
         lines += assign(update.name, update.expression, depth + 1)
-    return [*lines, f"{indent}END_FOR;"]
+    return [*lines, f"{indent}{end}"]
 
 
 def assign(name: str, expression: Expression, depth: int = 0) -> list[str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.entries import signal_of
-from clepsydra.program.program import COMPARISONS, LOGIC, Block, Operation, Program
+from clepsydra.program.program import COMPARISONS, LOGIC, Block, Conditional, Operation, Program
 
 INTEGER_LOW, INTEGER_HIGH = -(2.0**31), 2.0**31 - 1.0
 #: Sums and products of whole numbers up to this size are exact.
@@ -128,6 +128,19 @@ def _follow(block: Block, ranges: dict[int, WholeRange]) -> None:
             found = _range_of(statement, [ranges.get(value) for value in statement.arguments])
             if found is not None:
                 ranges[statement.target] = found
+        elif isinstance(statement, Conditional):
+            _follow_conditional(statement, ranges)
+
+
+def _follow_conditional(conditional: Conditional, ranges: dict[int, WholeRange]) -> None:
+    given = enumerate(conditional.carried + conditional.invariants)
+    inside = {argument: ranges[value] for argument, value in given if value in ranges}
+    _follow(conditional.body, inside)
+    for target, start, result in zip(
+        conditional.targets, conditional.carried, conditional.body.results, strict=True
+    ):
+        if start in ranges and result in inside:
+            ranges[target] = _either(ranges[start], inside[result])
 
 
 def _whole(number: float) -> WholeRange | None:

@@ -60,8 +60,8 @@ def design_lqi(
     Raises
     ------
     NotApplicable
-        A state is not measured, there are no stabilising gains, or one is outside of what a
-        controller takes.
+        The process has dead time, a state is not measured, there are no stabilising gains, or
+        one is outside of what a controller takes.
     InputError
         The model has no operating point, a mapping names an unknown signal, a deviation is
         not above zero, or the anti-windup is unknown.
@@ -75,6 +75,11 @@ def design_lqi(
     0.093
     """
     period = check_sampling_period(model)
+    if model.delays is not None:
+        raise NotApplicable(
+            METHOD,
+            "the process has dead time, and its law has no states for what is on its way",
+        )
     point = operating_point_of(model)
     process = point.process
     if len(model.inputs) > len(model.outputs):

@@ -59,8 +59,9 @@ def half_rule(
     Parameters
     ----------
     element : TransferElement
+        Its dead time counts as delay.
     delay : float
-        Delay of the loop outside the element: dead time and half a sampling period [s].
+        Delay of the loop outside the element: half a sampling period [s].
     method : str
         For the message.
 
@@ -89,7 +90,7 @@ def half_rule(
     inverse = sum(1.0 / root.real for root in element.zeros if root.real > 0.0)
     if element.integrators == 1:
         lags = [math.inf, *lags]
-    fixed = delay + inverse
+    fixed = delay + element.dead_time + inverse
     effective, tried = fixed, set()
     for _ in range(_ROUNDS):
         factor, left = _without_leads(lags, leads, effective)

@@ -16,6 +16,7 @@ from clepsydra.design.control_authority import check_ranges, largest_proportiona
 from clepsydra.design.detuning import SENSITIVITY_LIMIT, Detuned
 from clepsydra.design.pi_settings import PiSettings
 from clepsydra.design.sampled_loop import SampledLoops
+from clepsydra.design.sampled_process import NotSampled
 from clepsydra.design.transfer_element import TransferElement, transfer_element
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -69,8 +70,8 @@ class MultiloopPi:
         The model has no operating point, the pairing is empty, names an unknown signal or one
         signal twice, or the anti-windup is unknown.
     NotApplicable
-        A signal has no range, or one beyond what a controller takes, or an input does not move
-        its output.
+        A signal has no range, or one beyond what a controller takes, an input does not move
+        its output, or dead times have no place in a transfer function or a sampled loop.
 
     Examples
     --------
@@ -93,13 +94,18 @@ class MultiloopPi:
         at = self.point.as_dict()
         self.loops: list[PairedLoop] = []
         for output, input_name in zip(outputs, inputs, strict=True):
-            found = transfer_element(model, output, input_name)
+            found = transfer_element(model, output, input_name, method=method)
             if found is None:
                 raise NotApplicable(method, f"{input_name} does not move {output}")
             signals = self.process.signal(output), self.process.signal(input_name)
             self.loops.append(PairedLoop(*signals, found, at[input_name]))
         self._without_settings = self._blank(outputs, inputs, anti_windup)
-        self._sampled = SampledLoops(self._without_settings, model)
+        try:
+            self._sampled = SampledLoops(self._without_settings, model)
+        except NotSampled as refusal:
+            raise NotApplicable(
+                method, f"its sampled loops need {refusal.expected}; {refusal.remedy}"
+            ) from None
 
     def peak(self, settings: Sequence[PiSettings]) -> float:
         """Return the sensitivity peak of all loops closed; infinite if they are unstable."""

@@ -104,7 +104,8 @@ def default_crossover(
     101.6
     """
     rates = [abs(root) for root in (*element.poles, *element.zeros)]
-    rates += [1.0 / delay] if delay > 0.0 else []
+    total = delay + element.dead_time
+    rates += [1.0 / total] if total > 0.0 else []
     slowest, fastest = 1e-3 * min(rates, default=1.0), 1e3 * max(rates, default=1.0)
     count = max(2, int(_POINTS_A_DECADE * math.log10(fastest / slowest)))
     grid = [slowest * (fastest / slowest) ** (k / (count - 1)) for k in range(count)]

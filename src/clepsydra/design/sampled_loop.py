@@ -10,6 +10,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import StepLawDerivatives
+from clepsydra.design.sampled_process import sampled_process
 from clepsydra.design.sampling_period import check_sampling_period
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -83,6 +84,8 @@ def sampled_loop(controller: Controller, model: LinearModel) -> SampledLoop:
     InputError
         The model has no operating point, lacks a signal of the controller, has a direct way
         from an input to an output, or is sampled too slowly (`design.sampling_period`).
+    NotSampled
+        The model has dead time that a sampled model cannot hold (`design.sampled_process`).
     ClepsydraError
         The step law holds a delay ring.
 
@@ -143,13 +146,13 @@ class SampledLoops:
             for name, wire in controller.input_wires.items()
             if wire.removesuffix(".setpoint") in at
         } | {"time_step": period}
-        self._held, self._moved = _held(seen.A, seen.B, period)
+        self._held, self._moved = sampled_process(seen, period)
         rows = [seen.outputs.index(name) for name in controller.measurements]
-        self._measured = seen.C[rows]
+        self._measured = self._widened(seen.C[rows])
         self._enters = np.array(
             [[float(y == name) for name in controlled] for y in controller.measurements]
         )
-        self._controlled = model.select(outputs=controlled).C
+        self._controlled = self._widened(model.select(outputs=controlled).C)
         spans = np.array([process.signal(name).span for name in controlled])
         self._sizes = np.where(np.isfinite(spans), spans, 1.0)
 
@@ -168,13 +171,6 @@ class SampledLoops:
         sizes = self._sizes
         return SampledLoop(A, B * sizes, shown / sizes[:, None], np.eye(len(sizes)))
 
-
-def _held(A: np.ndarray, B: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the state and input matrices over one period with the input held."""
-    from scipy.linalg import expm
-
-    n, m = B.shape
-    block = np.zeros((n + m, n + m))
-    block[:n, :n], block[:n, n:] = A, B
-    whole = expm(block * period)
-    return whole[:n, :n], whole[:n, n:]
+    def _widened(self, C: np.ndarray) -> np.ndarray:
+        """Return C for the sampled states: what is on its way does not show."""
+        return np.hstack([C, np.zeros((len(C), len(self._held) - C.shape[1]))])

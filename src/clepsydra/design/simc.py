@@ -50,12 +50,12 @@ def design_simc(
 ) -> Controller:
     """Design a PI controller for each pair by SIMC.
 
-    Each paired element is reduced by the half rule, with half a sampling period as delay.
-    Without a given closed-loop time constant, each loop takes the shortest τc that is not
-    below its effective delay and at which a setpoint step of a tenth of the measurement's
-    range does not saturate the input; then all are lengthened by one factor until the sampled
-    loops together have a sensitivity peak of 2 (`design.detuning`). A given τc is used as it
-    is.
+    Each paired element is reduced by the half rule, with its dead time and half a sampling
+    period as delay. Without a given closed-loop time constant, each loop takes the shortest τc
+    that is not below its effective delay and at which a setpoint step of a tenth of the
+    measurement's range does not saturate the input; then all are lengthened by one factor
+    until the sampled loops together have a sensitivity peak of 2 (`design.detuning`). A given
+    τc is used as it is.
 
     Parameters
     ----------

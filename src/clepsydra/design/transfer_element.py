@@ -1,4 +1,4 @@
-"""One element g(s) of a linear model, by its poles, zeros and gain."""
+"""One element g(s) of a linear model, by its poles, zeros, gain and dead time."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.design.applicability import NotApplicable
+from clepsydra.linear.dead_time_structure import lags_of
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.minimal_realisation import minimal_realisation
+from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import origin_radius, rightmost_first
 from clepsydra.linear.response import evaluate_transfer
 from clepsydra.linear.zeros import zeros
@@ -16,7 +19,7 @@ from clepsydra.linear.zeros import zeros
 
 @dataclass(frozen=True)
 class TransferElement:
-    """g(s) = gain / s^integrators · Π(1 − s/z) / Π(1 − s/p).
+    """g(s) = e^(−sθ) · gain / s^integrators · Π(1 − s/z) / Π(1 − s/p).
 
     Parameters
     ----------
@@ -26,6 +29,8 @@ class TransferElement:
         Those away from the origin [rad/s].
     integrators : int
         Poles at the origin; negative for zeros there.
+    dead_time : float
+        θ [s]
 
     Examples
     --------
@@ -38,6 +43,7 @@ class TransferElement:
     poles: tuple[complex, ...]
     zeros: tuple[complex, ...]
     integrators: int
+    dead_time: float = 0.0
 
     @property
     def sign(self) -> float:
@@ -59,24 +65,32 @@ class TransferElement:
         Each root turns by atan((ω − b)/a) with the root at −a + jb, so no multiple of 2π is
         lost.
         """
-        angle = -0.5 * math.pi * self.integrators
+        angle = -0.5 * math.pi * self.integrators - omega * self.dead_time
         angle += sum(math.atan((omega - z.imag) / -z.real) for z in map(complex, self.zeros))
         angle -= sum(math.atan((omega - p.imag) / -p.real) for p in map(complex, self.poles))
         return angle
 
 
-def transfer_element(model: LinearModel, output: str, input_name: str) -> TransferElement | None:
+def transfer_element(
+    model: LinearModel, output: str, input_name: str, *, method: str = "transfer function"
+) -> TransferElement | None:
     """Return the element from an input to an output; None where the input does not move it.
+
+    Dead time is exact where all ways from the input to the output take the same.
 
     Parameters
     ----------
     model : LinearModel
     output, input_name : str
+    method : str
+        For the message.
 
     Raises
     ------
     InputError
         A name is unknown.
+    NotApplicable
+        Ways of different dead time lead from the input to the output, or one stands in a loop.
 
     Examples
     --------
@@ -87,6 +101,15 @@ def transfer_element(model: LinearModel, output: str, input_name: str) -> Transf
     2.0
     """
     chosen = model.select(outputs=[output], inputs=[input_name])
+    lags = lags_of(chosen)
+    if lags is None:
+        raise NotApplicable(
+            method,
+            f"{input_name} acts on {output} by ways of different dead time, or by a loop with "
+            "dead time in it, so that one dead time and a rational function do not describe it",
+        )
+    dead_time = float(lags.outputs[0] - lags.inputs[0])
+    chosen = at_rest(chosen)
     A, B, C, D = minimal_realisation(chosen.A, chosen.B, chosen.C, chosen.D)
     if not len(A) and D[0, 0] == 0.0:
         return None
@@ -103,7 +126,9 @@ def transfer_element(model: LinearModel, output: str, input_name: str) -> Transf
     shape = math.prod((1.0 - point / zero for zero in moving_zeros), start=1.0 + 0.0j)
     shape /= point**integrators
     shape /= math.prod((1.0 - point / pole for pole in moving_poles), start=1.0 + 0.0j)
-    return TransferElement(float((value / shape).real), moving_poles, moving_zeros, integrators)
+    return TransferElement(
+        float((value / shape).real), moving_poles, moving_zeros, integrators, dead_time
+    )
 
 
 def _away_from_origin(roots: np.ndarray, radius: float) -> tuple[complex, ...]:

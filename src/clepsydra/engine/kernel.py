@@ -18,7 +18,7 @@ from clepsydra.engine.threads import available_threads, in_threads
 from clepsydra.engine.trajectories import Trajectories
 from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Program
+from clepsydra.program.program import Block, Conditional, Loop, Program
 
 Array = NDArray[np.float64]
 
@@ -92,7 +92,8 @@ class Kernel:
             Shared inputs as a number or [samples], individual inputs as [scenarios, samples];
             an input that is left out keeps its initial value.
         parameters, state : mapping
-            A number for all, or [scenarios]; what is left out keeps its initial value.
+            A number for all, or [scenarios]; what is left out keeps its initial value. The
+            number of a delay ring, of the state or of a loop, is its whole initial content.
         every : int
             Outputs are stored in samples 0, every, 2·every, …
 
@@ -168,10 +169,18 @@ def _batch_lanes(program: Program) -> int:
     """Return two vectors for a small program, one for a large one, which fills the units alone.
 
     A second vector hides the latency of the first, but a large program then runs out of
-    registers. The limit lies between one tank (95 operations) and four (281).
+    registers. The limit lies between one tank (95 operations) and four (281). What stands in a
+    conditional is seldom computed and does not count.
     """
-    operations = sum(1 for _ in program.block.operations())
-    return host().lanes * (2 if operations < _LARGE_PROGRAM else 1)
+    return host().lanes * (2 if _always_computed(program.block) < _LARGE_PROGRAM else 1)
+
+
+def _always_computed(block: Block) -> int:
+    return sum(
+        _always_computed(statement.body) if isinstance(statement, Loop) else 1
+        for statement in block.statements
+        if not isinstance(statement, Conditional)
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +191,8 @@ class Job:
     ----------
     kernel : Kernel
     samples, scenarios, lanes, every : int
-    initial : ndarray [groups, n, lanes]
+    initial : ndarray [groups, n + r, lanes]
+        The state, then the rings of loops.
     parameters : ndarray [groups, p, lanes]
     shared : ndarray [samples, s]
     individual : ndarray [groups, samples, i, lanes]
@@ -202,7 +212,7 @@ class Job:
         """Run every scenario on some threads and return what was computed."""
         program = self.kernel.program
         groups = len(self.initial)
-        state = self.initial.copy()
+        state = self.initial[:, : len(program.state)].copy()
         records = -(-self.samples // self.every) if self.kernel.records else 0
         record = np.empty((groups, records, len(program.outputs), self.lanes))
         rings = self._initial_rings(groups)
@@ -226,10 +236,10 @@ class Job:
         return Trajectories(program, self.scenarios, final[:, : self.scenarios], record)
 
     def _initial_rings(self, groups: int) -> Array:
-        entries = self.kernel.program.state
+        program = self.kernel.program
         filled = [
             np.repeat(self.initial[:, index : index + 1, :], entry.length, axis=1)
-            for index, entry in enumerate(entries)
+            for index, entry in enumerate((*program.state, *program.rings))
             if isinstance(entry, DelayRing)
         ]
         return np.concatenate(filled, axis=1) if filled else np.empty((groups, 0, self.lanes))

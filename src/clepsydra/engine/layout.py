@@ -30,7 +30,8 @@ class Layout:
         self._inputs = {s.name: s.initial for s in program.inputs}
         self._parameters = {s.name: s.initial for s in program.parameters}
         self._state = {
-            x.name: (x.signal if isinstance(x, DelayRing) else x).initial for x in program.state
+            x.name: (x.signal if isinstance(x, DelayRing) else x).initial
+            for x in (*program.state, *program.rings)
         }
         self._refuse_unknown("input", dict.fromkeys(individual, 0.0), self._inputs)
         self._shared = [name for name in self._inputs if name not in individual]
@@ -61,7 +62,7 @@ class Layout:
         return next(iter(sizes), 1)
 
     def state(self, given: Given, scenarios: int, lanes: int) -> Array:
-        """Return the initial state [groups, n, lanes]."""
+        """Return the initial state, then that of the rings of loops [groups, n + r, lanes]."""
         return self._columns("state", self._state, given, scenarios, lanes)
 
     def parameters(self, given: Given, scenarios: int, lanes: int) -> Array:

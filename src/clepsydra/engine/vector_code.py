@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
+from clepsydra.engine.vector_parts import PartsPrinter, is_large
+from clepsydra.engine.vector_rings import RingPrinter
 from clepsydra.engine.vector_statements import StatementPrinter
 from clepsydra.engine.vector_text import VectorText
+from clepsydra.engine.workspace import Workspace
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Loop, Program, Statement, read_by
+from clepsydra.program.program import Loop, Program, Statement, read_by, written_by
 
 KERNEL = "clepsydra_kernel"
 
@@ -46,11 +50,13 @@ def vector_code(program: Program, form: KernelForm) -> str:
     with the last index a lane: state [groups, n, lanes] is read and left at its final value,
     parameters [groups, p, lanes], shared inputs [samples, s], individual inputs
     [groups, samples, i, lanes], record [groups, ceil(samples / every), q, lanes], rings
-    [groups, sum of lengths, lanes].
+    [groups, sum of lengths, lanes], first those of the state, then those of loops.
 
-    Operations that read only parameters and constants stand outside the time loop.
+    Statements that read only parameters and constants stand outside the time loop. A large
+    program is printed as many functions, so that compiling takes time in proportion to its size.
     """
-    return _KernelPrinter(program, form).code()
+    printer = _PartedKernelPrinter if is_large(program) else _KernelPrinter
+    return printer(program, form).code()
 
 
 class _KernelPrinter:
@@ -59,13 +65,17 @@ class _KernelPrinter:
         self.form = form
         self.text = VectorText(form.lanes)
         self.values: dict[int, str] = {}
+        self.carried: list[tuple[int, str, str]] = []
         self.hoisted = _constant_in_time(program)
         entries = list(zip(program.state, program.state_arguments, program.next_state, strict=True))
-        self.rings = [
-            (entry.length, value, result)
+        self.delayed = [
+            (entry, value, result)
             for entry, value, result in entries
             if isinstance(entry, DelayRing)
         ]
+        self.rings = RingPrinter(
+            self.text, [*(ring for ring, _, _ in self.delayed), *program.rings]
+        )
         self.plain = [
             (index, value, result)
             for index, (entry, value, result) in enumerate(entries)
@@ -96,12 +106,14 @@ class _KernelPrinter:
     def _groups(self) -> None:
         text = self.text
         text.begin("entry")
+        self._begin()
         text.line("%records.up = add i64 %samples, %every")
         text.line("%records.top = sub i64 %records.up, 1")
         text.line("%records = sdiv i64 %records.top, %every")
         text.line("br label %group.head")
+        before = text.label
         text.begin("group.head")
-        text.line("%group = phi i64 [ 0, %entry ], [ %group.next, %group.end ]")
+        text.line(f"%group = phi i64 [ 0, %{before} ], [ %group.next, %group.end ]")
         text.line("%group.more = icmp slt i64 %group, %groups")
         text.line("br i1 %group.more, label %group.body, label %done")
         text.begin("group.body")
@@ -111,62 +123,85 @@ class _KernelPrinter:
         text.line("%group.next = add i64 %group, 1")
         text.line("br label %group.head")
         text.begin("done")
+        self._end()
         text.line("ret void")
+
+    def _begin(self) -> None:
+        """Print what stands before everything else."""
+
+    def _end(self) -> None:
+        """Print what stands after everything else."""
 
     def _once_a_group(self) -> None:
         """Load parameters, print what depends on nothing else, load the initial state."""
         program, text = self.program, self.text
         base = text.row("%parameters", "%group", len(program.parameters))
-        for index, value in enumerate(program.parameter_arguments):
-            self.values[value] = text.load(base, index)
+        self._fill(base, enumerate(program.parameter_arguments))
         self._statements(hoisted=True)
         base = text.row("%state", "%group", len(program.state))
-        for index, value, _ in self.plain:
-            self.values[value] = text.load(base, index)
+        self._fill(base, [(index, value) for index, value, _ in self.plain])
+
+    def _fill(self, base: str, entries: Iterable[tuple[int, int]]) -> None:
+        """Load values from a row (index, value)."""
+        for index, value in entries:
+            self.values[value] = self.text.load(base, index)
+
+    def _empty(self, base: str, entries: Iterable[tuple[int, int]]) -> None:
+        """Store values into a row (index, value)."""
+        for index, value in entries:
+            self.text.store(self.values[value], base, index)
 
     def _statements(self, *, hoisted: bool) -> None:
         block = self.program.block
-        printer = StatementPrinter(self.text, block, self.values, fuse=self.form.fuse)
+        printer = StatementPrinter(
+            self.text, block, self.values, fuse=self.form.fuse, rings=self.rings
+        )
         for statement in block.statements:
-            if (_targets(statement) <= self.hoisted) == hoisted:
+            if _is_within(statement, self.hoisted) == hoisted:
                 printer.statement(statement)
 
     def _samples(self) -> None:
         text, before = self.text, self.text.label
         text.line("br label %sample.head")
         text.begin("sample.head")
-        counters = ["sample", "slot", "wait", *(f"ring{n}" for n in range(len(self.rings)))]
-        for name in counters:
+        for name in ["sample", "slot", "wait", *self.rings.counters]:
             text.line(f"%{name} = phi i64 [ 0, %{before} ], [ %{name}.next, %sample.end ]")
-        initial = [self.values[value] for _, value, _ in self.plain]
-        gaps = [text.gap() for _ in self.plain]
-        for index, value, _ in self.plain:
-            self.values[value] = f"%x{index}"
+        self._carry(before)
         text.line("%sample.more = icmp slt i64 %sample, %samples")
         text.line("br i1 %sample.more, label %sample.body, label %sample.done")
         text.begin("sample.body")
         self._inputs()
         places = self._read_rings()
         self._statements(hoisted=False)
-        for place, (_, _, result) in zip(places, self.rings, strict=True):
+        for place, (_, _, result) in zip(places, self.delayed, strict=True):
             text.store(self.values[result], place)
         if self.form.record and self.program.outputs:
             self._record()
+        self._follow()
         text.line("br label %sample.end")
         text.begin("sample.end")
         self._count()
         text.line("br label %sample.head")
-        for gap, start, (index, _, result) in zip(gaps, initial, self.plain, strict=True):
+        text.begin("sample.done")
+        base = text.row("%state", "%group", len(self.program.state))
+        self._empty(base, [(index, value) for index, value, _ in self.plain])
+        text.line("br label %group.end")
+
+    def _carry(self, before: str) -> None:
+        """Name the state of this sample; what it becomes is filled in by `_follow`."""
+        for index, value, _ in self.plain:
+            self.carried.append((self.text.gap(), self.values[value], before))
+            self.values[value] = f"%x{index}"
+
+    def _follow(self) -> None:
+        """Let the next state be that of the next sample."""
+        text = self.text
+        for (gap, start, before), (index, _, result) in zip(self.carried, self.plain, strict=True):
             text.fill(
                 gap,
                 f"%x{index} = phi {text.real} [ {start}, %{before} ], "
                 f"[ {self.values[result]}, %sample.end ]",
             )
-        text.begin("sample.done")
-        base = text.row("%state", "%group", len(self.program.state))
-        for index, value, _ in self.plain:
-            text.store(self.values[value], base, index)
-        text.line("br label %group.end")
 
     def _inputs(self) -> None:
         text, individual = self.text, self.form.individual
@@ -182,21 +217,14 @@ class _KernelPrinter:
             row = text.assign("mul i64 %group, %samples")
             row = text.assign(f"add i64 {row}, %sample")
             base = text.row("%individual", row, len(own))
-            for index, value in enumerate(own):
-                self.values[value] = text.load(base, index)
+            self._fill(base, enumerate(own))
 
     def _read_rings(self) -> list[str]:
-        """Load the oldest value of every ring and return where each stands."""
-        text = self.text
-        total = sum(length for length, _, _ in self.rings)
-        places, offset = [], 0
-        for number, (length, value, _) in enumerate(self.rings):
-            row = text.assign(f"mul i64 %group, {total}")
-            row = text.assign(f"add i64 {row}, {offset}")
-            row = text.assign(f"add i64 {row}, %ring{number}")
-            places.append(text.row("%rings", row, 1))
-            self.values[value] = text.load(places[-1])
-            offset += length
+        """Load the oldest value of every ring of the state and return where each stands."""
+        places = []
+        for number, (_, value, _) in enumerate(self.delayed):
+            places.append(self.rings.place(number, f"%ring{number}"))
+            self.values[value] = self.text.load(places[-1])
         return places
 
     def _record(self) -> None:
@@ -207,13 +235,12 @@ class _KernelPrinter:
         row = text.assign("mul i64 %group, %records")
         row = text.assign(f"add i64 {row}, %slot")
         base = text.row("%record", row, len(self.program.outputs))
-        for index, value in enumerate(self.program.output_values):
-            text.store(self.values[value], base, index)
+        self._empty(base, enumerate(self.program.output_values))
         text.line("br label %record.end")
         text.begin("record.end")
 
     def _count(self) -> None:
-        """Advance the sample, the wait for the next record, its slot, and the rings."""
+        """Advance the sample, the wait for the next record, its slot, and the state's rings."""
         text = self.text
         text.line("%sample.next = add i64 %sample, 1")
         text.line("%wait.over = icmp eq i64 %wait, 0")
@@ -222,21 +249,72 @@ class _KernelPrinter:
         text.line("%wait.next = select i1 %wait.over, i64 %wait.full, i64 %wait.less")
         text.line("%slot.up = add i64 %slot, 1")
         text.line("%slot.next = select i1 %wait.over, i64 %slot.up, i64 %slot")
-        for number, (length, _, _) in enumerate(self.rings):
-            ring = f"%ring{number}"
-            text.line(f"{ring}.up = add i64 {ring}, 1")
-            text.line(f"{ring}.end = icmp eq i64 {ring}.up, {length}")
-            text.line(f"{ring}.next = select i1 {ring}.end, i64 0, i64 {ring}.up")
+        for number in range(len(self.delayed)):
+            self.rings.advance(number, f"%ring{number}")
 
 
-def _targets(statement: Statement) -> set[int]:
-    return set(statement.targets) if isinstance(statement, Loop) else {statement.target}
+class _PartedKernelPrinter(_KernelPrinter):
+    """Prints the same loops, with all values in memory and the statements in functions."""
+
+    def __init__(self, program: Program, form: KernelForm) -> None:
+        super().__init__(program, form)
+        block = program.block
+        self.workspace = Workspace()
+        self.memory = 0
+        self.parts = PartsPrinter(
+            self.text, block, self.workspace, fuse=form.fuse, rings=self.rings
+        )
+        self.values = self.parts.values
+        results = block.results if form.record else program.next_state
+        live = replace(block, results=results).without_unread().statements
+        self.needed = set(results) | {value for _, value, _ in self.plain}
+        self.once = [s for s in live if _is_within(s, self.hoisted)]
+        self.every_sample = [s for s in live if not _is_within(s, self.hoisted)]
+        read = self.needed | self.parts.reads(live)
+        self.parts.values.take_together(v for v in range(block.arguments) if v in read)
+        self.parts.values.take_together(program.next_state)
+
+    def _fill(self, base: str, entries: Iterable[tuple[int, int]]) -> None:
+        self.parts.values.fill(base, entries)
+
+    def _empty(self, base: str, entries: Iterable[tuple[int, int]]) -> None:
+        self.parts.values.empty(base, entries)
+
+    def _begin(self) -> None:
+        self.memory = self.workspace.begin(self.text)
+
+    def _end(self) -> None:
+        self.workspace.end(self.text, self.memory)
+
+    def _statements(self, *, hoisted: bool) -> None:
+        if hoisted:
+            kept = self.needed | self.parts.reads(self.every_sample)
+            self.parts.statements(self.once, kept)
+        else:
+            self.parts.statements(self.every_sample, self.needed)
+
+    def _carry(self, before: str) -> None:
+        """The state stands in memory from sample to sample."""
+
+    def _follow(self) -> None:
+        arguments = [value for _, value, _ in self.plain]
+        results = [result for _, _, result in self.plain]
+        self.parts.values.follow(arguments, results)
 
 
 def _constant_in_time(program: Program) -> set[int]:
     """Return the values that depend on parameters and constants only."""
     constant = set(program.parameter_arguments)
     for statement in program.block.statements:
-        if constant.issuperset(read_by(statement)):
-            constant |= _targets(statement)
+        if not _has_rings(statement) and constant.issuperset(read_by(statement)):
+            constant.update(written_by(statement))
     return constant
+
+
+def _is_within(statement: Statement, values: set[int]) -> bool:
+    """Whether a statement only assigns values of a set; what a ring holds is never constant."""
+    return not _has_rings(statement) and values.issuperset(written_by(statement))
+
+
+def _has_rings(statement: Statement) -> bool:
+    return isinstance(statement, Loop) and bool(statement.rings)

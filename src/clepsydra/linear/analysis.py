@@ -4,26 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.linear.analysis_words import (
+    words_on_dead_time,
     words_on_gain,
     words_on_interaction,
     words_on_poles,
+    words_on_zero_directions,
     words_on_zeros,
 )
-from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.linear.compared import compared
+from clepsydra.linear.dead_time_structure import dead_times
+from clepsydra.linear.directionality import Directionality, directionality, few_frequencies
+from clepsydra.linear.equilibrium_several import find_equilibria
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.niederlinski import niederlinski_index
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.linear.poles import poles, time_constants
+from clepsydra.linear.poles import origin_radius
+from clepsydra.linear.reach import Reach, reach_of, words_about_reach
 from clepsydra.linear.relative_gain_array import relative_gains, suggest_pairing
+from clepsydra.linear.roots import Roots, roots_of
 from clepsydra.linear.static_gain import static_gain
-from clepsydra.linear.zeros import minimum_phase, zeros
+from clepsydra.linear.zero_directions import ZeroDirection, zero_directions
+from clepsydra.linear.zeros import minimum_phase
 from clepsydra.process.process import Process
 
 
@@ -37,20 +46,27 @@ class Analysis:
     model : LinearModel
         From all inputs to the controlled outputs.
     poles, zeros : ndarray, complex
-        [rad/s], rightmost first.
+        [rad/s], rightmost first. With dead time see `roots_note`.
     minimum_phase : bool
+        With neither a zero in the right half-plane nor dead time between inputs and outputs.
     time_constants : ndarray [n]
         [s], in the order of the poles; infinite for a pole on the imaginary axis.
     static_gain : ndarray [q, m]
         [output unit / input unit]; infinite where the model integrates.
     relative_gain_array : ndarray [q, m] or None
-        None where the outputs cannot be set independently.
+        None where the outputs cannot be set independently. Of a process that is not square it
+        is that of the pseudo-inverse in shares of the ranges.
     pairing : tuple of (output, input)
         The suggested one; empty where there is no relative gain array.
     niederlinski_index : float or None
         Of that pairing; None where it is not defined.
     words : tuple of str
         What follows for control, a sentence each.
+    dead_times : ndarray [q, m]
+        [s], of each pair by itself; zero where the input does not move the output, not a number
+        where ways of different dead time lead to it.
+    roots_note : str
+        In which sense poles and zeros are those of a process with dead time; empty without.
 
     Examples
     --------
@@ -71,6 +87,23 @@ class Analysis:
     pairing: tuple[tuple[str, str], ...]
     niederlinski_index: float | None
     words: tuple[str, ...]
+    dead_times: np.ndarray
+    roots_note: str = ""
+
+    @cached_property
+    def directionality(self) -> Directionality:
+        """Singular values, condition numbers and relative gains at a few frequencies."""
+        return directionality(self.model, few_frequencies(self.model, self.poles))
+
+    @cached_property
+    def reach(self) -> Reach | None:
+        """How nearly controllability and observability fail; None where a range is missing."""
+        return reach_of(self.model)
+
+    @cached_property
+    def right_half_plane_zeros(self) -> list[ZeroDirection]:
+        """The zeros that limit control, with their directions in ranges where these are known."""
+        return _blocking_zeros(self.model, roots_of(self.model))
 
     def as_dict(self) -> dict[str, Any]:
         """Return the analysis as values for JSON, in SI.
@@ -83,6 +116,10 @@ class Analysis:
         units = {signal.name: signal.unit for group in signals for signal in group}
         units |= {"poles": "rad/s", "zeros": "rad/s", "time_constants": "s", "rga": "1"}
         units["static_gain"] = "output unit / input unit"
+        units |= {"dead_times": "s", "frequencies": "rad/s", "singular_values": "1"}
+        units |= {"condition_numbers": "1", "relative_gains": "1", "share": "1", "margin": "1/s"}
+        units |= {"distance_to_uncontrollability": "1/s", "distance_to_unobservability": "1/s"}
+        units |= {"hankel_singular_values": "1"}
         relative = self.relative_gain_array
         return {
             "process": process.name,
@@ -105,6 +142,18 @@ class Analysis:
             "rga": None if relative is None else relative.tolist(),
             "pairing": [list(pair) for pair in self.pairing],
             "niederlinski_index": _finite_or_none(self.niederlinski_index),
+            "dead_times": [[_finite_or_none(time) for time in row] for row in self.dead_times],
+            "roots_note": self.roots_note,
+            "directionality": self.directionality.as_dict(),
+            "reach": None if self.reach is None else self.reach.as_dict(),
+            "right_half_plane_zeros": [
+                {
+                    "zero": _complex(found.zero),
+                    "inputs": [_complex(share) for share in found.input_direction],
+                    "outputs": [_complex(share) for share in found.output_direction],
+                }
+                for found in self.right_half_plane_zeros
+            ],
             "units": units,
             "words": list(self.words),
             "warnings": list(self.operating_point.warnings),
@@ -143,12 +192,12 @@ def analyse(
     >>> analysis.relative_gain_array.round(6).tolist(), analysis.pairing[0]
     ([[1.4, -0.4], [-0.4, 1.4]], ('level_1', 'pump_1'))
     """
-    point = find_equilibrium(process, inputs, outputs, disturbances)
+    point = find_equilibria(process, inputs, outputs, disturbances)[0]
     model = linearise(point).select(outputs=process.controlled)
     gain = static_gain(model)
     relative: np.ndarray | None
     try:
-        relative = relative_gains(model)
+        relative = relative_gains(_comparable(model))
     except InputError:  # singular: the words say which outputs hang together
         relative = None
     pairing = (
@@ -157,26 +206,55 @@ def analyse(
     index = None
     if pairing and np.all(np.isfinite(gain)):
         index = niederlinski_index(gain, pairing, model.outputs, model.inputs)
-    rates, rises = poles(model), zeros(model)
-    constants, well_behaved = time_constants(model), minimum_phase(model)
+    roots, late = roots_of(model), dead_times(model)
     return Analysis(
         operating_point=point,
         model=model,
-        poles=rates,
-        zeros=rises,
-        minimum_phase=well_behaved,
-        time_constants=constants,
+        poles=roots.poles,
+        zeros=roots.zeros,
+        minimum_phase=roots.minimum_phase,
+        time_constants=roots.time_constants,
         static_gain=gain,
         relative_gain_array=relative,
         pairing=pairing,
         niederlinski_index=index,
         words=(
-            *words_on_poles(model, rates, constants),
-            *words_on_zeros(model, rises, well_behaved),
+            *words_on_poles(roots.zeros_of, roots.poles, roots.time_constants),
+            *words_on_dead_time(model, late, roots.note),
+            *words_on_zeros(roots.zeros_of, roots.zeros, _rationally_minimum(roots)),
+            *words_on_zero_directions(model, _blocking_zeros(model, roots)),
             *words_on_gain(model, gain),
             *words_on_interaction(model, relative, pairing, index),
+            *words_about_reach(model),
         ),
+        dead_times=late,
+        roots_note=roots.note,
     )
+
+
+def _comparable(model: LinearModel) -> LinearModel:
+    """Return what relative gains are taken of: only those of a square process need no ranges."""
+    if len(model.inputs) == len(model.outputs):
+        return model
+    return compared(model) or model
+
+
+def _rationally_minimum(roots: Roots) -> bool:
+    """Return whether the process is minimum phase but for its dead time."""
+    return roots.minimum_phase or (bool(roots.note) and minimum_phase(roots.zeros_of))
+
+
+def _blocking_zeros(model: LinearModel, roots: Roots) -> list[ZeroDirection]:
+    radius = origin_radius(roots.zeros_of.A)
+    if not np.any(roots.zeros.real > radius):
+        return []
+    found = zero_directions(compared(roots.zeros_of) or roots.zeros_of)
+    farthest = np.abs(roots.zeros).max() * (1.0 + 1e-6)
+    return [
+        each
+        for each in found
+        if each.zero.real > radius and each.zero.imag >= 0.0 and abs(each.zero) <= farthest
+    ]
 
 
 def _complex(root: complex) -> dict[str, float]:

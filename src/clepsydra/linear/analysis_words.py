@@ -8,11 +8,14 @@ import numpy as np
 
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.poles import origin_radius
+from clepsydra.linear.zero_directions import ZeroDirection
 
 # Relative gains in this range need no more than independent single loops.
 _EASY = (0.67, 1.5)
 # Above this a decoupler or an inverse follows small errors of the model.
 _ILL_CONDITIONED = 10.0
+# An output with more than this of a direction of length one has it alone.
+_ALONE = 0.99
 # A part of a root below this share of its magnitude is not shown.
 _ROUNDING = 1e-9
 
@@ -127,6 +130,95 @@ def words_on_zeros(model: LinearModel, zeros: np.ndarray, minimum_phase: bool) -
     else:
         words.append("There are no finite transmission zeros.")
     return words
+
+
+def words_on_dead_time(model: LinearModel, dead_times: np.ndarray, note: str) -> list[str]:
+    """Return sentences on the dead time of each pair and what it allows.
+
+    The figure is the bandwidth limit 1/θ (Skogestad and Postlethwaite, Multivariable Feedback
+    Control, 2nd ed., section 5.6.2).
+
+    Parameters
+    ----------
+    model : LinearModel
+    dead_times : ndarray [q, m]
+        [s]
+    note : str
+        In which sense there are poles and zeros.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> model = LinearModel(-0.02 * one, one, one[:, :0], one, 0.0 * one,
+    ...                     ("tank.level",), ("pump",), (), ("level",))
+    >>> words_on_dead_time(model, np.array([[5.0]]), "")
+    ['level answers to pump after a dead time of 5 s, which limits a loop between them to a \
+bandwidth of about 0.2 rad/s.']
+    """
+    words = []
+    for output, row in zip(model.outputs, dead_times, strict=True):
+        for name, time in zip(model.inputs, row, strict=True):
+            if np.isnan(time):
+                words.append(
+                    f"{output} answers to {name} by ways of different dead time, or by a loop "
+                    "with dead time in it: no single dead time describes it."
+                )
+            elif time > 0.0:
+                words.append(
+                    f"{output} answers to {name} after a dead time of {time:.4g} s, which limits "
+                    f"a loop between them to a bandwidth of about {1.0 / time:.2g} rad/s."
+                )
+    return [*words, note] if note else words
+
+
+def words_on_zero_directions(model: LinearModel, zeros: Sequence[ZeroDirection]) -> list[str]:
+    """Return which outputs a zero in the right half-plane hurts.
+
+    Parameters
+    ----------
+    model : LinearModel
+    zeros : sequence of ZeroDirection
+        In the right half-plane, their directions in ranges.
+
+    Examples
+    --------
+    >>> one = np.eye(2)
+    >>> model = LinearModel(-0.02 * one, one, one[:, :0], one, 0.0 * one,
+    ...                     ("a", "b"), ("u", "v"), (), ("y", "z"))
+    >>> words_on_zero_directions(model, [ZeroDirection(0.01 + 0j, np.array([1.0, 0.0]),
+    ...                                                np.array([0.8, -0.6]))])
+    ['The zero at +0.0100 rad/s acts on y (share 0.80) and z (−0.60): they cannot all move the \
+right way at once, but which of them suffers can be chosen.']
+    """
+    words = []
+    for found in zeros:
+        if len(model.outputs) < 2:
+            continue
+        sizes = np.abs(found.output_direction)
+        if sizes.max() > _ALONE:
+            name = model.outputs[int(np.argmax(sizes))]
+            words.append(
+                f"The zero at {root_text(found.zero)} rad/s acts on {name} alone: the other "
+                "outputs do not feel it."
+            )
+            continue
+        shares = [
+            f"{name} ({'share ' if not place else ''}{_share(value)})"
+            for place, (name, value) in enumerate(
+                zip(model.outputs, found.output_direction, strict=True)
+            )
+            if abs(value) > 1.0 - _ALONE
+        ]
+        words.append(
+            f"The zero at {root_text(found.zero)} rad/s acts on {' and '.join(shares)}: they "
+            "cannot all move the right way at once, but which of them suffers can be chosen."
+        )
+    return words
+
+
+def _share(value: complex) -> str:
+    size = value.real if abs(value.imag) <= _ROUNDING * abs(value) else abs(value)
+    return f"{size:.2f}".replace("-", "−")
 
 
 def words_on_gain(model: LinearModel, gain: np.ndarray) -> list[str]:

@@ -8,10 +8,12 @@ import numpy as np
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import ClepsydraError
+from clepsydra.linear.equilibrium_continuation import by_homotopy, by_pseudo_transient
 from clepsydra.linear.equilibrium_reasons import (
     reasons_outside_ranges,
     reasons_without_solution,
     undetermined,
+    warnings_of_sensors,
 )
 from clepsydra.linear.equilibrium_request import read_request
 from clepsydra.linear.equilibrium_search import EquilibriumSearch, Iterate
@@ -62,7 +64,9 @@ def find_equilibrium(
     process's own nominal outputs are taken, or else the nominal values of its inputs.
 
     Newton's method with exact derivatives, damped, in the square root of each level above its
-    floor, in which Torricelli's outflow is linear.
+    floor, in which Torricelli's outflow is linear. Where it fails from every start, the motion
+    is followed to its rest, or the asked outputs are approached in steps
+    (`equilibrium_continuation`). Memories stay as they are at first.
 
     Parameters
     ----------
@@ -79,7 +83,7 @@ def find_equilibrium(
     -------
     OperatingPoint
         Exact to rounding. A level that the given signals leave open keeps its initial value,
-        with a warning.
+        with a warning; so does a sensor that would show a value beyond its range.
 
     Raises
     ------
@@ -116,6 +120,7 @@ def find_equilibrium(
         for signal, value in zip(process.state, state, strict=True)
         if signal.unit == "m" and value <= signal.low
     ]
+    warnings += warnings_of_sensors(process, local.measured)
     free_names = undetermined(search, solution)
     if free_names:
         warnings.append(
@@ -140,4 +145,13 @@ def _first_found(search: EquilibriumSearch) -> Iterate:
         attempt = first if share is None else search.run(share)
         if attempt.solved and not search.below_floor(attempt.unknowns).any():
             return attempt
-    return first
+    return _by_continuation(search) or first
+
+
+def _by_continuation(search: EquilibriumSearch) -> Iterate | None:
+    if search.request.free_inputs:
+        return by_homotopy(search)
+    if search.request.outputs:
+        return None
+    ways = (by_pseudo_transient(search, share) for share in (None, *_OTHER_STARTS))
+    return next((found for found in ways if found is not None), None)

@@ -44,6 +44,12 @@ def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[
                 f"{signal.name} would stand at {shown(signal, value)}, above {where} at "
                 f"{shown(signal, signal.high)}"
             )
+        slack = _AT_LIMIT * (signal.span if np.isfinite(signal.span) else abs(signal.low))
+        if signal.unit != "m" and value < signal.low - slack:
+            reasons.append(
+                f"{signal.name} would be {shown(signal, value)}, below its range from "
+                f"{shown(signal, signal.low)}"
+            )
     # An input that pumps backwards is the cause; the levels below the floor only follow.
     return tuple(reasons or _levels_below(search, solved.unknowns))
 
@@ -112,6 +118,34 @@ def undetermined(search: EquilibriumSearch, solved: Iterate) -> list[str]:
     """
     _, right = _null_spaces(search, solved)
     return _taking_part(_unknown_names(search), right)
+
+
+def warnings_of_sensors(process: Process, measured: np.ndarray) -> list[str]:
+    """Return a sentence for each sensor that would show a value beyond its range.
+
+    Parameters
+    ----------
+    process : Process
+    measured : ndarray [q]
+        What the sensors read, before any limit.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> warnings_of_sensors(load_process("quadruple-tank"), np.array([6.0, 11.0, 1.0, 1.0]))
+    ['level_2 would read 11 V, outside its range from 0 V to 10 V: it cannot be controlled there']
+    """
+    return [
+        f"{signal.name} would read {shown(signal, value)}, outside its range from "
+        f"{shown(signal, signal.low)} to {shown(signal, signal.high)}: it cannot be controlled "
+        "there"
+        for signal, value in zip(process.measurements, measured, strict=True)
+        if not signal.low - _slack(signal) <= value <= signal.high + _slack(signal)
+    ]
+
+
+def _slack(signal: Signal) -> float:
+    return _AT_LIMIT * (signal.span if np.isfinite(signal.span) else 0.0)
 
 
 def shown(signal: Signal, value: float) -> str:

@@ -78,8 +78,8 @@ class Iterate:
 class EquilibriumSearch:
     """Newton's method for ẋ = 0 and y = target over the states and the free inputs.
 
-    A state with a floor is written as x = floor + span ζ²: Torricelli's outflow is linear in ζ,
-    so that a network of tanks takes a step or two. Below the floor the equations are continued
+    A level is written as x = floor + span ζ²: Torricelli's outflow is linear in ζ, so that a
+    network of tanks takes a step or two. Below the floor the equations are continued
     in a straight line, so that an impossible request ends with ζ < 0 where a flow would have to
     be negative, and with the input that it would take. Other unknowns are span ζ.
 
@@ -105,15 +105,18 @@ class EquilibriumSearch:
         self.derivatives = Derivatives(process)
         free = [process.inputs[place] for place in request.free_inputs]
         self._signals = [*process.state, *free]
-        self._spans = np.array([_span(signal) for signal in self._signals])
-        self._floors = np.array([signal.low for signal in process.state])
-        floored = np.isfinite(self._floors)
+        self.spans = np.array([_span(signal) for signal in self._signals])
+        self.floors = np.array([signal.low for signal in process.state])
+        # Only what drains by a root has a floor: a concentration, a speed or a valve position
+        # may pass through zero on the way and stand there.
+        metres = np.array([signal.unit == "m" for signal in process.state], bool)
+        floored = np.isfinite(self.floors) & metres
         self.floored = np.concatenate([floored, np.zeros(len(free), bool)])
 
     def start(self, share: float | None) -> np.ndarray:
         """Return unknowns with every level at a share of its height, or at its initial value."""
         shares = np.zeros(len(self._signals))
-        for place, (signal, span) in enumerate(zip(self._signals, self._spans, strict=True)):
+        for place, (signal, span) in enumerate(zip(self._signals, self.spans, strict=True)):
             inside = signal.low < signal.initial < signal.high
             if self.floored[place]:
                 above = (signal.initial - signal.low) / span if inside else 0.5
@@ -128,23 +131,37 @@ class EquilibriumSearch:
         """Return the state [n] and all inputs [m] that the unknowns stand for, SI."""
         states = len(self.process.state)
         floored = self.floored[:states]
-        scaled, spans = unknowns[:states], self._spans[:states]
+        scaled, spans = unknowns[:states], self.spans[:states]
         risen = np.where(scaled <= FLOOR, 0.0, scaled) ** 2
-        floors = np.where(floored, self._floors, 0.0)
+        floors = np.where(floored, self.floors, 0.0)
         state = np.where(floored, floors + spans * risen, spans * scaled)
         inputs = self.request.inputs.copy()
-        inputs[list(self.request.free_inputs)] = unknowns[states:] * self._spans[states:]
+        inputs[list(self.request.free_inputs)] = unknowns[states:] * self.spans[states:]
         return state, inputs
+
+    def unknowns_at(self, state: np.ndarray, inputs: np.ndarray) -> np.ndarray:
+        """Return the unknowns that stand for a state [n] and inputs [m], SI."""
+        states = len(self.process.state)
+        floored, spans = self.floored[:states], self.spans[:states]
+        floors = np.where(floored, self.floors, 0.0)
+        shares = (state - floors) / spans
+        scaled = np.where(floored, np.sqrt(np.maximum(shares, 0.0)), shares)
+        free = inputs[list(self.request.free_inputs)] / self.spans[states:]
+        return np.concatenate([scaled, free])
 
     def state_slopes(self, unknowns: np.ndarray) -> np.ndarray:
         """Return dx/dζ of each state [n], SI."""
         states = len(self.process.state)
-        scaled, spans = unknowns[:states], self._spans[:states]
+        scaled, spans = unknowns[:states], self.spans[:states]
         return np.where(self.floored[:states], 2.0 * spans * scaled, spans)
 
     def run(self, share: float | None) -> Iterate:
         """Search from one start and return the last iterate, solved or not."""
-        current = self._evaluate(self.start(share))
+        return self.run_from(self.start(share))
+
+    def run_from(self, unknowns: np.ndarray) -> Iterate:
+        """Search from given unknowns [n + f] and return the last iterate, solved or not."""
+        current = self._evaluate(unknowns)
         for _ in range(_ITERATIONS):
             following = self._improved(current) if current.finite else None
             if following is None:
@@ -174,8 +191,9 @@ class EquilibriumSearch:
         request, states = self.request, len(self.process.state)
         rows, columns = list(request.outputs), list(request.free_inputs)
         above = np.where(self.floored, np.maximum(unknowns, _CONTINUED), unknowns)
-        scaled, spans = above[:states], self._spans[:states]
-        risen = np.where(self.floored[:states], self._floors + spans * scaled**2, spans * scaled)
+        scaled, spans = above[:states], self.spans[:states]
+        floors = np.where(self.floored[:states], self.floors, 0.0)
+        risen = np.where(self.floored[:states], floors + spans * scaled**2, spans * scaled)
         _, inputs = self.values(unknowns)
         local = self.derivatives.at(risen, inputs, request.disturbances)
         slopes = self.state_slopes(above)
@@ -183,7 +201,7 @@ class EquilibriumSearch:
             [
                 [
                     local.rates_by_state * slopes,
-                    local.rates_by_input[:, columns] * self._spans[states:],
+                    local.rates_by_input[:, columns] * self.spans[states:],
                 ],
                 [
                     local.measured_by_state[rows] * slopes,

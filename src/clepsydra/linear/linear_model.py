@@ -10,6 +10,7 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
+from clepsydra.linear.internal_delays import InternalDelays, refuse_delays
 
 if TYPE_CHECKING:
     import control
@@ -34,6 +35,8 @@ class LinearModel:
         Names, in the order of the matrices.
     point : OperatingPoint or None
         None for a model that did not come from a process.
+    delays : InternalDelays or None
+        The signals that come back later, see there; None for a model without dead time.
 
     Raises
     ------
@@ -61,6 +64,7 @@ class LinearModel:
     disturbances: tuple[str, ...]
     outputs: tuple[str, ...]
     point: OperatingPoint | None = None
+    delays: InternalDelays | None = None
 
     def __post_init__(self) -> None:
         n, m = len(self.states), len(self.inputs)
@@ -70,6 +74,10 @@ class LinearModel:
             found = np.shape(getattr(self, name))
             if found != shape:
                 raise ValueError(f"linear model: {name} is {found}, its names make {shape}")
+        if self.delays is not None:
+            self.delays.check_shapes(n, m, k, q)
+            if not len(self.delays.times):
+                object.__setattr__(self, "delays", None)
 
     def select(
         self, outputs: Sequence[str] | None = None, inputs: Sequence[str] | None = None
@@ -98,6 +106,7 @@ class LinearModel:
             D=self.D[np.ix_(rows, columns)],
             inputs=tuple(self.inputs[column] for column in columns),
             outputs=tuple(self.outputs[row] for row in rows),
+            delays=None if self.delays is None else self.delays.select(rows, columns),
         )
 
     def to_control(self) -> control.StateSpace:
@@ -105,9 +114,15 @@ class LinearModel:
 
         Its inputs are the manipulated inputs followed by the disturbances, so nothing is lost;
         `from_control` tells them apart again.
+
+        Raises
+        ------
+        InputError
+            The model has dead time, which a state space of python-control cannot hold.
         """
         import control
 
+        refuse_delays(self.delays, "state spaces of python-control")
         no_feedthrough = np.zeros((len(self.outputs), len(self.disturbances)))
         return control.StateSpace(
             self.A,

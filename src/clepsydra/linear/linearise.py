@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.linear.derivatives import Derivatives
+from clepsydra.linear.internal_delays import InternalDelays
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
 
 
 def linearise(point: OperatingPoint) -> LinearModel:
-    """Return A = ∂f/∂x, B = ∂f/∂u, E = ∂f/∂d and C = ∂h/∂x at the point, D = 0.
+    """Return A = ∂f/∂x, B = ∂f/∂u, E = ∂f/∂d and C = ∂h/∂x at the point, D = 0; delays stay exact.
 
     The derivatives are exact (algorithmic differentiation), not differences. The model has all
     inputs, disturbances and measurements; `LinearModel.select` takes some of them.
@@ -66,6 +68,9 @@ def linearise(point: OperatingPoint) -> LinearModel:
             )
     A, B, E = by_cause
     C = local.measured_by_state
+    delays = None
+    if process.motion.delays:
+        A, B, E, delays = _with_delays(point, len(C))
     return LinearModel(
         A=A,
         B=B,
@@ -77,7 +82,55 @@ def linearise(point: OperatingPoint) -> LinearModel:
         disturbances=tuple(signal.name for signal in process.disturbances),
         outputs=tuple(signal.name for signal in process.measurements),
         point=point,
+        delays=delays,
     )
+
+
+def _with_delays(
+    point: OperatingPoint, outputs: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, InternalDelays]:
+    """Return A, B, E with the delayed quantities held, and what leaves and enters the delays.
+
+    The contents c = c(x) are integrated, dc/dt = f(c, z, …); at rest Δẋ = (∂c/∂x)⁻¹ Δċ.
+    """
+    process, motion = point.process, point.process.motion
+    parameters = process.parameter_values
+    memories = np.array([signal.initial for signal in motion.memories])
+    contents, slopes = _values(motion.to_contents, 0, [point.state, parameters])
+    z = np.zeros(len(motion.delays))
+    for _ in motion.delays:  # one delay may feed the next
+        held = [contents, z, memories, point.inputs, point.disturbances, parameters]
+        z = np.array(motion.rates(*held)[1]).ravel()
+    held = [contents, z, memories, point.inputs, point.disturbances, parameters]
+    back = np.linalg.inv(slopes)
+    rates = {name: back @ _values(motion.rates, place, held, 0)[1] for name, place in _CAUSES}
+    sent = {name: _values(motion.rates, place, held, 1)[1] for name, place in _CAUSES}
+    delays = InternalDelays(
+        times=np.array([delay.time for delay in motion.delays]),
+        to_states=rates["delays"],
+        from_states=sent["contents"] @ slopes,
+        from_inputs=sent["inputs"],
+        from_disturbances=sent["disturbances"],
+        through=sent["delays"],
+        to_outputs=np.zeros((outputs, len(z))),
+    )
+    return rates["contents"] @ slopes, rates["inputs"], rates["disturbances"], delays
+
+
+#: Arguments of the rates of a motion by their places.
+_CAUSES = (("contents", 0), ("delays", 1), ("inputs", 3), ("disturbances", 4))
+
+
+def _values(
+    function: ca.Function, argument: int, at: list[np.ndarray], result: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return one result of a function, and its derivative by one argument."""
+    symbols = [ca.SX.sym("a", function.numel_in(i)) for i in range(function.n_in())]
+    values = function(*symbols)
+    value = values[result] if isinstance(values, tuple) else values
+    both = ca.Function("both", symbols, [value, ca.jacobian(value, symbols[argument])])
+    found, slope = both(*at)
+    return np.array(found).ravel(), np.array(slope)
 
 
 def operating_point_of(model: LinearModel) -> OperatingPoint:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from clepsydra.linear.internal_delays import refuse_delays
 from clepsydra.linear.linear_model import LinearModel
 
 # A root closer to the origin than this share of the fastest rate stands at the origin.
@@ -27,6 +28,11 @@ def poles(model: LinearModel) -> np.ndarray:
     ndarray [n], complex
         [rad/s]
 
+    Raises
+    ------
+    InputError
+        The model has dead time: it may have infinitely many poles.
+
     Examples
     --------
     >>> A, one = np.diag([-0.1, -0.02]), np.ones((2, 1))
@@ -35,6 +41,7 @@ def poles(model: LinearModel) -> np.ndarray:
     >>> poles(model).real
     array([-0.02, -0.1 ])
     """
+    refuse_delays(model.delays, "poles")
     rates = np.linalg.eigvals(model.A)
     rates[np.argsort(np.abs(rates))[: integrators(model.A)]] = 0.0
     return rightmost_first(rates)

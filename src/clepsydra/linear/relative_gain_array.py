@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.pade import same_at_the_origin
 from clepsydra.linear.poles import integrators, origin_radius, poles
 from clepsydra.linear.response import evaluate_transfer
 from clepsydra.linear.zeros import zeros
@@ -84,7 +85,7 @@ def relative_gains(model: LinearModel) -> np.ndarray:
     """Return the relative gain array of a model at steady state.
 
     Where the model integrates, G(0) is infinite but Λ has a limit as s → 0; it is found by
-    Richardson extrapolation along the positive real axis.
+    Richardson extrapolation along the positive real axis. Dead times are counted exactly.
 
     Parameters
     ----------
@@ -110,6 +111,7 @@ def relative_gains(model: LinearModel) -> np.ndarray:
     array([[1., 0.],
            [0., 1.]])
     """
+    model = same_at_the_origin(model)
     if not integrators(model.A):
         return relative_gain_array(model.D - model.C @ np.linalg.solve(model.A, model.B))
     # Λ is a power series in s as far as the nearest pole or zero that is not at the origin.

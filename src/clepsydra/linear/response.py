@@ -10,7 +10,7 @@ from clepsydra.linear.linear_model import LinearModel
 
 
 def frequency_response(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
-    """Return G(jω) = C (jω I - A)⁻¹ B + D at each frequency.
+    """Return G(jω) = C (jω I - A)⁻¹ B + D at each frequency, exact with dead time.
 
     Parameters
     ----------
@@ -44,7 +44,108 @@ def frequency_response(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
             raise InputError(
                 "frequency response, omegas", frequency, "finite frequencies [rad/s]", "remove it"
             )
-    return evaluate_transfer(model.A, model.B, model.C, model.D, 1j * frequencies)
+    return transfer_at(model, 1j * frequencies)
+
+
+def transfer_at(model: LinearModel, points: np.ndarray) -> np.ndarray:
+    """Return G(s) of a model, with its dead times, at each complex s.
+
+    The states and the delayed signals z = e^(-sτ) w are solved for together, so a pole of the
+    model without its dead times is no obstacle. Points far in the left half-plane, where e^(-sτ)
+    overflows, are not meant.
+
+    Parameters
+    ----------
+    model : LinearModel
+    points : ndarray [l]
+        Values of s [rad/s].
+
+    Returns
+    -------
+    ndarray [l, q, m], complex
+
+    Raises
+    ------
+    InputError
+        One of the values is a pole.
+
+    Examples
+    --------
+    A tank whose outflow answers to its level 1 s later, 1/(s + e^(-s)), at rest:
+
+    >>> from clepsydra.linear.internal_delays import InternalDelays
+    >>> one, none = np.eye(1), np.zeros((1, 0))
+    >>> late = InternalDelays(np.ones(1), -one, one, 0.0 * one, none, 0.0 * one, 0.0 * one)
+    >>> tank = LinearModel(0.0 * one, one, none, one, 0.0 * one, ("tank.level",), ("pump",), (),
+    ...                    ("level",), delays=late)
+    >>> transfer_at(tank, np.array([0.0])).real
+    array([[[1.]]])
+    """
+    points = np.asarray(points)
+    delays = model.delays
+    if delays is None:
+        return evaluate_transfer(model.A, model.B, model.C, model.D, points)
+    matrix, driven = characteristic_matrices(model, points)
+    try:
+        inner = np.linalg.solve(matrix, driven)
+    except np.linalg.LinAlgError:
+        size = matrix.shape[1]
+        ranks = (np.linalg.matrix_rank(pencil) for pencil in matrix)
+        at_pole = next(s for s, rank in zip(points, ranks, strict=True) if rank < size)
+        raise _at_a_pole(at_pole) from None
+    return np.asarray(np.hstack([model.C, delays.to_outputs]) @ inner + model.D)
+
+
+def characteristic_matrices(
+    model: LinearModel, points: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return M(s) and N(s) of M [x; z] = N u, the model's equations at each complex s.
+
+    M = [[s I - A, -to_states], [-e^(-sτ) from_states, I - e^(-sτ) through]] and
+    N = [[B], [e^(-sτ) from_inputs]]. The roots of det M are the poles.
+
+    Parameters
+    ----------
+    model : LinearModel
+        With dead time.
+    points : ndarray [l]
+        Values of s [rad/s].
+
+    Returns
+    -------
+    M : ndarray [l, n + r, n + r], complex
+    N : ndarray [l, n + r, m], complex
+
+    Raises
+    ------
+    ValueError
+        The model has no dead time.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.internal_delays import InternalDelays
+    >>> one, none = np.eye(1), np.zeros((1, 0))
+    >>> late = InternalDelays(np.ones(1), -one, one, 0.0 * one, none, 0.0 * one, 0.0 * one)
+    >>> tank = LinearModel(0.0 * one, one, none, one, 0.0 * one, ("tank.level",), ("pump",), (),
+    ...                    ("level",), delays=late)
+    >>> characteristic_matrices(tank, np.array([0.0]))[0].real
+    array([[[ 0.,  1.],
+            [-1.,  1.]]])
+    """
+    delays = model.delays
+    if delays is None:
+        raise ValueError("characteristic matrices: the model has no dead time")
+    n, r, m = len(model.A), len(delays.times), len(model.inputs)
+    late = np.exp(-points[:, None] * delays.times)[:, :, None]
+    matrix = np.empty((len(points), n + r, n + r), complex)
+    matrix[:, :n, :n] = points[:, None, None] * np.eye(n) - model.A
+    matrix[:, :n, n:] = -delays.to_states
+    matrix[:, n:, :n] = -late * delays.from_states
+    matrix[:, n:, n:] = np.eye(r) - late * delays.through
+    driven = np.empty((len(points), n + r, m), complex)
+    driven[:, :n] = model.B
+    driven[:, n:] = late * delays.from_inputs
+    return matrix, driven
 
 
 def evaluate_transfer(
@@ -80,10 +181,14 @@ def evaluate_transfer(
         inner = np.linalg.solve(pencils, np.broadcast_to(B, (len(pencils), *B.shape)))
     except np.linalg.LinAlgError:
         at_pole = next(s for s in points if np.linalg.matrix_rank(s * np.eye(len(A)) - A) < len(A))
-        raise InputError(
-            "frequency response, s",
-            complex(at_pole),
-            "a value that is no pole of the model",
-            "evaluate beside the pole; an integrating tank has no gain at frequency zero",
-        ) from None
+        raise _at_a_pole(at_pole) from None
     return np.asarray(C @ inner + D)
+
+
+def _at_a_pole(point: complex) -> InputError:
+    return InputError(
+        "frequency response, s",
+        complex(point),
+        "a value that is no pole of the model",
+        "evaluate beside the pole; an integrating tank has no gain at frequency zero",
+    )

@@ -6,6 +6,7 @@ import numpy as np
 
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.minimal_realisation import minimal_realisation
+from clepsydra.linear.pade import same_at_the_origin
 from clepsydra.linear.poles import integrators
 from clepsydra.linear.response import evaluate_transfer
 
@@ -16,7 +17,7 @@ def static_gain(model: LinearModel) -> np.ndarray:
     An entry is +∞ or -∞ where a constant input makes the output grow without bound; the sign
     is that of the growth in the long run. Other entries of a model that integrates are finite:
     each is taken from its own minimal realisation, which leaves out an integrator that the
-    input does not fill or the output does not show.
+    input does not fill or the output does not show. Dead times are counted exactly.
 
     Parameters
     ----------
@@ -37,6 +38,7 @@ def static_gain(model: LinearModel) -> np.ndarray:
     >>> static_gain(model).tolist()
     [[2.0], [inf]]
     """
+    model = same_at_the_origin(model)
     size = float(np.linalg.norm(model.A, 2)) if model.states else 0.0
     if not integrators(model.A):
         return np.asarray(model.D - model.C @ np.linalg.solve(model.A, model.B))

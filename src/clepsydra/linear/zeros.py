@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from clepsydra.linear.internal_delays import refuse_delays
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.minimal_realisation import (
     RANK_TOLERANCE,
@@ -32,6 +33,11 @@ def zeros(model: LinearModel) -> np.ndarray:
     ndarray [z], complex
         [rad/s]
 
+    Raises
+    ------
+    InputError
+        The model has dead time: it may have infinitely many zeros.
+
     References
     ----------
     A. Emami-Naeini and P. Van Dooren, Computation of zeros of linear multivariable systems,
@@ -49,6 +55,7 @@ def zeros(model: LinearModel) -> np.ndarray:
     """
     from scipy.linalg import eigvals
 
+    refuse_delays(model.delays, "zeros")
     scaled = scaled_system(*minimal_realisation(model.A, model.B, model.C, model.D))
     A, B, C, D = _finite_part(scaled.A, scaled.B, scaled.C, scaled.D)
     if not len(A):
@@ -80,6 +87,7 @@ def normal_rank(model: LinearModel) -> int:
     >>> normal_rank(model)
     1
     """
+    refuse_delays(model.delays, "zeros")
     scaled = scaled_system(*minimal_realisation(model.A, model.B, model.C, model.D))
     return len(_finite_part(scaled.A, scaled.B, scaled.C, scaled.D)[3])
 

@@ -9,7 +9,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
-from clepsydra.engine.runge_kutta import runge_kutta
+from clepsydra.loop.motion_block import MotionBlock, spilt_totals
 from clepsydra.loop.step_size import check_substeps
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
@@ -27,6 +27,7 @@ def closed_loop(
     substeps: int,
     constant: Mapping[str, float] | None = None,
     running_scores: bool = False,
+    statuses: bool = False,
 ) -> Program:
     """Join a process and a controller to the program of one sampling period.
 
@@ -49,6 +50,9 @@ def closed_loop(
         of every controlled measurement y, for batches that store no trajectories: the sum over
         the samples of sampling period × error at the sample, without noise. They are left
         sums, where the scores `iae` and `ise` integrate from sample to sample.
+    statuses : bool
+        Check each integration step and keep a status of the scenario, see
+        `clepsydra.loop.lane_status`.
 
     Returns
     -------
@@ -78,10 +82,10 @@ def closed_loop(
     (17, ['level_1.setpoint', 'level_2.setpoint'])
     """
     check_signals(controller, process)
-    check_substeps(substeps)
+    check_substeps(substeps, process)
     given = dict(constant or {})
     _check_constant(given, process)
-    return _Join(process, controller, given, substeps, running_scores).program()
+    return _Join(process, controller, given, substeps, running_scores, statuses).program()
 
 
 def check_signals(controller: Controller, process: Process) -> None:
@@ -190,6 +194,7 @@ class _Join:
         constant: dict[str, float],
         substeps: int,
         running_scores: bool,
+        statuses: bool,
     ) -> None:
         self.process, self.controller, self.substeps = process, controller, substeps
         law = controller.law
@@ -201,7 +206,14 @@ class _Join:
             for y in measured
         ]
         self.inputs = tuple(s for s in loop_inputs(process) if s.name not in constant)
-        self.state = (*process.state, *(_renamed(entry) for entry in law.state), *scores)
+        self.motion = MotionBlock(
+            process.motion,
+            process.sampling_period,
+            substeps,
+            spilt_totals(process),
+            process if statuses else None,
+        )
+        self.state = (*self.motion.state, *(_renamed(entry) for entry in law.state), *scores)
         self.parameters = (
             *process.parameters,
             *(replace(p, name=controller_name(p.name)) for p in law.parameters),
@@ -217,26 +229,30 @@ class _Join:
         builder = self.builder
         time_step = builder.constant(process.sampling_period)
         parameters = [value[p.name] for p in process.parameters]
-        state = [value[x.name] for x in process.state]
+        moving = [value[x.name] for x in self.motion.state]
+        contents = moving[: len(process.motion.contents)]
+        state = inline(builder, process.motion.to_state, [*contents, *parameters], fused=True)
+        value |= {x.name: v for x, v in zip(process.state, state, strict=True)}
         true = inline(builder, process.measure, [*state, *parameters], fused=True)
         for y, reading in zip(process.measurements, true, strict=True):
             noise = value[f"{y.name}.noise"]
             value[y.name] = builder.operation("add", reading, noise)
+        noisy = [value[y.name] for y in process.measurements]
+        shown = inline(builder, process.display, noisy)
+        value |= {y.name: v for y, v in zip(process.measurements, shown, strict=True)}
         for u in process.inputs:
             value[u.name] = value[f"{u.name}.manual"]  # where the law does not move it
         next_law = self._control(time_step)
         moved = [value[u.name] for u in process.inputs]
         disturbed = [value[d.name] for d in process.disturbances]
-        arguments = [time_step, *state, *moved, *disturbed, *parameters]
-        next_state = inline(
-            builder, runge_kutta(process.dynamics, self.substeps), arguments, fused=True
-        )
+        next_state = self.motion.move(builder, moving, [*moved, *disturbed, *parameters])
         readings = {y.name: v for y, v in zip(process.measurements, true, strict=True)}
         recorded = (
             *process.state,
             *process.measurements,
             *process.inputs,
             *(Signal(f"{u}.status", kind="integer") for u in controller.manipulated),
+            *self.motion.state[len(process.motion.contents) :],
         )
         block = builder.finish(
             [

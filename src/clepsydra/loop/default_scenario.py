@@ -11,10 +11,10 @@ from clepsydra.base.signal import Signal
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import origin_radius, time_constants
 from clepsydra.linear.zeros import zeros
 from clepsydra.loop.scenario import Scenario, Segment, SegmentKind
-from clepsydra.process.inflow import Inflow
 from clepsydra.process.process import Process
 
 #: Wanted setpoint step, and the smallest that still shows something; shares of the range.
@@ -32,6 +32,8 @@ SLOWEST_TIMES = 6.0
 REST_SHARE = 0.1
 #: A loop is slower than this many sampling periods.
 LOOP_PERIODS = 10.0
+#: And slower than this many dead times.
+DEAD_TIMES = 4.0
 PRETTY = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 MOST_SAMPLES = 1_000_000
 
@@ -52,12 +54,14 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
     *Load step.* The size that the process gives for the inflow.
 
     *Length.* Each segment lasts six times the slowest of: the model's time constants; 2/z for
-    each zero z in the right half-plane, since no loop is faster; for a level that integrates,
+    each zero z in the right half-plane, since no loop is faster; the mean residence time from the
+    strongest input to each output, which counts tanks in series; for a level that integrates,
     the time in which the full range of the inputs moves its full range; ten sampling periods.
     It is rounded up to a pretty number.
 
-    *Noise.* White, normal, standard deviation 0.5 % of each measurement's range, from
-    PCG64 with the seed that the scenario records.
+    *Noise.* White, normal, from PCG64 with the seed that the scenario records. Its standard
+    deviation is what the process gives for a measurement, or 0.5 % of the measurement's range;
+    in the same stretch, those disturbances are noisy for which the process gives it.
 
     Parameters
     ----------
@@ -97,15 +101,17 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
         raise InputError("seed", seed, "a whole number from 0", "choose another seed")
     point = operating_point_of(model)
     process = point.process
-    controlled = model.select(outputs=process.controlled)
+    late = 0.0 if model.delays is None else float(model.delays.times.sum())
+    controlled = at_rest(model.select(outputs=process.controlled))
     period = process.sampling_period
     loads = [
-        (column, element.name, element.step)
+        (column, signal.name, element.load_steps()[signal.name])
         for column, signal in enumerate(process.disturbances)
         for element in process.elements
-        if isinstance(element, Inflow) and element.name == signal.name and element.step != 0.0
+        if signal.name in element.load_steps()
     ]
-    length = _pretty_above(SLOWEST_TIMES * _slowest(process, controlled))
+    slowest = max(_slowest(process, controlled), DEAD_TIMES * late)
+    length = _pretty_above(SLOWEST_TIMES * slowest)
     each = math.ceil(length / period * (1.0 - 1e-12))
     rest = math.ceil(REST_SHARE * each)
     samples = rest + (2 * len(process.controlled) + len(loads) + 1) * each
@@ -137,10 +143,18 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
         add_segment("setpoint", name, -size)
     for column, name, size in loads:
         disturbances[add_segment("load", name, size).start :, column] += size
-    deviation = [NOISE_SHARE * _span(process, signal) for signal in process.measurements]
+    deviation = [
+        process.noise[signal.name]
+        if signal.name in process.noise
+        else NOISE_SHARE * _span(process, signal)
+        for signal in process.measurements
+    ]
     stretch = add_segment("noise", "", 0.0)
     random = np.random.Generator(np.random.PCG64(seed))
     noise[stretch] = random.normal(0.0, deviation, noise[stretch].shape)
+    for column, signal in enumerate(process.disturbances):
+        if signal.name in process.noise:
+            disturbances[stretch, column] += random.normal(0.0, process.noise[signal.name], each)
     return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed)
 
 
@@ -212,7 +226,9 @@ def _slowest(process: Process, model: LinearModel) -> float:
     times = [LOOP_PERIODS * process.sampling_period, *constants[np.isfinite(constants)]]
     origin = origin_radius(model.A)
     times += [2.0 / zero.real for zero in zeros(model) if zero.real > origin]
-    if not np.all(np.isfinite(constants)):
+    if np.all(np.isfinite(constants)):
+        times += list(_residence_times(process, model))
+    else:
         # s G(s) near the origin: the rate of each output for a constant input.
         s = 1e-6 / max(times)
         states = np.eye(len(model.states))
@@ -222,6 +238,22 @@ def _slowest(process: Process, model: LinearModel) -> float:
         integrating = fastest * max(times) > 1e-3 * spans
         times += list(spans[integrating] / fastest[integrating])
     return float(max(times))
+
+
+def _residence_times(process: Process, model: LinearModel) -> np.ndarray:
+    """Return the mean time that a change takes to each output from its strongest input [s].
+
+    -G'(0)/G(0), the sum of the lags of the channel: for n equal tanks in series it is n times
+    the time constant of one, which no single time constant shows.
+    """
+    once = np.linalg.solve(model.A, model.B)
+    gains, moments = -model.C @ once, -model.C @ np.linalg.solve(model.A, once)
+    strengths = np.abs(gains) * [_scale(process.signal(name)) for name in model.inputs]
+    rows, columns = np.arange(len(gains)), np.argmax(strengths, axis=1)
+    gain = gains[rows, columns]
+    moment = moments[rows, columns]
+    found = np.abs(np.divide(moment, gain, out=np.zeros_like(moment), where=gain != 0.0))
+    return np.asarray(found)
 
 
 def _room(value: float, low: float, high: float, move: float) -> tuple[float, float]:

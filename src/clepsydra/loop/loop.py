@@ -12,7 +12,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.engine.kernel import Kernel
-from clepsydra.engine.reference import LawEvaluation, ReferenceIntegrator
+from clepsydra.engine.reference import LawEvaluation
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
@@ -22,16 +22,18 @@ from clepsydra.loop.closed_loop import (
     controller_name,
     loop_inputs,
 )
+from clepsydra.loop.motion_block import motion_at_rest, recorded_signals, spilt_totals
+from clepsydra.loop.reference_motion import ReferenceMotion
+from clepsydra.loop.refinement import refined
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
-from clepsydra.loop.step_size import MOST_SUBSTEPS, check_substeps, substeps_for
+from clepsydra.loop.step_size import check_substeps, substeps_for
 from clepsydra.process.process import Process
 
 Solver = Literal["kernel", "reference"]
 
 #: The error that a run may have, as a fraction of the state's range, before its step is halved.
 _TOLERANCE = 1e-6
-_LARGEST_REFINEMENT = 64
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,8 @@ class Loop:
         scenario : Scenario
             On the sampling period of the process.
         solver : {"kernel", "reference"}
-            The compiled kernel with RK4, or CVODES with the law evaluated by CasADi.
+            The compiled kernel with RK4, or CVODES with the law evaluated by CasADi and switches
+            located by SciPy's DOP853.
         substeps : int, optional
             RK4 steps in a sampling period; chosen from the fastest eigenvalue if omitted.
 
@@ -115,9 +118,9 @@ class Loop:
                 "solver", solver, f"one of {', '.join(get_args(Solver))}", "correct the name"
             )
         count = self.substeps if substeps is None else substeps
-        check_substeps(count)
+        check_substeps(count, self.process)
         if solver == "reference":
-            return self._collect(scenario, self._by_reference(scenario), substeps=0)
+            return self._collect(scenario, self._by_reference(scenario, count), substeps=0)
         return self._collect(scenario, self._by_kernel(scenario, count), substeps=count)
 
     def run_checked(self, scenario: Scenario) -> Run:
@@ -128,25 +131,13 @@ class Loop:
         been tried, or a sampling period would hold more than 10,000. The run with the smaller
         step is returned.
         """
-        most = min(_LARGEST_REFINEMENT * self.substeps, MOST_SUBSTEPS)
-        count = min(self.substeps, most // 2)
-        coarse = self.run(scenario, substeps=count)
-        while True:
-            count *= 2
-            fine = self.run(scenario, substeps=count)
-            estimate = self._difference(coarse, fine)
-            if estimate <= _TOLERANCE or 2 * count > most:
-                return replace(fine, error_estimate=estimate)
-            coarse = fine
-
-    def _difference(self, coarse: Run, fine: Run) -> float:
-        spans = {
-            signal.name: signal.span for signal in self.process.state if np.isfinite(signal.span)
-        }
-        return max(
-            float(np.max(np.abs(coarse.values[name] - fine.values[name])) / span)
-            for name, span in spans.items()
+        run, estimate = refined(
+            self.process,
+            lambda count: self.run(scenario, substeps=count),
+            self.substeps,
+            _TOLERANCE,
         )
+        return replace(run, error_estimate=estimate)
 
     def _check(self, scenario: Scenario) -> None:
         require_type(
@@ -187,44 +178,49 @@ class Loop:
             scenario.samples,
             inputs=given,
             state=self.initial_state(),
-            parameters={controller_name(k): v for k, v in self.controller.values.items()},
+            parameters=self.law_parameters(),
         )
         return {signal.name: result.output(signal.name)[0] for signal in program.outputs}
 
     def initial_state(self) -> dict[str, float]:
         """Return the initial state of the closed loop by name: everything at rest."""
         return {
-            **{x.name: float(v) for x, v in zip(self.process.state, self.point.state, strict=True)},
+            **motion_at_rest(self.point),
             **{controller_name(k): v for k, v in self.controller.initial_state.items()},
         }
 
-    def _by_reference(self, scenario: Scenario) -> dict[str, np.ndarray]:
+    def law_parameters(self) -> dict[str, float]:
+        """Return the parameters of the step law by their names in the closed loop."""
+        return {controller_name(k): v for k, v in self.controller.values.items()}
+
+    def _by_reference(self, scenario: Scenario, substeps: int) -> dict[str, np.ndarray]:
         process, controller, law = self.process, self.controller, self.controller.law
         given = self.inputs_of(scenario)
         at_rest = self.at_rest()
         parameters = process.parameter_values
-        scale = max(x.high for x in process.state)
-        advance = ReferenceIntegrator(process.dynamics, process.sampling_period, scale)
+        motion = ReferenceMotion(self.point, substeps, spilt_totals(process))
         evaluation = LawEvaluation(
             law,
             np.array([controller.values[p.name] for p in law.parameters]),
             np.array([controller.initial_state[x.name] for x in law.state]),
         )
-        state = self.point.state
         rows: list[dict[str, float]] = []
         for k in range(scenario.samples):
             now = at_rest | {name: float(column[k]) for name, column in given.items()}
             now |= {u.name: now[f"{u.name}.manual"] for u in process.inputs}
+            state = motion.state()
             now |= {x.name: float(v) for x, v in zip(process.state, state, strict=True)}
+            now |= motion.recorded()
             true = np.array(process.measure(state, parameters)).ravel()
-            for y, reading in zip(process.measurements, true, strict=True):
-                now[y.name] = float(reading) + now[f"{y.name}.noise"]
+            noise = [now[f"{y.name}.noise"] for y in process.measurements]
+            shown = np.array(process.display(true + noise)).ravel()
+            now |= {y.name: float(v) for y, v in zip(process.measurements, shown, strict=True)}
             outputs = evaluation.step(self.law_inputs(now))
             for signal, value in zip(law.outputs, outputs, strict=True):
                 now[controller.output_wires[signal.name]] = float(value)
             rows.append(now)
             moved = np.array([now[u.name] for u in process.inputs])
-            state = advance(state, moved, scenario.disturbances[k], parameters)
+            motion.advance(moved, scenario.disturbances[k])
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
     def at_rest(self) -> dict[str, float]:
@@ -262,6 +258,7 @@ class Loop:
             *process.inputs,
             *(Signal(name, kind="integer") for name in statuses),
             *process.disturbances,
+            *recorded_signals(process),
         )
         values = {s.name: computed.get(s.name, given.get(s.name)) for s in signals}
         return Run(

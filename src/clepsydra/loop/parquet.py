@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import whole_file
+from clepsydra.base.signal import Signal
 from clepsydra.loop.run import Run
+
+if TYPE_CHECKING:
+    import pyarrow
 
 
 def write_parquet(runs: Sequence[Run], path: Path) -> None:
@@ -47,7 +52,6 @@ def write_parquet(runs: Sequence[Run], path: Path) -> None:
     ('PI, SIMC', True, True)
     """
     import pyarrow
-    import pyarrow.parquet
 
     if not runs:
         raise InputError("trajectories", [], "at least one run", "run a loop first")
@@ -56,20 +60,57 @@ def write_parquet(runs: Sequence[Run], path: Path) -> None:
         [run.controller.name for run in runs for _ in run.time], pyarrow.string()
     ).dictionary_encode()
     columns = {
-        "controller": names,
         "time": np.concatenate([run.time for run in runs]),
         **{s.name: np.concatenate([run.values[s.name] for run in runs]) for s in signals},
     }
+    write_columns(columns, signals, runs[0].process.name, path, {"controller": names})
+
+
+def write_columns(
+    columns: Mapping[str, np.ndarray],
+    signals: Iterable[Signal],
+    process: str,
+    path: Path,
+    labels: Mapping[str, pyarrow.Array] | None = None,
+) -> None:
+    """Write trajectories as one table with their SI units, whole or not at all.
+
+    Parameters
+    ----------
+    columns : mapping
+        "time" [s] and the name of each signal to its values.
+    signals : iterable of Signal
+    process : str
+        Its name.
+    path : Path
+    labels : mapping, optional
+        Columns of text that stand first.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import pandas
+    >>> columns = {"time": np.arange(2.0), "pump_1": np.array([3.0, 3.5])}
+    >>> with TemporaryDirectory() as folder:
+    ...     write_columns(columns, [Signal("pump_1", "V")], "plant", Path(folder) / "a.parquet")
+    ...     list(pandas.read_parquet(Path(folder) / "a.parquet"))
+    ['time', 'pump_1']
+    """
+    import pyarrow
+    import pyarrow.parquet
+
+    labels = labels or {}
     units = {"time": "s", **{signal.name: signal.unit for signal in signals}}
     schema = pyarrow.schema(
         [
-            pyarrow.field("controller", names.type),
+            *(pyarrow.field(name, label.type) for name, label in labels.items()),
             *(
                 pyarrow.field(name, pyarrow.float64(), metadata={"unit": unit})
                 for name, unit in units.items()
             ),
         ],
-        metadata={"process": runs[0].process.name},
+        metadata={"process": process},
     )
     with whole_file(path) as part:
-        pyarrow.parquet.write_table(pyarrow.table(columns, schema=schema), part)
+        table = pyarrow.table({**labels, **columns}, schema=schema)
+        pyarrow.parquet.write_table(table, part)

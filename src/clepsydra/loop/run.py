@@ -32,7 +32,7 @@ class Run:
         One for each trajectory.
     values : dict
         Name to trajectory [samples], in the signal's SI unit: every state "tank_1.level",
-        measurement "level_1" (with its noise), setpoint "level_1.setpoint", manipulated
+        measurement "level_1" (as the controller gets it), setpoint "level_1.setpoint", manipulated
         variable "pump_1" (held during the sample), status "pump_1.status", disturbance
         "inflow_1".
     error_estimate : float or None
@@ -68,9 +68,11 @@ class Run:
     substeps: int
 
     def true_measurement(self, name: str) -> np.ndarray:
-        """Return a measurement without its noise [samples]."""
+        """Return what a sensor without noise, resolution and limits would read [samples]."""
         position = [y.name for y in self.process.measurements].index(name)
-        return self.values[name] - self.scenario.noise[:, position]
+        states = np.array([self.values[x.name] for x in self.process.state])
+        readings = self.process.measure(states, self.process.parameter_values)
+        return np.asarray(readings, dtype=float)[position]
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return a table with one row a sample, indexed by time [s], one column a signal."""

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.design.sampling_period import LONGEST_PERIOD, check_sampling_period, fastest_rate
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.process.hybrid import Delay
+from clepsydra.process.process import Process
 
 #: Largest |λ| h of an RK4 step. The error of one step is about |λ h|⁵ / 120 of the state's
 #: motion: 1e-7 here.
@@ -41,11 +45,51 @@ def substeps_for(model: LinearModel) -> int:
     1
     """
     needed = check_sampling_period(model) * fastest_rate(model) / _REACH
-    return max(1, math.ceil(needed - 1e-9))
+    multiple = delay_substeps(operating_point_of(model).process)
+    return multiple * max(1, math.ceil(needed / multiple - 1e-9))
 
 
-def check_substeps(substeps: int) -> None:
-    """Refuse a number of RK4 steps that is none.
+def delay_substeps(process: Process) -> int:
+    """Return the smallest number of steps in a sampling period that every delay is a multiple of.
+
+    A jump that enters a delay then leaves it between two steps, and nothing is interpolated.
+
+    Raises
+    ------
+    InputError
+        There is none up to 10,000.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> delay_substeps(load_process("quadruple-tank"))
+    1
+    """
+    steps = 1
+    for delay in process.motion.delays:
+        periods = delay.time / process.sampling_period
+        ratio = Fraction(periods).limit_denominator(MOST_SUBSTEPS)
+        if ratio == 0 or abs(ratio / Fraction(periods) - 1) > 1e-9:
+            raise _no_multiple(process, delay)
+        steps = math.lcm(steps, ratio.denominator)
+        if steps > MOST_SUBSTEPS:
+            raise _no_multiple(process, delay)
+    return steps
+
+
+def _no_multiple(process: Process, delay: Delay) -> InputError:
+    shortest = process.sampling_period / MOST_SUBSTEPS
+    return InputError(
+        f"{process.name}, {delay.name}, time",
+        f"{delay.time:g} s",
+        f"a multiple of an integration step of at least {shortest:g} s, which is a whole part of "
+        f"the sampling period of {process.sampling_period:g} s",
+        "round the delay or change the sampling period",
+    )
+
+
+def check_substeps(substeps: int, process: Process | None = None) -> None:
+    """Refuse a number of RK4 steps that is none, or that no delay of a process fits.
 
     Raises
     ------
@@ -66,4 +110,12 @@ leave it out, and it is chosen from the fastest time constant.
             substeps,
             f"a whole number from 1 to {MOST_SUBSTEPS}",
             "leave it out, and it is chosen from the fastest time constant",
+        )
+    multiple = delay_substeps(process) if process is not None else 1
+    if substeps % multiple:
+        raise InputError(
+            "substeps",
+            substeps,
+            f"a multiple of {multiple}, so that every delay is a whole number of steps",
+            "leave it out, and it is chosen from the fastest time constant and the delays",
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,9 @@ class Document:
     tables : dict
         As `tomllib` reads them.
     lines : dict
-        Key path to line number.
+        Key path, as it stands in the file, to line number.
+    origins : dict
+        Path of what a variant brought to the path at which it stands in the file.
 
     Examples
     --------
@@ -39,9 +41,14 @@ class Document:
     file: str
     tables: dict[str, Any]
     lines: dict[tuple[str, ...], int]
+    origins: dict[tuple[str, ...], tuple[str, ...]] = field(default_factory=dict)
 
     def place(self, *path: str) -> str:
         """Return file, line and path of a key, for a message."""
+        for length in range(len(path), 0, -1):
+            if path[:length] in self.origins:
+                path = (*self.origins[path[:length]], *path[length:])
+                break
         where = f"{self.file}, line {line_of(self.lines, path)}"
         parts = [key[:60] if key.isprintable() else ascii(key[:60]) for key in path]
         return f"{where}, {'.'.join(parts)}" if path else where

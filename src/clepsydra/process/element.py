@@ -15,6 +15,9 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import casadi as ca
 
 from clepsydra.base.signal import Signal
+from clepsydra.process.component import Component
+from clepsydra.process.flow import Flow
+from clepsydra.process.hybrid import Delay, Event
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -32,7 +35,8 @@ class Connection:
     name : str
         The other element.
     wanted : str
-        The kind that the other element must have; "receiver" for any that a flow can end in.
+        The kind that the other element must have; "receiver" for any that a flow can end in,
+        "source" for any that it can be drawn from.
     carries_flow : bool
         Liquid runs along this connection.
 
@@ -49,47 +53,19 @@ class Connection:
 
 
 @dataclass(frozen=True)
-class Flow:
-    """A volumetric flow, coefficient · driver [m³/s].
-
-    The two factors are kept apart so that everything that depends on parameters only is
-    computed once a run and not once a step.
-
-    Parameters
-    ----------
-    source, destination : str
-        Elements; the source is empty where the liquid comes from outside the plant.
-    coefficient : casadi.SX
-        Depends on parameters only.
-    driver : casadi.SX
-        Depends on states, inputs or disturbances.
-
-    Examples
-    --------
-    The flow of a pump, gain · voltage:
-
-    >>> gain, voltage = ca.SX.sym("gain"), ca.SX.sym("voltage")
-    >>> flow = Flow("basin", "tank_1", gain, voltage)
-    >>> str(flow.coefficient * flow.driver)
-    '(gain*voltage)'
-    """
-
-    source: str
-    destination: str
-    coefficient: ca.SX
-    driver: ca.SX
-
-
-@dataclass(frozen=True)
 class Element(ABC):
     """What all elements have in common; a subclass overrides what it contributes.
 
-    Its equations take `symbols`: every state, input, disturbance and parameter of the plant.
+    Its equations take `symbols`: every state, input, disturbance, memory, parameter and delayed
+    quantity of the plant by name, and in `rates`, `events` and `updates` also the flow that each
+    element causes, "pump_1.flow" [m³/s].
 
     Parameters
     ----------
     name : str
         Unique in the process, an identifier.
+    components : tuple of Component
+        What is dissolved in the liquid of the plant.
     display_units : mapping
         Key of the process file to the unit that the user wrote there.
 
@@ -109,12 +85,20 @@ class Element(ABC):
     table: ClassVar[str]
     #: The keys that a process file may give.
     keys: ClassVar[tuple[str, ...]]
+    #: How the process drawing shows it: "tank", "reservoir", "orifice", "pump", "valve", "flow",
+    #: "splitter", "delay" or "sensor"; anything else is a plain box with its name.
+    symbol: ClassVar[str] = "box"
     #: A flow can end here.
     receives: ClassVar[bool] = False
+    #: A flow can be drawn from here.
+    gives: ClassVar[bool] = False
+    #: It holds any amount and is no part of a balance.
+    endless: ClassVar[bool] = False
     #: What it receives leaves again at once, so its flows follow from those of others.
     passes_on: ClassVar[bool] = False
 
     name: str
+    components: tuple[Component, ...] = field(default=(), compare=False, kw_only=True)
     display_units: Mapping[str, str] = field(default_factory=dict, compare=False, kw_only=True)
 
     @classmethod
@@ -127,7 +111,27 @@ class Element(ABC):
         return ()
 
     def states(self) -> tuple[Signal, ...]:
-        """Return the states that it brings."""
+        """Return the states that it brings, as an engineer speaks of them."""
+        return ()
+
+    def contents(self) -> tuple[Signal, ...]:
+        """Return what is integrated, one for each state; a level may stand for a volume."""
+        return self.states()
+
+    def to_contents(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return each integrated content from the states."""
+        return {signal.name: symbols[signal.name] for signal in self.states()}
+
+    def to_states(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return each state from the integrated contents."""
+        return {signal.name: symbols[signal.name] for signal in self.states()}
+
+    def totals(self) -> tuple[Signal, ...]:
+        """Return integrals that nothing depends on, such as a volume spilt."""
+        return ()
+
+    def memories(self) -> tuple[Signal, ...]:
+        """Return what stays as it is until an event or a step changes it."""
         return ()
 
     def inputs(self) -> tuple[Signal, ...]:
@@ -137,6 +141,10 @@ class Element(ABC):
     def disturbances(self) -> tuple[Signal, ...]:
         """Return the disturbances that it brings."""
         return ()
+
+    def load_steps(self) -> dict[str, float]:
+        """Return the size of a typical load step for those of its disturbances that have one."""
+        return {}
 
     def measurements(self) -> tuple[Signal, ...]:
         """Return the measurements that it brings."""
@@ -154,15 +162,51 @@ class Element(ABC):
         """Return the flows that it causes; `received` is complete where it passes on."""
         return ()
 
-    def derivatives(
+    def rates(
         self, symbols: Symbols, received: Sequence[Flow], given: Sequence[Flow]
     ) -> dict[str, ca.SX]:
-        """Return the time derivative of each of its states, from the flows in and out."""
+        """Return the time derivative of each content and total, from the flows in and out."""
+        return {}
+
+    def stored(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return the liquid that it holds [m³] and the amount of each component."""
+        return {}
+
+    def brings(self) -> tuple[str, ...]:
+        """Return the components that it brings from outside."""
+        return ()
+
+    def concentrations(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return the concentration of each component in what is drawn from it."""
+        return {}
+
+    def events(self, symbols: Symbols) -> tuple[Event, ...]:
+        """Return the switches that are located inside an integration step."""
+        return ()
+
+    def delays(self) -> tuple[Delay, ...]:
+        """Return the quantities that it keeps for a while."""
+        return ()
+
+    def sent(self, symbols: Symbols, received: Sequence[Flow]) -> dict[str, ca.SX]:
+        """Return what enters each of its delays."""
+        return {}
+
+    def updates(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return those memories that take a new value at the end of every integration step."""
         return {}
 
     def readings(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return the value of each of its measurements."""
         return {}
+
+    def noises(self) -> dict[str, float]:
+        """Return the standard deviation of those of its noises where it is known, by signal."""
+        return {}
+
+    def displayed(self, readings: Symbols) -> dict[str, ca.SX]:
+        """Return what each of its measurements shows of its reading with noise."""
+        return {signal.name: readings[signal.name] for signal in self.measurements()}
 
     def _parameter(
         self, key: str, unit: str, value: float, description: str, high: float = float("inf")

@@ -1,15 +1,25 @@
-"""The equations of a process: its elements joined to dx/dt = f(x, u, d, p) and y = g(x, p)."""
+"""The equations of a process: its elements joined to one set."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.process.element import Element, Flow
+from clepsydra.process.component import Component
+from clepsydra.process.element import Element
+from clepsydra.process.flow import Flow
+from clepsydra.process.hybrid import Delay, Event
+from clepsydra.process.motion import Motion
 from clepsydra.process.wiring import flow_order
+
+#: Totals of what crosses the boundary of the plant, for the balance of a run.
+ENTERED, LEFT = "balance.entered", "balance.left"
+#: Total of what is on its way through the delays, more than at first.
+DELAYED = "balance.delayed"
 
 
 @dataclass(frozen=True)
@@ -22,14 +32,22 @@ class JoinedEquations:
     measured_state : dict
         Measurement name to state name.
     dynamics : casadi.Function
-        (x [n], u [m], d [k], p [l]) → dx/dt [n], SI.
+        (x [n], u [m], d [k], p [l]) → dx/dt [n], SI, with every delay passed at once and every
+        memory as it is at first.
     measure : casadi.Function
         (x [n], p [l]) → y [q], in the unit of each measurement.
+    display : casadi.Function
+        y [q] with noise → y [q] as the controller gets it.
+    noise : dict
+        Measurement or disturbance to the standard deviation of its noise, where it is known.
+    motion : Motion
 
     Examples
     --------
     >>> from clepsydra.process.tank import Tank
-    >>> joined = join([Tank("tank", 0.01, 0.3)], Signal("gravity", "m/s^2", initial=9.81))
+    >>> from clepsydra.process.vessels.prism import Prism
+    >>> tank = Tank("tank", vessel=Prism(0.3, area=0.01))
+    >>> joined = join([tank], Signal("gravity", "m/s^2", initial=9.81))
     >>> [signal.name for signal in joined.parameters], joined.dynamics.size_out(0)
     (['tank.area', 'gravity'], (1, 1))
     """
@@ -42,9 +60,18 @@ class JoinedEquations:
     measured_state: dict[str, str]
     dynamics: ca.Function
     measure: ca.Function
+    display: ca.Function
+    noise: dict[str, float]
+    motion: Motion
 
 
-def join(elements: Sequence[Element], gravity: Signal) -> JoinedEquations:
+def join(
+    elements: Sequence[Element],
+    gravity: Signal,
+    *,
+    components: Sequence[Component] = (),
+    manipulated: Sequence[str] | None = None,
+) -> JoinedEquations:
     """Join elements to one set of equations in which every parameter is symbolic.
 
     Parameters
@@ -53,6 +80,11 @@ def join(elements: Sequence[Element], gravity: Signal) -> JoinedEquations:
         Properly connected, see `clepsydra.process.wiring.check_wiring`.
     gravity : Signal
         Acceleration of gravity [m/s²], the last parameter.
+    components : sequence of Component
+        What is dissolved in the liquid.
+    manipulated : sequence of str, optional
+        The inputs, in this order; all other signals from outside are disturbances. Pumps and
+        valves where left out.
 
     Examples
     --------
@@ -61,53 +93,283 @@ def join(elements: Sequence[Element], gravity: Signal) -> JoinedEquations:
     >>> from clepsydra.process.orifice import Orifice
     >>> from clepsydra.process.reservoir import Reservoir
     >>> from clepsydra.process.tank import Tank
+    >>> from clepsydra.process.vessels.prism import Prism
     >>> joined = join(
-    ...     [Reservoir("basin"), Tank("tank", 0.01, 0.3), Orifice("outlet", "tank", "basin", 1e-4)],
+    ...     [Reservoir("basin"), Tank("tank", vessel=Prism(0.3, area=0.01)),
+    ...      Orifice("outlet", "tank", "basin", 1e-4)],
     ...     Signal("gravity", "m/s^2", initial=9.81),
     ... )
     >>> values = [signal.initial for signal in joined.parameters]
     >>> round(float(joined.dynamics([0.2], [], [], values)), 6)
     -0.019809
     """
-    state = tuple(signal for element in elements for signal in element.states())
-    inputs = tuple(signal for element in elements for signal in element.inputs())
-    disturbances = tuple(signal for element in elements for signal in element.disturbances())
-    measurements = tuple(signal for element in elements for signal in element.measurements())
-    parameters = (*(p for element in elements for p in element.parameters()), gravity)
-    groups = (state, inputs, disturbances, parameters)
-    vectors = [ca.SX.sym(name, len(group)) for name, group in zip("xudp", groups, strict=True)]
-    symbols = {
-        signal.name: vector[index]
-        for vector, group in zip(vectors, groups, strict=True)
-        for index, signal in enumerate(group)
-    }
-    x, u, d, p = vectors
+    return _Join(elements, gravity, components, manipulated).result()
 
-    flows: list[Flow] = []
-    for element in flow_order(elements):
-        flows += element.flows(symbols, [f for f in flows if f.destination == element.name])
-    # Flows that are constant during a sample come first in every sum, so that their part of
-    # the sum is computed once a sample and not in every stage of an integration step.
-    flows.sort(key=lambda flow: bool(ca.depends_on(flow.driver, x)))
 
-    rates: dict[str, ca.SX] = {}
-    readings: dict[str, ca.SX] = {}
-    for element in elements:
-        rates |= element.derivatives(
-            symbols,
-            [flow for flow in flows if flow.destination == element.name],
-            [flow for flow in flows if flow.source == element.name],
+@dataclass(frozen=True)
+class _Evaluated:
+    """All equations at one set of symbols."""
+
+    rates: ca.SX
+    sent: ca.SX
+    totals: ca.SX
+    symbols: dict[str, ca.SX]
+
+
+class _Join:
+    def __init__(
+        self,
+        elements: Sequence[Element],
+        gravity: Signal,
+        components: Sequence[Component],
+        manipulated: Sequence[str] | None,
+    ) -> None:
+        self.elements = tuple(elements)
+        self.order = flow_order(elements)
+        self.components = tuple(components)
+        self.by_name = {element.name: element for element in elements}
+        self.state = self._all("states")
+        self.contents = self._all("contents")
+        self.memories = self._all("memories")
+        self.measurements = self._all("measurements")
+        self.delays: tuple[Delay, ...] = tuple(d for e in elements for d in e.delays())
+        self.parameters = (*self._all("parameters"), gravity)
+        self.inputs, self.disturbances = self._roles(manipulated)
+        self.totals = (
+            *self._all("totals"),
+            *(
+                Signal(f"{total}.{name}", unit)
+                for total in (ENTERED, LEFT, *((DELAYED,) if self.delays else ()))
+                for name, unit in self._conserved()
+            ),
         )
-        readings |= element.readings(symbols)
-    derivative = ca.cse(ca.vertcat(*(rates[signal.name] for signal in state)))
-    reading = ca.vertcat(*(readings[signal.name] for signal in measurements))
-    return JoinedEquations(
-        state,
-        inputs,
-        disturbances,
-        measurements,
-        parameters,
-        {k: v for element in elements for k, v in element.measured_states().items()},
-        ca.Function("dynamics", [x, u, d, p], [derivative], ["x", "u", "d", "p"], ["dx"]),
-        ca.Function("measure", [x, p], [reading], ["x", "p"], ["y"]),
-    )
+
+    def _all(self, what: str) -> tuple[Signal, ...]:
+        return tuple(signal for element in self.elements for signal in getattr(element, what)())
+
+    def _conserved(self) -> list[tuple[str, str]]:
+        return [("liquid", "m^3"), *((c.name, c.amount_unit) for c in self.components)]
+
+    def _roles(
+        self, manipulated: Sequence[str] | None
+    ) -> tuple[tuple[Signal, ...], tuple[Signal, ...]]:
+        inputs, disturbances = self._all("inputs"), self._all("disturbances")
+        if manipulated is None:
+            return inputs, disturbances
+        outside = {signal.name: signal for signal in (*inputs, *disturbances)}
+        chosen = tuple(outside[name] for name in manipulated)
+        return chosen, tuple(s for s in outside.values() if s.name not in manipulated)
+
+    def result(self) -> JoinedEquations:
+        x, c, u, d, p, z, m = (
+            ca.SX.sym(name, len(group))
+            for name, group in (
+                ("x", self.state),
+                ("c", self.contents),
+                ("u", self.inputs),
+                ("d", self.disturbances),
+                ("p", self.parameters),
+                ("z", self.delays),
+                ("m", self.memories),
+            )
+        )
+        held = {
+            **_named(self.inputs, u),
+            **_named(self.disturbances, d),
+            **_named(self.parameters, p),
+        }
+        states = _named(self.state, x)
+        to_contents = self._converted("to_contents", self.contents, held | states)
+        in_contents = held | _named(self.contents, c)
+        shown = {
+            name: value
+            for element in self.elements
+            for name, value in element.to_states(in_contents).items()
+        }
+        to_state = ca.vertcat(*(shown[signal.name] for signal in self.state))
+        moving = self._evaluate(
+            in_contents | shown | _named(self.memories, m), _named(self.delays, z)
+        )
+        at_first = {s.name: ca.SX(s.initial) for s in self.memories}
+        steady = self._evaluate(held | states | at_first, None)
+        readings = {
+            name: value
+            for element in self.elements
+            for name, value in element.readings(held | states).items()
+        }
+        events = [event for e in self.elements for event in e.events(moving.symbols)]
+        updates = {
+            name: value
+            for element in self.elements
+            for name, value in element.updates(moving.symbols).items()
+        }
+        arguments, names = [c, z, m, u, d, p], ["c", "z", "m", "u", "d", "p"]
+        fired = ca.SX.sym("fired", len(events))
+        stored = self._stored(in_contents | shown)
+        motion = Motion(
+            contents=self.contents,
+            totals=self.totals,
+            memories=self.memories,
+            delays=self.delays,
+            events=tuple((event.name, event.words) for event in events),
+            to_contents=ca.Function("to_contents", [x, p], [to_contents], ["x", "p"], ["c"]),
+            to_state=ca.Function("to_state", [c, p], [to_state], ["c", "p"], ["x"]),
+            rates=ca.Function("rates", arguments, [moving.rates, moving.sent, moving.totals],
+                              names, ["dc", "w", "dt"]),
+            guards=ca.Function(
+                "guards", arguments, [ca.vertcat(*(ca.SX(e.guard) for e in events))], names, ["g"]
+            ),
+            resets=ca.Function("resets", [fired, *arguments], [self._reset(events, fired, m)]),
+            updates=ca.Function(
+                "updates",
+                arguments,
+                [ca.vertcat(*(updates.get(s.name, m[i]) for i, s in enumerate(self.memories)))],
+            ),
+            stored=ca.Function("stored", [c, p], [stored], ["c", "p"], ["stored"]),
+            stored_names=tuple(name for name, _ in self._conserved()),
+        )  # fmt: skip
+        dynamics = self._state_rates(steady.rates, x, to_contents)
+        reading = ca.vertcat(*(readings[signal.name] for signal in self.measurements))
+        return JoinedEquations(
+            self.state,
+            self.inputs,
+            self.disturbances,
+            self.measurements,
+            self.parameters,
+            {k: v for element in self.elements for k, v in element.measured_states().items()},
+            ca.Function("dynamics", [x, u, d, p], [ca.cse(dynamics)], ["x", "u", "d", "p"], ["dx"]),
+            ca.Function("measure", [x, p], [reading], ["x", "p"], ["y"]),
+            self._display(),
+            {k: v for element in self.elements for k, v in element.noises().items()},
+            motion,
+        )
+
+    def _display(self) -> ca.Function:
+        y = ca.SX.sym("y", len(self.measurements))
+        given = _named(self.measurements, y)
+        displayed = {k: v for e in self.elements for k, v in e.displayed(given).items()}
+        shown = ca.vertcat(*(displayed[signal.name] for signal in self.measurements))
+        return ca.Function("display", [y], [shown], ["y"], ["shown"])
+
+    def _converted(
+        self, way: str, signals: Sequence[Signal], symbols: Mapping[str, ca.SX]
+    ) -> ca.SX:
+        values: dict[str, Any] = {}
+        for element in self.elements:
+            values |= getattr(element, way)(symbols)
+        return ca.vertcat(*(values[signal.name] for signal in signals))
+
+    def _evaluate(
+        self, given: Mapping[str, ca.SX], delayed: Mapping[str, ca.SX] | None
+    ) -> _Evaluated:
+        """Return all equations; what enters a delay leaves it at once where none are given."""
+        symbols = {**given, **(delayed or {})}
+        flows, sent = self._flows(symbols, pass_at_once=delayed is None)
+        received: dict[str, list[Flow]] = {element.name: [] for element in self.elements}
+        drawn: dict[str, list[Flow]] = {element.name: [] for element in self.elements}
+        for flow in flows:
+            if flow.destination:
+                received[flow.destination].append(flow)
+            if flow.source:
+                drawn[flow.source].append(flow)
+            name = f"{flow.element}.flow"
+            symbols[name] = symbols[name] + flow.rate if name in symbols else flow.rate
+        rates: dict[str, ca.SX] = {}
+        for element in self.elements:
+            rates |= element.rates(symbols, received[element.name], drawn[element.name])
+        rates |= self._crossing(flows)
+        for delay in self.delays:
+            if delay.conserves:
+                name = f"{DELAYED}.{delay.conserves}"
+                rates[name] += sent[delay.name] - symbols[delay.name]
+        return _Evaluated(
+            ca.cse(ca.vertcat(*(rates[signal.name] for signal in self.contents))),
+            ca.vertcat(*(sent[delay.name] for delay in self.delays)),
+            ca.vertcat(*(rates[signal.name] for signal in self.totals)),
+            symbols,
+        )
+
+    def _flows(
+        self, symbols: dict[str, ca.SX], *, pass_at_once: bool
+    ) -> tuple[list[Flow], dict[str, ca.SX]]:
+        """Return every flow with what it carries, and what enters the delays."""
+        x = ca.vertcat(*(symbols[signal.name] for signal in self.state))
+        x = ca.vertcat(*ca.symvar(x))
+        arriving: dict[str, list[Flow]] = {}
+        flows: list[Flow] = []
+        sent: dict[str, ca.SX] = {}
+        for element in self.order:
+            received = arriving.get(element.name, [])
+            entering = element.sent(symbols, received)
+            sent |= entering
+            if pass_at_once:
+                symbols |= entering
+            for caused in element.flows(symbols, received):
+                flow = replace(caused, element=caused.element or element.name)
+                if flow.fluxes is None:
+                    flow = flow.carrying(
+                        self._held_by(flow.source, symbols),
+                        self._held_by(flow.destination, symbols) if flow.reversible else {},
+                    )
+                flows.append(flow)
+                arriving.setdefault(flow.destination, []).append(flow)
+        # Flows that are constant during a sample come first in every sum, so that their part of
+        # the sum is computed once a sample and not in every stage of an integration step.
+        flows.sort(key=lambda flow: bool(ca.depends_on(ca.SX(flow.driver), x)))
+        return flows, sent
+
+    def _held_by(self, name: str, symbols: Mapping[str, ca.SX]) -> Mapping[str, ca.SX]:
+        if not self.components:
+            return {}
+        return self.by_name[name].concentrations(symbols)
+
+    def _crossing(self, flows: Sequence[Flow]) -> dict[str, ca.SX]:
+        """Return what enters and leaves the plant, liquid first and then each component."""
+        crossing = {signal.name: ca.SX(0) for signal in self.totals if "balance" in signal.name}
+        for flow in flows:
+            amounts = {"liquid": flow.rate, **(flow.fluxes or {})}
+            for total, end in ((ENTERED, flow.source), (LEFT, flow.destination)):
+                if self._outside(end):
+                    for name, amount in amounts.items():
+                        crossing[f"{total}.{name}"] += amount
+        return crossing
+
+    def _outside(self, name: str) -> bool:
+        """Whether liquid there is not counted: beyond the plant, or in a reservoir."""
+        return not name or self.by_name[name].endless
+
+    def _reset(self, events: Sequence[Event], fired: ca.SX, m: ca.SX) -> ca.SX:
+        values = {signal.name: m[i] for i, signal in enumerate(self.memories)}
+        for number, event in enumerate(events):
+            for name, value in event.resets.items():
+                values[name] = ca.if_else(fired[number], value, values[name])
+        return ca.vertcat(*(values[signal.name] for signal in self.memories))
+
+    def _stored(self, symbols: Mapping[str, ca.SX]) -> ca.SX:
+        names = [name for name, _ in self._conserved()]
+        held = [element.stored(symbols) for element in self.elements]
+        return ca.vertcat(*(sum((h[n] for h in held if n in h), start=ca.SX(0)) for n in names))
+
+    def _state_rates(self, rates: ca.SX, x: ca.SX, to_contents: ca.SX) -> ca.SX:
+        """Solve dc/dt = ∂c/∂x dx/dt for dx/dt; nothing changes where every content is a state.
+
+        A content depends on its own state and on states before it, as V C on h and C.
+        """
+        if [s.name for s in self.state] == [s.name for s in self.contents]:
+            return rates
+        slopes = ca.jacobian(to_contents, x)
+        earlier: dict[int, list[int]] = {}
+        for row, column in zip(*slopes.sparsity().get_triplet(), strict=True):
+            if column < row:
+                earlier.setdefault(row, []).append(column)
+        solved: list[ca.SX] = []
+        for row in range(len(self.state)):
+            rest = rates[row]
+            for column in earlier.get(row, []):
+                rest -= slopes[row, column] * solved[column]
+            solved.append(rest / slopes[row, row])
+        return ca.vertcat(*solved)
+
+
+def _named(signals: Iterable[Signal | Delay], vector: ca.SX) -> dict[str, ca.SX]:
+    return {signal.name: vector[index] for index, signal in enumerate(signals)}

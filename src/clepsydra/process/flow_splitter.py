@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.process.element import Connection, Element, Flow
+from clepsydra.process.element import Connection, Element
+from clepsydra.process.flow import Flow
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ class FlowSplitter(Element):
 
     kind: ClassVar[str] = "flow splitter"
     table: ClassVar[str] = "splitters"
+    symbol: ClassVar[str] = "splitter"
     keys: ClassVar[tuple[str, ...]] = ("fractions",)
     receives: ClassVar[bool] = True
     passes_on: ClassVar[bool] = True
@@ -92,7 +94,13 @@ class FlowSplitter(Element):
         fractions = {name: ca.SX(symbols[f"{self.name}.{name}"]) for name in first}
         fractions[last] = 1 - sum(fractions.values(), start=ca.SX(0))
         return tuple(
-            Flow(self.name, destination, fraction * flow.coefficient, flow.driver)
+            Flow(
+                self.name,
+                destination,
+                fraction * flow.coefficient,
+                flow.driver,
+                fluxes={name: fraction * flux for name, flux in (flow.fluxes or {}).items()},
+            )
             for flow in received
             for destination, fraction in fractions.items()
         )

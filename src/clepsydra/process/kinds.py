@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+from clepsydra.process.control_valve import ControlValve
 from clepsydra.process.element import Element
 from clepsydra.process.flow_splitter import FlowSplitter
-from clepsydra.process.inflow import Inflow
-from clepsydra.process.level_sensor import LevelSensor
+from clepsydra.process.forced_flow import ForcedFlow
+from clepsydra.process.linear_outlet import LinearOutlet
 from clepsydra.process.orifice import Orifice
 from clepsydra.process.pump import Pump
 from clepsydra.process.reservoir import Reservoir
+from clepsydra.process.sensor import Sensor
 from clepsydra.process.tank import Tank
+from clepsydra.process.transport_delay import TransportDelay
 
 #: In the order in which a process lists its elements.
 KINDS: tuple[type[Element], ...] = (
     Reservoir,
     Tank,
     Orifice,
+    LinearOutlet,
     Pump,
+    ControlValve,
     FlowSplitter,
-    Inflow,
-    LevelSensor,
+    ForcedFlow,
+    TransportDelay,
+    Sensor,
 )

@@ -1,4 +1,4 @@
-"""An orifice: the outlet of a tank, without a valve."""
+"""An orifice: a hole or short pipe out of a tank, without a valve."""
 
 from __future__ import annotations
 
@@ -9,19 +9,26 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.process.element import Connection, Element, Flow
+from clepsydra.process.element import Connection, Element
+from clepsydra.process.flow import Flow
+from clepsydra.process.root_law import falling_root, signed_root
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
 
+#: Level differences below which the flow is laminar, where the file does not say [m].
+LAMINAR = 1e-3
+
 
 @dataclass(frozen=True)
 class Orifice(Element):
-    """A free outlet at the floor of a tank: q = c a √(2 g h), and q = 0 for h ≤ 0.
+    """An opening at height z above a floor: q = c a √(2 g) φ(h - z).
 
-    Torricelli's law for a sharp-edged hole that is small against the tank and flows out into
-    the open, De motu aquarum, 1644.
+    φ is the root law of `clepsydra.process.root_law`: Torricelli's √h (De motu aquarum, 1644),
+    laminar below a small difference. A free outlet falls into whatever is below and nothing
+    comes back. A submerged one joins two tanks at their floors, q = c a √(2 g) φ(h₁ - h₂), and
+    flows either way.
 
     Parameters
     ----------
@@ -29,11 +36,18 @@ class Orifice(Element):
     source : str
         The tank that it empties.
     destination : str
-        The element that the liquid falls into.
+        The element that the liquid falls into; the other tank if submerged.
     area : float
         Cross-section a [m²].
     discharge : float
         Discharge coefficient c [1].
+    submerged : bool
+        It joins two tanks below their surfaces.
+    elevation : float
+        z [m], of a free outlet above the floor of its tank; of a submerged one the height of the
+        source's floor above that of the destination, counted with the level.
+    laminar : float
+        Difference of levels below which the flow is laminar [m].
 
     Examples
     --------
@@ -41,22 +55,29 @@ class Orifice(Element):
     >>> symbols = {"outlet_1.area": 0.071e-4, "outlet_1.discharge": 1.0, "gravity": 9.81,
     ...            "tank_1.level": 0.124}
     >>> (flow,) = outlet.flows(symbols, ())
-    >>> round(float(flow.coefficient * flow.driver) * 1e6, 4)  # [cm³/s]
+    >>> round(float(flow.rate) * 1e6, 4)  # [cm³/s]
     11.0744
     """
 
     kind: ClassVar[str] = "orifice"
     table: ClassVar[str] = "orifices"
-    keys: ClassVar[tuple[str, ...]] = ("source", "destination", "area", "discharge")
+    symbol: ClassVar[str] = "orifice"
+    keys: ClassVar[tuple[str, ...]] = (
+        "source", "destination", "area", "discharge", "submerged", "elevation", "laminar",
+    )  # fmt: skip
 
     source: str
     destination: str
     area: float
     discharge: float = 1.0
+    submerged: bool = False
+    elevation: float = 0.0
+    laminar: float = LAMINAR
 
     @classmethod
     def read(cls, name: str, table: TableReader) -> Self:
         """Make the orifice from its table of a process file."""
+        submerged = table.flag("submerged", default=False)
         return cls(
             name,
             source=table.name("source", "the name of a tank"),
@@ -72,14 +93,24 @@ class Orifice(Element):
                 above=0.0,
                 default=1.0,
             ),
+            submerged=submerged,
+            elevation=table.quantity(
+                "elevation", "m", "a height", "leave it out for the floor",
+                at_least=None if submerged else 0.0, default=0.0,
+            ),
+            laminar=table.quantity(
+                "laminar", "m", "a small difference of levels", "leave it out for 1 mm",
+                above=0.0, default=LAMINAR,
+            ),
             display_units=table.display_units("area"),
-        )
+        )  # fmt: skip
 
     def connections(self) -> tuple[Connection, ...]:
         """Return the tank above and the element below."""
+        wanted = "tank" if self.submerged else "receiver"
         return (
             Connection(("source",), self.source, "tank"),
-            Connection(("destination",), self.destination, "receiver"),
+            Connection(("destination",), self.destination, wanted),
         )
 
     def parameters(self) -> tuple[Signal, ...]:
@@ -90,8 +121,16 @@ class Orifice(Element):
         )
 
     def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
-        """Return q = (c a √(2 g)) · √max(h, 0): one root a step, the other once a run."""
+        """Return q = (c a √(2 g)) · φ: one root a step, the other once a run."""
         area, discharge = symbols[f"{self.name}.area"], symbols[f"{self.name}.discharge"]
         coefficient = discharge * area * ca.sqrt(2 * symbols["gravity"])
-        driver = ca.sqrt(ca.fmax(symbols[f"{self.source}.level"], 0))
-        return (Flow(self.source, self.destination, coefficient, driver),)
+        level = symbols[f"{self.source}.level"]
+        if self.submerged:
+            above = level + self.elevation if self.elevation else level
+            driver = signed_root(above - symbols[f"{self.destination}.level"], self.laminar)
+        else:
+            above = level - self.elevation if self.elevation else level
+            driver = falling_root(above, self.laminar)
+        return (
+            Flow(self.source, self.destination, coefficient, driver, reversible=self.submerged),
+        )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +12,8 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import Signal
+from clepsydra.process.component import Component
+from clepsydra.process.motion import Motion, plain_motion
 
 if TYPE_CHECKING:
     from clepsydra.process.element import Element
@@ -36,7 +40,8 @@ class Process:
     parameters : tuple of Signal
         Element parameters "tank_1.area" with their value in `initial`.
     dynamics : casadi.Function
-        SX function (x [n], u [m], d [k], p [l]) → dx/dt [n], SI.
+        SX function (x [n], u [m], d [k], p [l]) → dx/dt [n], SI, for slow changes: transport
+        delays pass at once, and switches stand as they do at first.
     measure : casadi.Function
         SX function (x [n], p [l]) → y [q], in the unit of each measurement.
     measured_state : mapping
@@ -50,6 +55,20 @@ class Process:
         Of the controllers [s].
     path : Path or None
         The file that it was read from; None for a process of the catalogue.
+    joined_motion : Motion or None
+        `motion` where elements have delays, memories, switches or contents other than their
+        states; None where dx/dt = f(x, u, d, p) is all.
+    components : tuple of Component
+        What is dissolved in the liquid.
+    variant : tuple of str
+        Of the file, in force, in the order in which they were laid over it.
+    variants : mapping
+        Every variant of the file to its description.
+    joined_display : casadi.Function or None
+        `display` where sensors round or limit; None where they show what they read.
+    noise : mapping
+        Measurement or disturbance to the standard deviation of its noise [its unit], where the
+        file gives it.
 
     Examples
     --------
@@ -75,6 +94,43 @@ class Process:
     nominal_outputs: dict[str, float]
     sampling_period: float
     path: Path | None = None
+    variant: tuple[str, ...] = ()
+    variants: Mapping[str, str] = field(default_factory=dict)
+    joined_motion: Motion | None = None
+    components: tuple[Component, ...] = ()
+    joined_display: ca.Function | None = None
+    noise: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def display(self) -> ca.Function:
+        """SX function y [q] → y [q]: what a controller gets of the readings with their noise."""
+        if self.joined_display is not None:
+            return self.joined_display
+        y = ca.SX.sym("y", len(self.measurements))
+        return ca.Function("display", [y], [y], ["y"], ["shown"])
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The same equations for an integrator, with delays, memories and switches."""
+        if self.joined_motion is not None:
+            return self.joined_motion
+        return plain_motion(self.state, self.dynamics)
+
+    @property
+    def address(self) -> str:
+        """What a user types to load it again: "laboratory-four-tanks:fitted,volts"."""
+        where = str(self.path or self.name)
+        return f"{where}:{','.join(self.variant)}" if self.variant else where
+
+    @property
+    def file_stem(self) -> str:
+        """What files about it are called: "laboratory-four-tanks-fitted-volts"."""
+        return "-".join((self.name, *self.variant))
+
+    @property
+    def levels(self) -> tuple[str, ...]:
+        """The states that are levels of tanks, "tank_1.level"."""
+        return tuple(signal.name for signal in self.state if signal.name.endswith(".level"))
 
     @property
     def parameter_values(self) -> np.ndarray:
@@ -82,7 +138,7 @@ class Process:
         return np.array([parameter.initial for parameter in self.parameters])
 
     def signal(self, name: str) -> Signal:
-        """Return the state, input, disturbance, measurement or parameter of that name.
+        """Return the state, input, disturbance, measurement, parameter, total or memory.
 
         Raises
         ------
@@ -93,7 +149,7 @@ class Process:
             for signal in group:
                 if signal.name == name:
                     return signal
-        for signal in self.parameters:
+        for signal in (*self.parameters, *self.motion.totals, *self.motion.memories):
             if signal.name == name:
                 return signal
         raise KeyError(name)

@@ -1,13 +1,30 @@
-"""A pump: a flow in proportion to a voltage."""
+"""A pump: a flow in proportion to a signal, or where its curve meets its pipe."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.process.element import Connection, Element, Flow
+from clepsydra.process.actuator import ROUNDING, limited_speed
+from clepsydra.process.element import Connection, Element
+from clepsydra.process.flow import Flow
+from clepsydra.process.hybrid import Event
+from clepsydra.process.level_switch import (
+    SWITCH_KEYS,
+    LevelStarter,
+    LevelTrips,
+    read_starter,
+    read_trips,
+)
+from clepsydra.process.manipulated_signal import read_manipulated_signal
+from clepsydra.process.pump_curve import PumpCurve
+from clepsydra.process.suction import drawn, suction_events, suction_memory
+from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -16,25 +33,51 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Pump(Element):
-    """A pump that follows its voltage at once: q = k v.
+    """A pump that is moved by a signal v: q = k max(v - v₀, 0), or by its curve.
 
-    K. H. Johansson, The quadruple-tank process, IEEE Transactions on Control Systems
-    Technology 8(3), 2000, section II, doi 10.1109/87.845876.
+    With a gain it is the pump of K. H. Johansson, The quadruple-tank process, IEEE Transactions
+    on Control Systems Technology 8(3), 2000, section II, doi 10.1109/87.845876. With a curve the
+    signal is its speed, 0 to 1 over the range, see `clepsydra.process.pump_curve`.
+
+    What the signal asks for is reached at once, or with a lag and a limited rate, see
+    `clepsydra.process.actuator`. A pump that a level switch has turned off is asked for
+    standstill, so that it runs down with its lag; one whose tank is empty delivers nothing at
+    once. Noise makes the flow q (1 + noise), and never negative.
 
     Parameters
     ----------
     name : str
-        Also the name of the manipulated variable, v [V].
+        Also the name of the manipulated variable, v.
     source : str
-        The reservoir that it draws from.
+        The tank or reservoir that it draws from.
     destination : str
         The element that it feeds.
-    gain : float
-        k [m³/(s V)].
+    gain : float or None
+        k [m³/s per unit of the signal]; None with a curve.
     low, high : float
-        Range of the voltage [V].
+        Range of the signal.
     nominal : float or None
-        Voltage at the operating point [V]; None where the process gives levels instead.
+        Signal at the operating point; None where the process gives levels instead.
+    unit : str
+        SI unit of the signal: "V", "A", "1" or "Hz".
+    dead_band : float
+        v₀, the signal below which nothing flows.
+    curve : PumpCurve or None
+    static_head : float
+        Height of the end of the pipe above the source's floor, or above a reservoir [m].
+    pipe_loss : float
+        Head lost in the pipe per flow squared [s²/m⁵].
+    lag : float
+        Time constant of the actual signal [s]; 0 for none.
+    rate : float
+        Largest change of the actual signal [unit/s]. Where it is limited without a lag, the lag
+        is one per cent of the time that the whole range takes.
+    trips : LevelTrips or None
+    starter : LevelStarter or None
+    noise : float
+        Standard deviation of the flow, relative to it [1].
+    source_vessel : Vessel or None
+        Height of the tank that it draws from [m]; None for a reservoir.
 
     Examples
     --------
@@ -46,68 +89,268 @@ class Pump(Element):
 
     kind: ClassVar[str] = "pump"
     table: ClassVar[str] = "pumps"
-    keys: ClassVar[tuple[str, ...]] = ("source", "destination", "gain", "range", "nominal")
+    symbol: ClassVar[str] = "pump"
+    keys: ClassVar[tuple[str, ...]] = (
+        "source", "destination", "gain", "range", "nominal", "dead_band", "curve", "static_head",
+        "pipe_loss", "lag", "rate", *SWITCH_KEYS, "noise",
+    )  # fmt: skip
 
     source: str
     destination: str
-    gain: float
+    gain: float | None
     low: float
     high: float
     nominal: float | None
+    unit: str = "V"
+    dead_band: float = 0.0
+    curve: PumpCurve | None = None
+    static_head: float = 0.0
+    pipe_loss: float = 0.0
+    lag: float = 0.0
+    rate: float = math.inf
+    trips: LevelTrips | None = None
+    starter: LevelStarter | None = None
+    noise: float = 0.0
+    source_vessel: Vessel | None = None
 
     @classmethod
     def read(cls, name: str, table: TableReader) -> Self:
         """Make the pump from its table of a process file."""
-        low, high = table.range("range", "V", at_least=0.0)
-        nominal = None
-        if table.has("nominal"):
-            nominal = table.quantity(
-                "nominal",
-                "V",
-                "a voltage",
-                "choose a voltage within the range",
-                at_least=low,
-                at_most=high,
-            )
+        unit, low, high, nominal = read_manipulated_signal(table)
+        source = table.name("source", "the name of a tank or reservoir")
+        destination = table.name("destination", "the name of a tank or splitter")
+        law = _read_curve(table) if table.has("curve") else _read_gain(table, unit, high)
+        remedy = "leave it out for a pump that follows its signal at once"
         return cls(
             name,
-            source=table.name("source", "the name of a reservoir"),
-            destination=table.name("destination", "the name of a tank or splitter"),
-            gain=table.quantity(
-                "gain", "m^3/(s V)", "a gain", "give the flow at one volt", above=0.0
-            ),
+            source=source,
+            destination=destination,
             low=low,
             high=high,
             nominal=nominal,
-            display_units=table.display_units("gain", "range"),
-        )
+            unit=unit,
+            **law,
+            lag=table.quantity("lag", "s", "a time constant", remedy, above=0.0, default=0.0),
+            rate=table.quantity(
+                "rate", f"{unit}/s", "a change per time", remedy, above=0.0, default=math.inf
+            ),
+            trips=read_trips(table),
+            starter=read_starter(table),
+            noise=table.quantity(
+                "noise", "1", "a relative standard deviation", "leave it out for a steady pump",
+                at_least=0.0, at_most=1.0, default=0.0,
+            ),
+            source_vessel=table.vessel_of(source),
+            components=table.components,
+            display_units=table.display_units(
+                "gain", "range", "dead_band", "static_head", "pipe_loss", "lag", "rate"
+            ),
+        )  # fmt: skip
 
     def connections(self) -> tuple[Connection, ...]:
-        """Return the reservoir that it draws from and the element that it feeds."""
+        """Return what it draws from, what it feeds, and the tanks that its switches watch."""
+        watched = []
+        if self.trips is not None:
+            for limit in self.trips.limits:
+                watched.append((("trip_above" if limit.above else "trip_below"), limit.tank))
+        if self.starter is not None:
+            watched.append(("start_above", self.starter.start.tank))
         return (
-            Connection(("source",), self.source, "reservoir"),
+            Connection(("source",), self.source, "source"),
             Connection(("destination",), self.destination, "receiver"),
+            *(
+                Connection((key, tank), tank, "tank", carries_flow=False)
+                for key, tank in watched
+            ),
+        )  # fmt: skip
+
+    def states(self) -> tuple[Signal, ...]:
+        """Return what the signal has reached, where that takes time."""
+        if not self._lags:
+            return ()
+        return (self._signal(self._actual, f"actual value of {self.name}"),)
+
+    def memories(self) -> tuple[Signal, ...]:
+        """Return whether it draws liquid, has tripped, and runs by its level switch."""
+        return (
+            *((suction_memory(self.name),) if self.source_vessel else ()),
+            *((self.trips.memory(self.name),) if self.trips else ()),
+            *((self.starter.memory(self.name),) if self.starter else ()),
         )
 
     def inputs(self) -> tuple[Signal, ...]:
-        """Return the voltage; without a nominal value it stands in the middle of its range."""
+        """Return the signal; without a nominal value it stands in the middle of its range."""
+        what = "voltage" if self.unit == "V" else "signal"
+        return (self._signal(self.name, f"{what} of {self.name}"),)
+
+    def disturbances(self) -> tuple[Signal, ...]:
+        """Return the noise of its flow, relative to it."""
+        if not self.noise:
+            return ()
         return (
             Signal(
-                self.name,
-                "V",
-                display_unit=self.display_units.get("range", ""),
-                low=self.low,
-                high=self.high,
-                initial=(self.low + self.high) / 2 if self.nominal is None else self.nominal,
-                description=f"voltage of {self.name}",
+                self._noise,
+                low=-10 * self.noise,
+                high=10 * self.noise,
+                description=f"relative noise of the flow of {self.name}",
             ),
         )
 
+    def noises(self) -> dict[str, float]:
+        """Return the standard deviation of its noise [1]."""
+        return {self._noise: self.noise} if self.noise else {}
+
     def parameters(self) -> tuple[Signal, ...]:
-        """Return the gain."""
-        return (self._parameter("gain", "m^3/(s V)", self.gain, "flow per volt of"),)
+        """Return the numbers of its law and of its dynamics."""
+        per_unit = "volt" if self.unit == "V" else "unit of the signal"
+        given = []
+        if self.gain is not None:
+            unit = "m^3/s" if self.unit == "1" else f"m^3/(s {self.unit})"
+            given.append(self._parameter("gain", unit, self.gain, f"flow per {per_unit} of"))
+        if self.dead_band:
+            given.append(self._parameter("dead_band", self.unit, self.dead_band, "dead band of"))
+        if self.curve is not None:
+            given += [
+                self._parameter("static_head", "m", self.static_head, "static head of"),
+                self._parameter("pipe_loss", "s^2/m^5", self.pipe_loss, "loss in the pipe of"),
+            ]
+        if self.lag:
+            given.append(self._parameter("lag", "s", self.lag, "time constant of"))
+        if self._limited:
+            given.append(
+                self._parameter("rate", f"{self.unit}/s", self.rate, "largest change per time of")
+            )
+        return tuple(given)
 
     def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
-        """Return q = k v."""
-        coefficient, voltage = symbols[f"{self.name}.gain"], symbols[self.name]
-        return (Flow(self.source, self.destination, coefficient, voltage),)
+        """Return q = k max(v - v₀, 0), or the flow of the curve."""
+        value = symbols[self._actual] if self._lags else self._asked(symbols)
+        coefficient: Any
+        if self.curve is not None:
+            head = symbols[f"{self.name}.static_head"]
+            if self.source_vessel:
+                head = head - symbols[f"{self.source}.level"]
+            speed = (value - self.low) * (1 / (self.high - self.low))
+            coefficient = ca.SX(1)
+            driver = self.curve.flow(speed, head, symbols[f"{self.name}.pipe_loss"])
+        else:
+            coefficient, driver = symbols[f"{self.name}.gain"], value
+            if self.dead_band:
+                driver = ca.fmax(value - symbols[f"{self.name}.dead_band"], 0)
+        if self.noise:
+            driver = driver * ca.fmax(1 + symbols[self._noise], 0)
+        if self.source_vessel:
+            driver = drawn(self.name, driver, symbols)
+        return (Flow(self.source, self.destination, coefficient, driver),)
+
+    def rates(
+        self, symbols: Symbols, received: Sequence[Flow], given: Sequence[Flow]
+    ) -> dict[str, ca.SX]:
+        """Return how fast it follows its signal."""
+        if not self._lags:
+            return {}
+        rate = symbols[f"{self.name}.rate"] if self._limited else None
+        if self.lag:
+            per_lag = 1 / symbols[f"{self.name}.lag"]
+        else:
+            per_lag = symbols[f"{self.name}.rate"] / (ROUNDING * (self.high - self.low))
+        missing = self._asked(symbols) - symbols[self._actual]
+        return {self._actual: limited_speed(missing, per_lag, rate)}
+
+    def events(self, symbols: Symbols) -> tuple[Event, ...]:
+        """Return where its tank runs empty and where its level switches turn it off and on."""
+        events: tuple[Event, ...] = ()
+        if self.source_vessel:
+            events += suction_events(self.name, self.source, self.source_vessel, symbols)
+        if self.trips is not None:
+            events += self.trips.events(self.name, symbols)
+        if self.starter is not None:
+            events += self.starter.events(self.name, symbols)
+        return events
+
+    @property
+    def _actual(self) -> str:
+        return f"{self.name}.actual"
+
+    @property
+    def _noise(self) -> str:
+        return f"{self.name}.noise"
+
+    @property
+    def _limited(self) -> bool:
+        return math.isfinite(self.rate)
+
+    @property
+    def _lags(self) -> bool:
+        return self.lag > 0.0 or self._limited
+
+    def _asked(self, symbols: Symbols) -> Any:
+        """Return the signal, or that of standstill while a level switch keeps the pump off."""
+        value: Any = symbols[self.name]
+        standstill = 0.0 if self.curve is None else self.low
+        if self.trips is not None:
+            value = ca.if_else(symbols[f"{self.name}.tripped"] > 0.5, standstill, value)
+        if self.starter is not None:
+            value = ca.if_else(symbols[f"{self.name}.runs"] > 0.5, value, standstill)
+        return value
+
+    def _signal(self, name: str, description: str) -> Signal:
+        return Signal(
+            name,
+            self.unit,
+            display_unit=self.display_units.get("range", ""),
+            low=self.low,
+            high=self.high,
+            initial=(self.low + self.high) / 2 if self.nominal is None else self.nominal,
+            description=description,
+        )
+
+
+def _read_gain(table: TableReader, unit: str, high: float) -> dict[str, Any]:
+    """Read gain and dead band; a pipe is only for a curve."""
+    for key in ("static_head", "pipe_loss"):
+        if table.has(key):
+            raise table.refused(
+                key,
+                table.written(key),
+                "no such key without a curve",
+                'remove it, or add a curve as in curve = [["0 l/s", "30 m"], ["5 l/s", "27 m"]]',
+            )
+    remedy = "give the flow at one volt" if unit == "V" else "give the flow per unit of the signal"
+    return {
+        "gain": table.quantity(
+            "gain",
+            "m^3/s" if unit == "1" else f"m^3/(s {unit})",
+            "a gain",
+            remedy,
+            above=0.0,
+        ),
+        "dead_band": table.quantity(
+            "dead_band", unit, "a signal", "give the signal below which nothing flows",
+            at_least=0.0, at_most=high, default=0.0,
+        ),
+    }  # fmt: skip
+
+
+def _read_curve(table: TableReader) -> dict[str, Any]:
+    """Read the curve and its pipe; a gain and a dead band are only for a pump without one."""
+    for key in ("gain", "dead_band"):
+        if table.has(key):
+            raise table.refused(
+                key,
+                table.written(key),
+                "no such key beside a curve, which gives the flow",
+                "remove one of the two",
+            )
+    remedy = "give the height of the end of the pipe above the source"
+    return {
+        "gain": None,
+        "curve": PumpCurve.read(table),
+        "static_head": table.quantity(
+            "static_head", "m", "a height", remedy, at_least=0.0
+        ),
+        "pipe_loss": table.quantity(
+            "pipe_loss", "s^2/m^5", "a loss of head per flow squared",
+            "leave it out for a pipe without loss", at_least=0.0, default=0.0,
+        ),
+    }  # fmt: skip

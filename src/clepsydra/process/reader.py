@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,13 +11,25 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
+from clepsydra.process.component import Component
+from clepsydra.process.components import check_components, read_components
 from clepsydra.process.document import Document, parse, read_bytes
 from clepsydra.process.element import Element
 from clepsydra.process.equations import join
 from clepsydra.process.kinds import KINDS
 from clepsydra.process.operating_outputs import check_sensor_ranges, read_nominal_outputs
+from clepsydra.process.own_elements import joining_own, read_own_kinds
 from clepsydra.process.process import Process
+from clepsydra.process.process_name import check_process_name
 from clepsydra.process.table_reader import TableReader, checked_name
+from clepsydra.process.tank import Tank
+from clepsydra.process.variants import (
+    VARIANT_KEYS,
+    choose_variants,
+    split_variants,
+    variants_asked,
+)
+from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.process.wiring import check_wiring
 
 _GENERAL_KEYS = (
@@ -28,18 +39,29 @@ _GENERAL_KEYS = (
     "gravity",
     "sampling_period",
     "controlled",
+    "manipulated",
+    "components",
+    "elements",
     "operating_point",
+    *VARIANT_KEYS,
 )
 
 
-def load_process(name_or_path: str | Path) -> Process:
+def load_process(name_or_path: str | Path, variant: str | Sequence[str] | None = None) -> Process:
     """Read a process from the catalogue or from a file.
+
+    A process file that names Python, ``elements = "my_elements.py"``, runs it: open such files
+    only where you trust whoever wrote them.
 
     Parameters
     ----------
     name_or_path : str or Path
         A name of the catalogue, "quadruple-tank", or the path of a TOML file. A text is a
-        path where it ends in ".toml", contains a separator of folders or names a file.
+        path where it ends in ".toml", contains a separator of folders or names a file. Variants
+        may follow a colon, "averaging-tank:inflow-constant" or "plant.toml:large,cold".
+    variant : str or sequence of str, optional
+        Variants of the file, laid over it in this order. Without any, those that the file
+        names in `default_variant`.
 
     Returns
     -------
@@ -48,13 +70,15 @@ def load_process(name_or_path: str | Path) -> Process:
     Raises
     ------
     InputError
-        There is no such process, or its file is wrong: the message names the line.
+        There is no such process or variant, or its file is wrong: the message names the line.
 
     Examples
     --------
     >>> process = load_process("quadruple-tank")
     >>> [signal.name for signal in process.inputs], process.signal("tank_1.area").initial
     (['pump_1', 'pump_2'], 0.0028)
+    >>> load_process("averaging-tank:inflow-constant").variant
+    ('inflow-constant',)
     """
     require_type(
         name_or_path,
@@ -63,9 +87,20 @@ def load_process(name_or_path: str | Path) -> Process:
         f"a name of the catalogue ({', '.join(catalogue_names())}) or the path of a .toml file",
         "give it as text or as a Path",
     )
+    asked = variants_asked(variant)
+    if isinstance(name_or_path, str) and not _exists(name_or_path):
+        name_or_path, written = split_variants(name_or_path)
+        if written is not None and asked is not None:
+            raise InputError(
+                "variant",
+                ", ".join(asked)[:60],
+                f"no variant beside {', '.join(written)[:60]}, which follows the colon",
+                "give variants in one of the two ways",
+            )
+        asked = asked if written is None else written
     if isinstance(name_or_path, str) and name_or_path in catalogue_names():
         file = catalogue_file(name_or_path)
-        return _process(parse(file.read_bytes(), file.name), None)
+        return _process(parse(file.read_bytes(), file.name), None, asked)
     path = Path(name_or_path)
     if isinstance(name_or_path, str) and not _means_a_path(name_or_path):
         names = catalogue_names()
@@ -75,28 +110,31 @@ def load_process(name_or_path: str | Path) -> Process:
             f"a name of the catalogue ({', '.join(names)}) or the path of a .toml file",
             suggestion(name_or_path, names, "choose a name, or check the path"),
         )
-    return _process(parse(read_bytes(path), str(path)), path)
+    return _process(parse(read_bytes(path), str(path)), path, asked)
 
 
 def _means_a_path(text: str) -> bool:
     separators = [os.sep, os.altsep] if os.altsep else [os.sep]
     if text.lower().endswith(".toml") or any(separator in text for separator in separators):
         return True
+    return _exists(text)
+
+
+def _exists(text: str) -> bool:
     return len(text) < 256 and "\0" not in text and bool(text) and Path(text).exists()
 
 
-def _process(document: Document, path: Path | None) -> Process:
+def _process(document: Document, path: Path | None, asked: tuple[str, ...] | None) -> Process:
     """Build a process from a parsed file; every mistake in it ends here as an `InputError`."""
-    general = TableReader(document, (), (*_GENERAL_KEYS, *(kind.table for kind in KINDS)))
+    chosen = choose_variants(document, asked)
+    document = chosen.document
+    known = (*_GENERAL_KEYS, *(kind.table for kind in KINDS))
+    own_kinds = read_own_kinds(TableReader(document, (), None), path, known)
+    general = TableReader(document, (), (*known, *(kind.table for kind in own_kinds)))
     name = general.text("name", "a name", 'write as in name = "my-tanks"')
-    if not re.fullmatch(r"[A-Za-z](?:[-_]?[A-Za-z0-9]){0,59}", name):
-        raise general.refused(
-            "name",
-            general.written("name"),
-            "letters, digits and single hyphens after a first letter",
-            'write as in name = "my-tanks"',
-        )
-    elements = _elements(document, general)
+    check_process_name(name, general.place("name"))
+    components = read_components(document, general)
+    elements = _elements(document, general, components, own_kinds)
     _check_complete(general, elements)
     check_wiring(elements, document.place)
     check_sensor_ranges(document, elements)
@@ -115,7 +153,10 @@ def _process(document: Document, path: Path | None) -> Process:
         ),
         description="acceleration of gravity",
     )
-    joined = join(elements, gravity)
+    check_components(components, elements, document.place)
+    manipulated = _manipulated(general, elements)
+    with joining_own(own_kinds, general):
+        joined = join(elements, gravity, components=components, manipulated=manipulated)
     return Process(
         name=name,
         title=general.text("title", "one line of text", "correct it", default=name),
@@ -130,7 +171,9 @@ def _process(document: Document, path: Path | None) -> Process:
         measure=joined.measure,
         measured_state=joined.measured_state,
         elements=elements,
-        nominal_outputs=read_nominal_outputs(document, elements),
+        nominal_outputs=read_nominal_outputs(
+            document, elements, [signal.name for signal in joined.inputs]
+        ),
         sampling_period=general.quantity(
             "sampling_period",
             "s",
@@ -139,6 +182,12 @@ def _process(document: Document, path: Path | None) -> Process:
             above=0.0,
         ),
         path=path,
+        variant=chosen.names,
+        variants=chosen.descriptions,
+        joined_motion=joined.motion,
+        joined_display=joined.display,
+        noise=joined.noise,
+        components=components,
     )
 
 
@@ -146,7 +195,11 @@ def _check_complete(general: TableReader, elements: Sequence[Element]) -> None:
     """Refuse a plant without tank, pump or sensor: there is nothing to control."""
     for present, table, expected in (
         (any(element.states() for element in elements), "tanks", "at least one tank"),
-        (any(element.inputs() for element in elements), "pumps", "at least one pump"),
+        (
+            general.has("manipulated") or any(element.inputs() for element in elements),
+            "pumps",
+            "at least one pump, or a flow that is manipulated",
+        ),
         (any(element.measurements() for element in elements), "sensors", "at least one sensor"),
     ):
         if not present:
@@ -154,17 +207,46 @@ def _check_complete(general: TableReader, elements: Sequence[Element]) -> None:
             raise InputError(general.place(), f"no {table}", expected, remedy)
 
 
-def _elements(document: Document, general: TableReader) -> tuple[Element, ...]:
+def _elements(
+    document: Document,
+    general: TableReader,
+    components: tuple[Component, ...],
+    own_kinds: tuple[type[Element], ...],
+) -> tuple[Element, ...]:
     """Read the elements of every kind, in the order of the file within each kind."""
     elements: list[Element] = []
-    for kind in KINDS:
+    vessels: dict[str, Vessel] = {}
+    for kind in (*KINDS, *own_kinds):
         if not general.has(kind.table):
             continue
         for name in TableReader(document, (kind.table,), None).present:
             path = (kind.table, name)
             checked_name(name, document.place(*path))
-            elements.append(kind.read(name, TableReader(document, path, kind.keys)))
+            table = TableReader(document, path, kind.keys, components=components, vessels=vessels)
+            element = kind.read(name, table)
+            elements.append(element)
+            if isinstance(element, Tank):
+                vessels[name] = element.vessel
     return tuple(elements)
+
+
+def _manipulated(general: TableReader, elements: Sequence[Element]) -> tuple[str, ...] | None:
+    """Read which signals from outside a controller moves; None for all pumps and valves."""
+    if not general.has("manipulated"):
+        return None
+    known = [s.name for e in elements for s in (*e.inputs(), *e.disturbances())]
+    names = general.names(
+        "manipulated", "a list of pumps, valves or flows", f'write as in ["{known[0]}"]'
+    )
+    for name in names:
+        if name not in known:
+            raise general.refused(
+                "manipulated",
+                name[:60],
+                "the name of a signal from outside",
+                suggestion(name, known, f"choose from {', '.join(known)}"),
+            )
+    return names
 
 
 def _controlled(

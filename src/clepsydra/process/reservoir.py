@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Self
 
+import casadi as ca
+
+from clepsydra.base.signal import Signal
+from clepsydra.process.concentrations import (
+    GivenConcentration,
+    concentration_signals,
+    concentration_values,
+    read_concentrations,
+)
 from clepsydra.process.element import Element
+from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
@@ -13,11 +24,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Reservoir(Element):
-    """A basin so large that its level does not change: dh/dt = 0.
+    """A basin so large that its level does not change: dh/dt = 0, h = 0.
 
     Parameters
     ----------
     name : str
+    given : mapping
+        Component to its concentration in what is drawn from it.
 
     Examples
     --------
@@ -27,10 +40,27 @@ class Reservoir(Element):
 
     kind: ClassVar[str] = "reservoir"
     table: ClassVar[str] = "reservoirs"
-    keys: ClassVar[tuple[str, ...]] = ()
+    symbol: ClassVar[str] = "reservoir"
+    keys: ClassVar[tuple[str, ...]] = ("concentration",)
     receives: ClassVar[bool] = True
+    gives: ClassVar[bool] = True
+    endless: ClassVar[bool] = True
+
+    given: Mapping[str, GivenConcentration] = field(default_factory=dict)
 
     @classmethod
     def read(cls, name: str, table: TableReader) -> Self:
-        """Make the reservoir from its (empty) table of a process file."""
-        return cls(name)
+        """Make the reservoir from its (mostly empty) table of a process file."""
+        return cls(name, read_concentrations(table), components=table.components)
+
+    def brings(self) -> tuple[str, ...]:
+        """Return the components with a concentration of their own."""
+        return tuple(self.given)
+
+    def disturbances(self) -> tuple[Signal, ...]:
+        """Return the concentrations that vary."""
+        return concentration_signals(self.name, self.given, self.components)
+
+    def concentrations(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return what is drawn from it carries."""
+        return concentration_values(self.name, self.given, self.components, symbols)

@@ -4,16 +4,23 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si, split_quantity, to_si
+from clepsydra.process.component import Component
 from clepsydra.process.document import Document
+
+if TYPE_CHECKING:
+    from clepsydra.process.vessels.vessel import Vessel
 
 #: An identifier in C and in Structured Text.
 _NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9]){0,39}")
+#: No quantity of a plant is larger in SI, and none but zero smaller than its reciprocal: squares
+#: and products of larger ones leave the range of floating-point numbers.
+_LARGEST = 1e20
 
 
 class TableReader:
@@ -26,6 +33,10 @@ class TableReader:
         The keys that lead to the table; empty for the whole file.
     keys : iterable of str or None
         The keys that the table may have; None for any.
+    components : tuple of Component
+        Of the process.
+    vessels : mapping
+        Tank to its shape, for elements that are joined to tanks.
 
     Raises
     ------
@@ -42,8 +53,16 @@ class TableReader:
     """
 
     def __init__(
-        self, document: Document, path: tuple[str, ...], keys: Iterable[str] | None
+        self,
+        document: Document,
+        path: tuple[str, ...],
+        keys: Iterable[str] | None,
+        *,
+        components: tuple[Component, ...] = (),
+        vessels: Mapping[str, Vessel] | None = None,
     ) -> None:
+        self.components = components
+        self._vessels = vessels or {}
         self._document = document
         self._path = path
         content: Any = document.tables
@@ -85,10 +104,44 @@ class TableReader:
         """Return the error that says what is wrong with the value of a key."""
         return InputError(self.place(key), value, expected, remedy)
 
-    def table(self, key: str, expected: str, remedy: str) -> TableReader:
-        """Return the table below a key, whatever its keys."""
+    def raw(self, key: str) -> object:
+        """Return the value of a key as TOML has it."""
+        return self._content[key]
+
+    def table(
+        self, key: str, expected: str, remedy: str, keys: Iterable[str] | None = None
+    ) -> TableReader:
+        """Return the table below a key; any keys where none are given."""
         self._require(key, expected, remedy)
-        return TableReader(self._document, (*self._path, key), None)
+        return TableReader(self._document, (*self._path, key), keys, components=self.components)
+
+    def height_of(self, tank: str) -> float | None:
+        """Return the height of a tank [m]; None where no tank has that name."""
+        vessel = self.vessel_of(tank)
+        return None if vessel is None else vessel.height
+
+    def vessel_of(self, tank: str) -> Vessel | None:
+        """Return the shape of a tank; None where no tank has that name."""
+        return self._vessels.get(tank)
+
+    def flag(self, key: str, *, default: bool) -> bool:
+        """Return true or false."""
+        value = self._content.get(key, default)
+        if not isinstance(value, bool):
+            raise self.refused(key, shown_value(value), "true or false", "write it without quotes")
+        return value
+
+    def choice(self, key: str, choices: Sequence[str], default: str) -> str:
+        """Return one of a few words."""
+        value = self._content.get(key, default)
+        if value not in choices:
+            raise self.refused(
+                key,
+                shown_value(value),
+                f"one of {', '.join(choices)}",
+                suggestion(str(value), choices, "choose one"),
+            )
+        return str(value)
 
     def quantity(
         self,
@@ -154,6 +207,21 @@ class TableReader:
             )
         return low, high
 
+    def pairs(
+        self, key: str, first_unit: str, second_unit: str, expected: str, remedy: str
+    ) -> tuple[tuple[float, float], ...]:
+        """Return a list of pairs of quantities [`first_unit`, `second_unit`]."""
+        value = self._require(key, expected, remedy)
+        if not isinstance(value, list) or not value:
+            raise self.refused(key, shown_value(value), expected, remedy)
+        for pair in value:
+            if not isinstance(pair, list) or len(pair) != 2:
+                raise self.refused(key, shown_value(pair), expected, remedy)
+        return tuple(
+            (self._to_si(key, first, first_unit), self._to_si(key, second, second_unit))
+            for first, second in value
+        )
+
     def name(self, key: str, expected: str) -> str:
         """Return the name of another element."""
         value = self._require(key, expected, f'write as in {key} = "tank_1"')
@@ -189,7 +257,7 @@ class TableReader:
         units = {}
         for key in keys:
             value = self._content.get(key)
-            last = value[-1] if isinstance(value, list) else value
+            last = value[-1] if isinstance(value, list) and value else value
             parts = split_quantity(last) if isinstance(last, str) else None
             if parts is not None and parts[1]:
                 units[key] = parts[1]
@@ -201,7 +269,17 @@ class TableReader:
         return f"{from_si(value, unit, written):g}" + ("" if written == "1" else f" {written}")
 
     def _to_si(self, key: str, value: object, unit: str) -> float:
-        return to_si(value if isinstance(value, str) else shown_value(value), unit, self.place(key))
+        shown = value if isinstance(value, str) else shown_value(value)
+        number = to_si(shown, unit, self.place(key))
+        if number and not 1 / _LARGEST <= abs(number) <= _LARGEST:
+            raise self.refused(
+                key,
+                shown_value(value),
+                f"zero or a size from {1 / _LARGEST:.0e} to {_LARGEST:.0e}"
+                + ("" if unit == "1" else f" {unit}"),
+                "correct the number or its unit",
+            )
+        return number
 
     def _require(self, key: str, expected: str, remedy: str) -> Any:
         if key not in self._content:

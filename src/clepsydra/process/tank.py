@@ -1,4 +1,4 @@
-"""A tank: an open vessel with vertical walls."""
+"""A tank: an open vessel that mixes what flows into it."""
 
 from __future__ import annotations
 
@@ -9,64 +9,102 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.process.element import Element, Flow
+from clepsydra.process.element import Element
+from clepsydra.process.flow import Flow
+from clepsydra.process.vessels.reading import VESSEL_KEYS, read_vessel
+from clepsydra.process.vessels.vessel import Vessel, reciprocal
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
 
+#: Below this share of its capacity the content of a tank does not count as a divisor, so that
+#: an empty tank has a concentration of zero and not of 0/0.
+_EMPTY = 1e-6
+#: Height over a weir below which its flow is in proportion to the height [m].
+_THINNEST_FILM = 1e-6
+
 
 @dataclass(frozen=True)
 class Tank(Element):
-    """A tank of constant cross-section: A dh/dt = Σ q_in - Σ q_out.
+    """A tank with a free surface: dV/dt = Σ q_in - Σ q_out, d(V C)/dt = Σ (q C)_in - C Σ q_out.
 
-    The mass balance of an incompressible liquid; see W. L. Luyben, Process Modeling,
-    Simulation and Control for Chemical Engineers, 1990, section 2.1.
+    The balances of an incompressible liquid and of each dissolved component, ideally mixed;
+    W. L. Luyben, Process Modeling, Simulation and Control for Chemical Engineers, 1990,
+    sections 2.1 and 3.3. In a tank of constant cross-section A the level is integrated,
+    A dh/dt = Σ q; in any other the volume is, and the level follows from the shape. A
+    concentration is integrated as the amount V C.
+
+    Over a rim with a weir flows q = 2/3 c b √(2 g) (h - H)^(3/2) for h > H, and is lost
+    (Poleni 1717; H. Chanson, The Hydraulics of Open Channel Flow, 2nd edition, 2004,
+    chapter 19).
+    Evaporation takes liquid from the surface in proportion to its area, but nothing that is
+    dissolved in it.
 
     Parameters
     ----------
     name : str
-    area : float
-        Cross-section A [m²].
-    height : float
-        From the floor to the rim [m]; the upper end of the range of the level.
+    vessel : Vessel
+        Shape and height; the height is the upper end of the range of the level.
+    weir : float
+        Length b of the crest of the rim [m]; 0 for a tank that does not spill.
+    weir_discharge : float
+        Discharge coefficient c of the weir [1].
+    evaporation : float
+        [m³/s per m² of surface]
 
     Examples
     --------
-    >>> tank = Tank("tank_1", area=28e-4, height=0.2)
+    >>> from clepsydra.process.vessels.prism import Prism
+    >>> tank = Tank("tank_1", vessel=Prism(0.2, area=28e-4))
     >>> [signal.name for signal in tank.states() + tank.parameters()]
     ['tank_1.level', 'tank_1.area']
     """
 
     kind: ClassVar[str] = "tank"
     table: ClassVar[str] = "tanks"
-    keys: ClassVar[tuple[str, ...]] = ("area", "height")
+    symbol: ClassVar[str] = "tank"
+    keys: ClassVar[tuple[str, ...]] = (*VESSEL_KEYS, "weir", "weir_discharge", "evaporation")
     receives: ClassVar[bool] = True
+    gives: ClassVar[bool] = True
 
-    area: float
-    height: float
+    vessel: Vessel
+    weir: float = 0.0
+    weir_discharge: float = 0.62
+    evaporation: float = 0.0
 
     @classmethod
     def read(cls, name: str, table: TableReader) -> Self:
         """Make the tank from its table of a process file."""
+        remedy = "leave it out for a tank that does not spill"
         return cls(
             name,
-            area=table.quantity(
-                "area", "m^2", "an area", "give the cross-section of the tank", above=0.0
+            vessel=read_vessel(table),
+            weir=table.quantity("weir", "m", "a length", remedy, at_least=0.0, default=0.0),
+            weir_discharge=table.quantity(
+                "weir_discharge", "1", "a discharge coefficient", "leave it out for 0.62",
+                above=0.0, at_most=1.0, default=0.62,
             ),
-            height=table.quantity(
-                "height", "m", "a height", "give the height of the rim above the floor", above=0.0
+            evaporation=table.quantity(
+                "evaporation", "m/s", "a falling speed of the surface",
+                "leave it out where nothing evaporates", at_least=0.0, default=0.0,
             ),
-            display_units=table.display_units("area", "height"),
-        )
+            components=table.components,
+            display_units=table.display_units(*cls.keys),
+        )  # fmt: skip
+
+    @property
+    def height(self) -> float:
+        """Height of the rim above the floor [m]."""
+        return self.vessel.height
 
     @property
     def level(self) -> str:
-        """The name of its state."""
+        """The name of the state that stands for its volume."""
         return f"{self.name}.level"
 
     def states(self) -> tuple[Signal, ...]:
-        """Return the level, from the floor to the rim; searches for it begin half-way up."""
+        """Return the level and the concentrations; searches begin half-way up."""
         return (
             Signal(
                 self.level,
@@ -77,22 +115,154 @@ class Tank(Element):
                 initial=self.height / 2,
                 description=f"level of {self.name}",
             ),
+            *(
+                Signal(
+                    f"{self.name}.{component.name}",
+                    component.unit,
+                    display_unit=component.display_unit,
+                    low=component.low,
+                    high=component.high,
+                    initial=(component.low + component.high) / 2,
+                    description=f"concentration of {component.name} in {self.name}",
+                )
+                for component in self.components
+            ),
         )
 
-    def parameters(self) -> tuple[Signal, ...]:
-        """Return the cross-section."""
-        return (self._parameter("area", "m^2", self.area, "cross-section of"),)
+    def contents(self) -> tuple[Signal, ...]:
+        """Return the level or the volume, and the amounts."""
+        level, *_ = self.states()
+        capacity = self.vessel.capacity
+        volume = Signal(self._volume, "m^3", low=0.0, high=capacity)
+        return (
+            level if self.vessel.uniform else volume,
+            *(
+                Signal(self._amount(c.name), c.amount_unit, low=0.0, high=capacity * c.high)
+                for c in self.components
+            ),
+        )
 
-    def derivatives(
+    def to_contents(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return V(h) and V C."""
+        level = symbols[self.level]
+        volume = self.vessel.volume(level, self._sizes(symbols))
+        first = {self.level: level} if self.vessel.uniform else {self._volume: volume}
+        return first | {
+            self._amount(c.name): symbols[f"{self.name}.{c.name}"] * volume for c in self.components
+        }
+
+    def to_states(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return h(V) and the amounts over V."""
+        sizes = self._sizes(symbols)
+        if self.vessel.uniform:
+            level = symbols[self.level]
+        else:
+            level = self.vessel.level(symbols[self._volume], sizes)
+        if not self.components:
+            return {self.level: level}
+        volume = self.vessel.volume(level, sizes) if self.vessel.uniform else symbols[self._volume]
+        inverse = 1 / ca.fmax(volume, _EMPTY * self.vessel.capacity)
+        return {self.level: level} | {
+            f"{self.name}.{c.name}": symbols[self._amount(c.name)] * inverse
+            for c in self.components
+        }
+
+    def totals(self) -> tuple[Signal, ...]:
+        """Return the volume spilt where it has a weir."""
+        if not self.weir:
+            return ()
+        return (Signal(self._spilt, "m^3", description=f"volume spilt over {self.name}"),)
+
+    def parameters(self) -> tuple[Signal, ...]:
+        """Return the sizes of the vessel, the weir and the evaporation."""
+        given = [
+            self._parameter(key, unit, value, f"{description} of")
+            for key, unit, value, description in self.vessel.parameters()
+        ]
+        if self.weir:
+            given.append(self._parameter("weir", "m", self.weir, "length of the weir of"))
+            given.append(
+                self._parameter(
+                    "weir_discharge", "1", self.weir_discharge, "discharge of the weir of"
+                )
+            )
+        if self.evaporation:
+            given.append(
+                self._parameter("evaporation", "m/s", self.evaporation, "evaporation from")
+            )
+        return tuple(given)
+
+    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+        """Return what it spills and what evaporates."""
+        level = symbols[self.level]
+        lost = []
+        if self.weir:
+            coefficient = (
+                symbols[f"{self.name}.weir"]
+                * symbols[f"{self.name}.weir_discharge"]
+                * (2 / 3 * ca.sqrt(2 * symbols["gravity"]))
+            )
+            above = ca.fmax(level - self.height, 0)
+            # The root of a film of nothing has no slope; that of a millionth of a metre has.
+            power = above * ca.sqrt(ca.fmax(above, _THINNEST_FILM))
+            lost.append(Flow(self.name, "", coefficient, power, f"{self.name}.weir"))
+        if self.evaporation:
+            surface = self.vessel.area(level, self._sizes(symbols))
+            wet = ca.if_else(level > 0, surface, 0)
+            nothing = {component.name: ca.SX(0) for component in self.components}
+            rate = symbols[f"{self.name}.evaporation"]
+            lost.append(Flow(self.name, "", rate, wet, f"{self.name}.evaporation", fluxes=nothing))
+        return tuple(lost)
+
+    def rates(
         self, symbols: Symbols, received: Sequence[Flow], given: Sequence[Flow]
     ) -> dict[str, ca.SX]:
-        """Return dh/dt [m/s]; all that depends on parameters only is multiplied first."""
-        # Exactly 1/A. CasADi would rewrite q · (1/A) as the quotient q/A and so put a division
-        # into every step; this product it leaves alone.
-        inverse_area = 0.5 * (2 / symbols[f"{self.name}.area"])
-        rate = ca.SX(0)
+        """Return the balances of liquid and components.
+
+        A flow enters the level as coefficient / A · driver: 1/A and the product of the constants
+        are computed once a run, so no step divides by the cross-section.
+        """
+        if self.vessel.uniform:
+            factor = reciprocal(self.vessel.area(symbols[self.level], self._sizes(symbols)))
+        else:
+            factor = ca.SX(1)
+        balance = ca.SX(0)
         for flow in received:
-            rate += flow.coefficient * inverse_area * flow.driver
+            balance += factor * flow.coefficient * flow.driver
         for flow in given:
-            rate -= flow.coefficient * inverse_area * flow.driver
-        return {self.level: rate}
+            balance -= factor * flow.coefficient * flow.driver
+        rates = {self.level if self.vessel.uniform else self._volume: balance}
+        for component in self.components:
+            carried = ca.SX(0)
+            for sign, flows in ((1, received), (-1, given)):
+                for flow in flows:
+                    carried += sign * (flow.fluxes or {})[component.name]
+            rates[self._amount(component.name)] = carried
+        if self.weir:
+            rates[self._spilt] = symbols[f"{self.name}.weir.flow"]
+        return rates
+
+    def stored(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return the volume and the amounts."""
+        volume = self.vessel.volume(symbols[self.level], self._sizes(symbols))
+        return {"liquid": volume if self.vessel.uniform else symbols[self._volume]} | {
+            component.name: symbols[self._amount(component.name)] for component in self.components
+        }
+
+    def concentrations(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return what its outlets carry: the concentrations of the mixed content."""
+        return {c.name: symbols[f"{self.name}.{c.name}"] for c in self.components}
+
+    @property
+    def _volume(self) -> str:
+        return f"{self.name}.volume"
+
+    @property
+    def _spilt(self) -> str:
+        return f"{self.name}.spilt"
+
+    def _amount(self, component: str) -> str:
+        return f"{self.name}.{component}_amount"
+
+    def _sizes(self, symbols: Symbols) -> dict[str, ca.SX]:
+        return {key: symbols[f"{self.name}.{key}"] for key, *_ in self.vessel.parameters()}

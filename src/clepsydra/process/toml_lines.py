@@ -7,8 +7,9 @@ import tomllib
 
 Path = tuple[str, ...]
 
-# No process file nests deeper; a deeper key is found at the line of its first parts.
-_DEEPEST = 4
+# No process file nests deeper: variants, name, table, element, key and two tables in it. A
+# deeper key is found at the line of its first parts.
+_DEEPEST = 7
 
 _BLANK = re.compile(r"(?:[ \t\r\n]+|#[^\n]*)*+")
 _KEY_PART = re.compile(r"""[ \t]*([A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')[ \t]*""")

@@ -9,6 +9,12 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.process.element import Connection, Element
 
+_WANTED = {
+    "receiver": "tank, reservoir, splitter or delay",
+    "source": "tank or reservoir",
+    "flow": "pump, valve, outlet or other element that causes a flow",
+}
+
 #: Returns file, line and path of a key of an element, for a message.
 Place = Callable[..., str]
 
@@ -32,12 +38,14 @@ def check_wiring(elements: Sequence[Element], place: Place) -> None:
     --------
     >>> from clepsydra.process.orifice import Orifice
     >>> from clepsydra.process.tank import Tank
-    >>> elements = [Tank("tank", 0.01, 0.3), Orifice("outlet", "tank", "basn", 1e-4)]
+    >>> from clepsydra.process.vessels.prism import Prism
+    >>> tank = Tank("tank", vessel=Prism(0.3, area=0.01))
+    >>> elements = [tank, Orifice("outlet", "tank", "basn", 1e-4)]
     >>> try:
     ...     check_wiring(elements, lambda *keys: ".".join(keys))
     ... except InputError as error:
     ...     print(error.place, "|", error.expected)
-    orifices.outlet.destination | the name of a tank, reservoir or splitter
+    orifices.outlet.destination | the name of a tank, reservoir, splitter or delay
     """
     by_name: dict[str, Element] = {}
     for element in elements:
@@ -97,21 +105,22 @@ def flow_order(elements: Sequence[Element]) -> tuple[Element, ...]:
 def _check_connections(element: Element, by_name: dict[str, Element], place: Place) -> None:
     connections = element.connections()
     for connection in connections:
-        fitting = [name for name, other in by_name.items() if _fits(other, connection)]
-        if connection.name not in fitting:
-            wanted = "tank, reservoir or splitter" if connection.wanted == "receiver" else None
+        named = by_name.get(connection.name)
+        if named is None or not _fits(named, connection):
+            fitting = [name for name, other in by_name.items() if _fits(other, connection)]
+            wanted = _WANTED.get(connection.wanted, connection.wanted)
             raise InputError(
                 place(element.table, element.name, *connection.key),
                 connection.name[:60],
-                f"the name of a {wanted or connection.wanted}",
+                f"the name of a {wanted}",
                 suggestion(
                     connection.name,
                     fitting,
                     f"choose from {', '.join(fitting)}" if fitting else "add one to the file",
                 ),
             )
-        around = [other.name for other in connections if other.name == connection.name]
-        if len(around) > 1 or connection.name == element.name:
+        around = [c.name for c in connections if c.carries_flow and c.name == connection.name]
+        if (len(around) > 1 and connection.carries_flow) or connection.name == element.name:
             raise InputError(
                 place(element.table, element.name, *connection.key),
                 connection.name,
@@ -121,7 +130,11 @@ def _check_connections(element: Element, by_name: dict[str, Element], place: Pla
 
 
 def _fits(other: Element, connection: Connection) -> bool:
-    return other.receives if connection.wanted == "receiver" else other.kind == connection.wanted
+    if connection.wanted == "receiver":
+        return other.receives
+    if connection.wanted == "flow":
+        return type(other).flows is not Element.flows and not other.gives
+    return other.gives if connection.wanted == "source" else other.kind == connection.wanted
 
 
 def _check_touched(elements: Sequence[Element], place: Place) -> None:
@@ -143,16 +156,21 @@ def _check_touched(elements: Sequence[Element], place: Place) -> None:
 
 
 def _check_identifiers(elements: Sequence[Element], place: Place) -> None:
-    """Refuse names such as tank "a" (level a.level) beside a pump "a_level"."""
+    """Refuse names such as tank "a" (level a.level) beside a pump "a_level".
+
+    Within one element, two signals of one name can be a component named like a quantity.
+    """
     owners: dict[str, Element] = {}
     for element in elements:
-        groups = (element.states(), element.inputs(), element.disturbances())
-        for signal in [
-            *(signal for group in groups for signal in group),
-            *element.measurements(),
-            *element.parameters(),
-        ]:
-            owner = owners.setdefault(signal.identifier.lower(), element)
+        groups = (
+            element.states(), element.inputs(), element.disturbances(), element.memories(),
+            element.totals(), element.measurements(), element.parameters(),
+            tuple(signal for signal in element.contents() if signal not in element.states()),
+        )  # fmt: skip
+        own: set[str] = set()
+        for signal in [signal for group in groups for signal in group]:
+            name = signal.identifier.lower()
+            owner = owners.setdefault(name, element)
             if owner is not element:
                 raise InputError(
                     place(element.table, element.name),
@@ -160,3 +178,11 @@ def _check_identifiers(elements: Sequence[Element], place: Place) -> None:
                     f"a name that does not read like {signal.identifier} of {owner.name}",
                     "rename one of the two",
                 )
+            if name in own:
+                raise InputError(
+                    place(element.table, element.name),
+                    signal.name,
+                    f"one signal of that name in {element.name}",
+                    "rename the component, or whatever else has that name",
+                )
+            own.add(name)

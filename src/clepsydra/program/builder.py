@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import (
     COMPARISONS,
     EXACT,
     LIBRARY,
     LOGIC,
     Block,
+    Conditional,
     Loop,
     Operation,
     Statement,
@@ -97,14 +99,39 @@ class BlockBuilder:
         tables: Sequence[Sequence[float]],
         carried: Sequence[int],
         invariants: Sequence[int],
+        rings: Sequence[DelayRing] = (),
     ) -> tuple[int, ...]:
-        """Return the carried values after `count` turns of a body."""
-        carried = tuple(self.operation("number", value) for value in carried)
-        invariants = tuple(self.operation("number", value) for value in invariants)
-        targets = tuple(range(self._next, self._next + len(carried)))
-        self._next += len(carried)
+        """Return the carried values after `count` turns of a body, which may have rings."""
+        start, held = self._numbers(carried), self._numbers(invariants)
+        targets = self._targets(len(start))
         rows = tuple(tuple(float(entry) for entry in table) for table in tables)
-        self._statements.append(Loop(targets, count, body, rows, carried, invariants, name))
+        self._statements.append(
+            Loop(targets, count, body, rows, start, held, name, rings=tuple(rings))
+        )
+        return targets
+
+    def conditional(
+        self,
+        name: str,
+        condition: int,
+        body: Block,
+        carried: Sequence[int],
+        invariants: Sequence[int],
+    ) -> tuple[int, ...]:
+        """Return what a body makes of the carried values where a condition is true.
+
+        >>> builder, half = BlockBuilder(2), BlockBuilder(1)
+        >>> body = half.finish([half.operation("multiply", 0, half.constant(0.5))])
+        >>> (value,) = builder.conditional("halve", builder.operation("less", 1, 0), body, [0], [])
+        >>> [type(statement).__name__ for statement in builder.finish([value]).statements]
+        ['Operation', 'Conditional']
+        """
+        condition = self.operation("truth", condition)
+        start, held = self._numbers(carried), self._numbers(invariants)
+        if self._truth_of(condition) is False:
+            return start
+        targets = self._targets(len(start))
+        self._statements.append(Conditional(targets, condition, body, start, held, name))
         return targets
 
     def finish(self, results: Sequence[int]) -> Block:
@@ -112,6 +139,14 @@ class BlockBuilder:
         final = tuple(self.operation("number", value) for value in results)
         truths = frozenset(self._truths)
         return Block(self._arguments, tuple(self._statements), final, truths).without_unread()
+
+    def _numbers(self, values: Sequence[int]) -> tuple[int, ...]:
+        return tuple(self.operation("number", value) for value in values)
+
+    def _targets(self, count: int) -> tuple[int, ...]:
+        targets = tuple(range(self._next, self._next + count))
+        self._next += count
+        return targets
 
     def _emit(
         self,

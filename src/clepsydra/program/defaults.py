@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Program
+from clepsydra.program.program import Loop, Program, Statement
 
 
 def with_defaults(program: Program, values: Mapping[str, float]) -> Program:
@@ -19,7 +19,8 @@ def with_defaults(program: Program, values: Mapping[str, float]) -> Program:
     program : Program
     values : mapping
         Name of a parameter, input or state to its value in the signal's unit; the other
-        signals keep theirs. For a delay ring it is the whole initial content.
+        signals keep theirs. For a delay ring, of the state or of a loop, it is the whole
+        initial content.
 
     Raises
     ------
@@ -33,7 +34,10 @@ def with_defaults(program: Program, values: Mapping[str, float]) -> Program:
     >>> with_defaults(program, {"gain": 2.5}).parameters[0].initial
     2.5
     """
-    known = {entry.name for entry in (*program.state, *program.inputs, *program.parameters)}
+    known = {
+        entry.name
+        for entry in (*program.state, *program.rings, *program.inputs, *program.parameters)
+    }
     for name, value in values.items():
         if name not in known:
             raise InputError(
@@ -48,14 +52,22 @@ def with_defaults(program: Program, values: Mapping[str, float]) -> Program:
             return signal
         return dataclasses.replace(signal, initial=float(values[signal.name]))
 
-    def started_state(entry: Signal | DelayRing) -> Signal | DelayRing:
-        if isinstance(entry, DelayRing):
-            return dataclasses.replace(entry, signal=started(entry.signal))
-        return started(entry)
+    def started_ring(ring: DelayRing) -> DelayRing:
+        return dataclasses.replace(ring, signal=started(ring.signal))
 
+    def started_state(entry: Signal | DelayRing) -> Signal | DelayRing:
+        return started_ring(entry) if isinstance(entry, DelayRing) else started(entry)
+
+    def started_loop(statement: Statement) -> Statement:
+        if not isinstance(statement, Loop):
+            return statement
+        return dataclasses.replace(statement, rings=tuple(map(started_ring, statement.rings)))
+
+    statements = tuple(map(started_loop, program.block.statements))
     return dataclasses.replace(
         program,
         state=tuple(started_state(entry) for entry in program.state),
         inputs=tuple(started(entry) for entry in program.inputs),
         parameters=tuple(started(entry) for entry in program.parameters),
+        block=dataclasses.replace(program.block, statements=statements),
     )

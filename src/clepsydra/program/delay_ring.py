@@ -1,4 +1,4 @@
-"""A delay ring: a state that is read some samples after it was written."""
+"""A delay ring: a value that is read some samples, or turns of a loop, after it was written."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from clepsydra.base.signal import Signal
 class DelayRing:
     """A state whose value read at sample k is the value written at sample k - length.
 
+    A ring of a counted loop counts its turns instead, on from sample to sample.
+
     Every printer keeps it as an array of `length` numbers and one position; nothing is
     shifted, so a long delay costs no more than a short one.
 
@@ -20,7 +22,7 @@ class DelayRing:
     signal : Signal
         Name, unit and initial content of the ring.
     length : int
-        Delay [samples], at least 1; a length of 1 is an ordinary state.
+        Delay [samples, or turns of the loop], at least 1; a length of 1 is an ordinary state.
 
     Raises
     ------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
@@ -65,7 +66,12 @@ class Loop:
     """A counted loop: ``for i in 0 … count-1: carried = body(tables[:, i], carried, invariants)``.
 
     The arguments of `body` are one entry of each table, then the carried values, then the
-    invariants; its results are the next carried values.
+    oldest value of each ring, then the invariants; its results are the next carried values,
+    then the value to write to each ring.
+
+    The rings of a loop advance once a turn: the oldest value of a ring of length n is what was
+    written n turns before, in this sample or an earlier one. Such a loop stands in the block
+    of a program, not inside another loop or a conditional, so that it runs in every sample.
 
     Parameters
     ----------
@@ -78,6 +84,12 @@ class Loop:
     carried, invariants : tuple of int
         Values outside the loop.
     name : str
+    rings : tuple of DelayRing
+
+    Raises
+    ------
+    ValueError
+        A loop in the body has rings.
 
     Examples
     --------
@@ -96,9 +108,58 @@ class Loop:
     carried: tuple[int, ...]
     invariants: tuple[int, ...]
     name: str
+    rings: tuple[DelayRing, ...] = ()
+
+    def __post_init__(self) -> None:
+        _refuse_rings(self.name, self.body)
 
 
-Statement = Operation | Loop
+@dataclass(frozen=True)
+class Conditional:
+    """A block that counts where a condition is true: ``carried = c ? body(…) : carried``.
+
+    The arguments of `body` are the carried values, then the invariants; its results are the
+    next carried values. The meaning is that of computing the body and selecting each result;
+    a printer may branch around the body, which then costs nothing where it is not needed.
+
+    Parameters
+    ----------
+    targets : tuple of int
+        Values that hold the carried values afterwards.
+    condition : int
+        A truth value.
+    body : Block
+    carried, invariants : tuple of int
+        Values outside the body.
+    name : str
+
+    Raises
+    ------
+    ValueError
+        A loop in the body has rings.
+
+    Examples
+    --------
+    Two halves of a value where it is above a limit:
+
+    >>> body = Block(1, (Operation(1, "constant", (), 0.5), Operation(2, "multiply", (0, 1))), (2,))
+    >>> halve = Conditional((3,), 2, body, (0,), (), "halve")
+    >>> read_by(halve), written_by(halve)
+    ((2, 0), (3,))
+    """
+
+    targets: tuple[int, ...]
+    condition: int
+    body: Block
+    carried: tuple[int, ...]
+    invariants: tuple[int, ...]
+    name: str
+
+    def __post_init__(self) -> None:
+        _refuse_rings(self.name, self.body)
+
+
+Statement = Operation | Loop | Conditional
 
 
 @dataclass(frozen=True)
@@ -132,6 +193,8 @@ class Block:
     def without_unread(self) -> Block:
         """Return the block without the statements whose values nothing reads.
 
+        A loop with rings stays: what it writes is read in later samples.
+
         >>> unread = Operation(1, "negate", (0,))
         >>> Block(1, (unread, Operation(2, "add", (0, 0))), (2,)).without_unread().statements
         (Operation(target=2, code='add', arguments=(0, 0), constant=0.0, fused=False),)
@@ -139,20 +202,20 @@ class Block:
         needed = set(self.results)
         kept: list[Statement] = []
         for statement in reversed(self.statements):
-            written = statement.targets if isinstance(statement, Loop) else (statement.target,)
-            if needed.intersection(written):
+            lasting = isinstance(statement, Loop) and statement.rings
+            if lasting or needed.intersection(written_by(statement)):
                 needed.update(read_by(statement))
                 kept.append(statement)
         kept.reverse()
         return replace(self, statements=tuple(kept), truths=self.truths & needed)
 
     def operations(self) -> Iterator[Operation]:
-        """Yield every operation, those inside loops included, each once."""
+        """Yield every operation, those inside loops and conditionals included, each once."""
         for statement in self.statements:
-            if isinstance(statement, Loop):
-                yield from statement.body.operations()
-            else:
+            if isinstance(statement, Operation):
                 yield statement
+            else:
+                yield from statement.body.operations()
 
 
 def read_by(statement: Statement) -> tuple[int, ...]:
@@ -163,9 +226,31 @@ def read_by(statement: Statement) -> tuple[int, ...]:
     >>> read_by(Operation(2, "add", (0, 1)))
     (0, 1)
     """
+    if isinstance(statement, Operation):
+        return statement.arguments
     if isinstance(statement, Loop):
         return statement.carried + statement.invariants
-    return statement.arguments
+    return (statement.condition, *statement.carried, *statement.invariants)
+
+
+def written_by(statement: Statement) -> tuple[int, ...]:
+    """Return the values that a statement assigns.
+
+    Examples
+    --------
+    >>> written_by(Operation(2, "add", (0, 1)))
+    (2,)
+    """
+    return (statement.target,) if isinstance(statement, Operation) else statement.targets
+
+
+def _refuse_rings(name: str, body: Block) -> None:
+    for statement in body.statements:
+        if isinstance(statement, Loop) and statement.rings:
+            raise ValueError(
+                f"{name}: the loop {statement.name} has rings, so it must stand in the block of "
+                "a program"
+            )
 
 
 @dataclass(frozen=True)
@@ -174,7 +259,8 @@ class Program:
 
     The arguments of `block` are the state, then the inputs, then the parameters; its results
     are the next state, then the outputs. The argument of a delay ring is its oldest value and
-    its result the value to write.
+    its result the value to write. The rings of loops belong to what lives from sample to sample
+    too; they have names of their own.
 
     Parameters
     ----------
@@ -184,6 +270,11 @@ class Program:
     block : Block
     names : mapping
         Names that the law gave to values on the way.
+
+    Raises
+    ------
+    ValueError
+        A ring of a loop has the name of a state or of another such ring.
 
     Examples
     --------
@@ -202,6 +293,18 @@ class Program:
     outputs: tuple[Signal, ...]
     block: Block
     names: dict[int, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        taken = [entry.name for entry in (*self.state, *self.rings)]
+        clash = sorted({ring.name for ring in self.rings if taken.count(ring.name) > 1})
+        if clash:
+            raise ValueError(f"program {self.name}: {clash} stand for more than one state or ring")
+
+    @cached_property
+    def rings(self) -> tuple[DelayRing, ...]:
+        """The rings of the loops in the block, in order."""
+        loops = (loop for loop in self.block.statements if isinstance(loop, Loop))
+        return tuple(ring for loop in loops for ring in loop.rings)
 
     @property
     def state_arguments(self) -> range:

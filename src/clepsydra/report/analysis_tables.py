@@ -10,6 +10,7 @@ import numpy as np
 
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.analysis_words import root_text
+from clepsydra.linear.controllability import NOT_AT_ALL
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.report.quantities import display_factor, number_text, quantity_text, unit_text
 
@@ -140,6 +141,150 @@ def analysis_grids(analysis: Analysis) -> list[Grid]:
     """
     grids = [roots_grid(analysis), static_gain_grid(analysis), relative_gain_grid(analysis)]
     return [grid for grid in grids if grid is not None]
+
+
+def dead_time_grid(analysis: Analysis) -> Grid | None:
+    """Return the dead time of each pair; None where there is none.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> dead_time_grid(analyse(load_process("quadruple-tank"))) is None
+    True
+    """
+    if analysis.model.delays is None:
+        return None
+    rows = tuple(
+        (output, *("several" if math.isnan(time) else f"{number_text(time)} s" for time in times))
+        for output, times in zip(analysis.model.outputs, analysis.dead_times, strict=True)
+    )
+    return Grid("Dead time", ("", *analysis.model.inputs), rows)
+
+
+def frequency_grid_table(analysis: Analysis) -> Grid:
+    """Return singular values, condition number and relative gains at a few frequencies.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> frequency_grid_table(analyse(load_process("quadruple-tank"))).rows[0][0]
+    '0'
+    """
+    found, model = analysis.directionality, analysis.model
+    head, columns = ["rad/s"], [[number_text(omega) for omega in found.frequencies]]
+    if found.singular_values is not None and found.condition_numbers is not None:
+        for place, values in enumerate(found.singular_values.T, start=1):
+            head.append(f"σ{place}")
+            columns.append(_numbers(values))
+        if found.singular_values.shape[1] > 1:
+            head.append("condition number")
+            columns.append(_numbers(found.condition_numbers))
+    for output, name in analysis.pairing if min(found.relative_gains.shape[1:]) > 1 else ():
+        gains = found.relative_gains[:, model.outputs.index(output), model.inputs.index(name)]
+        head.append(f"|λ| {output} by {name}")
+        columns.append(_numbers(np.abs(gains)))
+    rows = tuple(tuple(row) for row in zip(*columns, strict=True))
+    return Grid("Over frequency, in shares of the ranges", tuple(head), rows)
+
+
+def reach_grid(analysis: Analysis) -> Grid | None:
+    """Return how well each mode is reached and shown; None where a range is missing.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> reach_grid(analyse(load_process("quadruple-tank"))).rows[0][1]
+    'tank_2.level'
+    """
+    if analysis.reach is None:
+        return None
+    # The state that moves most in the mode, its right eigenvector, is that of observability.
+    rows = tuple(
+        (root_text(reached.pole), shown.state, _share(reached.share), _share(shown.share))
+        for reached, shown in zip(
+            analysis.reach.controllability, analysis.reach.observability, strict=True
+        )
+        if reached.pole.imag >= 0.0
+    )
+    return Grid(
+        "Modes: how well the inputs reach them and the outputs show them",
+        ("pole [rad/s]", "mainly", "reached", "shown"),
+        rows,
+    )
+
+
+def hankel_grid(analysis: Analysis) -> Grid | None:
+    """Return the Hankel singular values, largest first; None where a range is missing.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> len(hankel_grid(analyse(load_process("quadruple-tank"))).rows)
+    4
+    """
+    if analysis.reach is None:
+        return None
+    found = analysis.reach.hankel
+    # Beyond this share of the largest a value says nothing that the first ones did not.
+    values = [v for v in found.values if v > 1e-6 * found.values[0]]
+    rows = [(str(place), number_text(float(v))) for place, v in enumerate(values, start=1)]
+    rows += [("–", f"none for the pole at {root_text(pole)} rad/s") for pole in found.split_off]
+    return Grid("Hankel singular values, in shares of the ranges", ("", "value"), tuple(rows))
+
+
+def blocking_zeros_grid(analysis: Analysis) -> Grid | None:
+    """Return zeros in the right half-plane with their directions; None where there are none.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> blocking_zeros_grid(analyse(load_process("quadruple-tank"))) is None
+    True
+    """
+    found, model = analysis.right_half_plane_zeros, analysis.model
+    if not found:
+        return None
+    rows = []
+    for each in found:
+        shares = [*each.input_direction, *each.output_direction]
+        rows.append((root_text(each.zero), *(_direction(share) for share in shares)))
+    head = ("zero [rad/s]", *model.inputs, *model.outputs)
+    return Grid("Zeros in the right half-plane and their directions", head, tuple(rows))
+
+
+def further_grids(analysis: Analysis) -> list[Grid]:
+    """Return the tables that a page of analysis shows besides those of a study's report.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> len(further_grids(analyse(load_process("quadruple-tank"))))
+    3
+    """
+    grids = [
+        dead_time_grid(analysis),
+        blocking_zeros_grid(analysis),
+        frequency_grid_table(analysis),
+        reach_grid(analysis),
+        hankel_grid(analysis),
+    ]
+    return [grid for grid in grids if grid is not None]
+
+
+def _share(value: float) -> str:
+    return "not at all" if value < NOT_AT_ALL else number_text(value, 2)
+
+
+def _direction(value: complex) -> str:
+    if abs(value.imag) <= 1e-9:
+        return f"{value.real:.2f}".replace("-", "−")
+    return f"{abs(value):.2f} ∠ {math.degrees(math.atan2(value.imag, value.real)):.0f}°"
 
 
 def _numbers(values: Sequence[float] | np.ndarray) -> list[str]:

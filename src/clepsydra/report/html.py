@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 from dataclasses import dataclass
-from importlib import metadata, resources
+from importlib import metadata
 from pathlib import Path
 
 from clepsydra.base.arguments import require_type
@@ -29,6 +29,7 @@ from clepsydra.report.score_tables import (
     score_tables,
 )
 from clepsydra.report.svg import svg_text
+from clepsydra.report.template import rendered
 from clepsydra.report.trends import segment_words, trend_figure
 from clepsydra.study.result import Candidate, StudyResult
 
@@ -90,21 +91,15 @@ def report_text(result: StudyResult) -> str:
     >>> result.verdict in report_text(result)
     True
     """
-    import jinja2
     from markupsafe import Markup
 
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    template = environment.from_string(
-        resources.files("clepsydra.report").joinpath("report.html.jinja").read_text("utf-8")
-    )
     first = result.ranking[0] if result.ranking else None
     overview = ""
     if first is not None:
         figure = trend_figure(first.run, controlled_panels(first.run))
         overview = svg_text(figure, f"Controlled levels under {first.controller.name}", "overview")
-    return template.render(
+    return rendered(
+        "report.html.jinja",
         result=result,
         best=first,
         recommended=is_recommended(result),
@@ -156,10 +151,21 @@ def _computation(result: StudyResult) -> list[tuple[str, str]]:
         if run.error_estimate is not None:
             error = f"{run.error_estimate:.1e} of the state's range, by step halving"
         rows.append((f"integration, {candidate.controller.name}", f"{solver}; error {error}"))
+    rows.append(("versions", versions_text()))
+    return rows
+
+
+def versions_text() -> str:
+    """Return the versions of what a result was computed with.
+
+    Examples
+    --------
+    >>> versions_text().startswith("Python 3.")
+    True
+    """
     packages = ("clepsydra", "casadi", "llvmlite", "numpy", "scipy", "matplotlib")
     versions = [f"{name} {version}" for name in packages if (version := _version(name))]
-    rows.append(("versions", ", ".join([f"Python {platform.python_version()}", *versions])))
-    return rows
+    return ", ".join([f"Python {platform.python_version()}", *versions])
 
 
 def _version(package: str) -> str:

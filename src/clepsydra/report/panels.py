@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clepsydra.base.signal import Signal
+from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
 from clepsydra.report.colours import INK, LIMIT, MUTED
 from clepsydra.report.quantities import (
@@ -18,6 +19,7 @@ from clepsydra.report.quantities import (
     short_text,
     unit_text,
 )
+from clepsydra.report.recording import Recording
 from clepsydra.scores.effort import at_limit
 
 if TYPE_CHECKING:
@@ -35,7 +37,8 @@ class Panel:
 
     Parameters
     ----------
-    kind : {"level", "input", "disturbance"}
+    kind : {"level", "state", "input", "disturbance", "total"}
+        "state" for a state that is no level.
     signal : Signal
     height : float
         [inch]
@@ -73,8 +76,10 @@ def controlled_panels(run: Run) -> list[Panel]:
     ]
 
 
-def all_panels(run: Run) -> list[Panel]:
-    """Return the panels of a whole run: levels, manipulated variables, disturbances that act.
+def all_panels(run: Run | Simulation) -> list[Panel]:
+    """Return the panels of a whole run: states, manipulated variables, disturbances that act.
+
+    Volumes spilt are shown where something was spilt.
 
     Examples
     --------
@@ -85,10 +90,11 @@ def all_panels(run: Run) -> list[Panel]:
     """
     process = run.process
     sensors = {state: name for name, state in reversed(process.measured_state.items())}
-    controlled = controlled_panels(run)
+    controlled = [] if isinstance(run, Simulation) else controlled_panels(run)
     shown = {panel.signal.name for panel in controlled}
+    height = 0.72 if controlled else 0.95
     others = [
-        Panel("level", signal, 0.72, sensors.get(signal.name, ""))
+        Panel(_kind(signal), signal, height, sensors.get(signal.name, ""))
         for signal in process.state
         if signal.name not in shown
     ]
@@ -98,17 +104,28 @@ def all_panels(run: Run) -> list[Panel]:
         for signal in process.disturbances
         if np.ptp(run.values[signal.name]) > 0.0
     ]
-    return [*controlled, *others, *inputs, *disturbances]
+    totals = [
+        Panel("total", signal, 0.45)
+        for signal in process.motion.totals
+        if signal.name in run.values and np.ptp(run.values[signal.name]) > 0.0
+    ]
+    return [*controlled, *others, *inputs, *disturbances, *totals]
 
 
-def draw_panel(axes: Axes, panel: Panel, run: Run, time: np.ndarray, colour: str) -> None:
+def _kind(signal: Signal) -> str:
+    return "level" if signal.name.endswith(".level") else "state"
+
+
+def draw_panel(
+    axes: Axes, panel: Panel, recording: Recording, time: np.ndarray, colour: str
+) -> None:
     """Draw one panel on its axes.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
     panel : Panel
-    run : Run
+    recording : Recording
     time : ndarray [samples]
         In the unit of the time axis.
     colour : str
@@ -119,27 +136,28 @@ def draw_panel(axes: Axes, panel: Panel, run: Run, time: np.ndarray, colour: str
     >>> from clepsydra.study.study import run_study
     >>> run = run_study("quadruple-tank").ranking[0].run
     >>> from matplotlib.figure import Figure
-    >>> axes = Figure().add_subplot()
-    >>> draw_panel(axes, controlled_panels(run)[0], run, run.time, "#0072B2")
+    >>> from clepsydra.report.recording import recording_of
+    >>> axes, panel = Figure().add_subplot(), controlled_panels(run)[0]
+    >>> draw_panel(axes, panel, recording_of(run), run.time, "#0072B2")
     >>> axes.get_ylabel()
     'cm'
     """
     signal = panel.signal
     factor = display_factor(signal)
-    values = run.values[signal.name] * factor
-    held = panel.kind != "level"
+    values = recording.values[signal.name] * factor
+    held = panel.kind in ("input", "disturbance")
     legend: Legend = [(signal.name, {"color": colour, "linewidth": 1.6})]
     shown = [values]
     if panel.measurement:
-        legend += _draw_measurement(axes, panel, run, time, colour, factor, shown)
+        legend += _draw_measurement(axes, panel, recording, time, colour, factor, shown)
     axes.plot(
         time, values, color=colour, linewidth=1.4, drawstyle="steps-post" if held else "default"
     )
     _set_view(axes, panel, np.concatenate(shown), factor)
     if panel.kind == "input":
-        legend += _draw_saturation(axes, run, panel.signal, time)
+        legend += _draw_saturation(axes, recording, panel.signal, time)
     axes.set_ylabel(unit_text(signal.shown_unit) or "–")
-    if panel.kind != "disturbance":
+    if panel.kind not in ("disturbance", "total"):
         _draw_percent(axes, signal, factor)
     _draw_legend(axes, legend)
 
@@ -147,18 +165,19 @@ def draw_panel(axes: Axes, panel: Panel, run: Run, time: np.ndarray, colour: str
 def _draw_measurement(
     axes: Axes,
     panel: Panel,
-    run: Run,
+    recording: Recording,
     time: np.ndarray,
     colour: str,
     factor: float,
     shown: list[np.ndarray],
 ) -> Legend:
-    scale = sensor_scale(run.process, panel.measurement)
-    names = [signal.name for signal in run.process.measurements]
-    noise = run.scenario.noise[:, names.index(panel.measurement)]
+    noise = recording.noise.get(panel.measurement)
+    if noise is None and panel.measurement not in recording.controlled:
+        return []
+    scale = sensor_scale(recording.process, panel.measurement)
     legend: Legend = []
-    if np.any(noise):
-        measured = scale.to_state(run.values[panel.measurement]) * factor
+    if noise is not None:
+        measured = scale.to_state(recording.values[panel.measurement]) * factor
         noisy = np.flatnonzero(noise)
         stretch = slice(noisy[0], noisy[-1] + 1)
         style: dict[str, Any] = {"color": colour, "linewidth": 0.5, "alpha": 0.45}
@@ -166,7 +185,7 @@ def _draw_measurement(
         shown.append(measured[stretch])
         legend.append((f"measured ({panel.measurement})", style | {"linewidth": 1.6}))
     if panel.controlled:
-        setpoint = scale.to_state(run.values[f"{panel.measurement}.setpoint"]) * factor
+        setpoint = scale.to_state(recording.values[f"{panel.measurement}.setpoint"]) * factor
         style = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 2.5))}
         axes.plot(time, setpoint, drawstyle="steps-post", zorder=2.5, **style)
         shown.append(setpoint)
@@ -187,13 +206,15 @@ def _set_view(axes: Axes, panel: Panel, shown: np.ndarray, factor: float) -> Non
         margin = max(margin, 0.01 * span)
         if panel.kind == "input":
             bottom, top, margin = min(bottom, low), max(top, high), 0.06 * span
-        elif panel.kind == "level":
+        elif panel.kind in ("level", "state"):
             bottom = low if bottom < low + 0.1 * span else bottom
             top = high if top > high - 0.1 * span else top
     axes.set_ylim(bottom - margin, top + margin)
     words = ("rim", "floor") if panel.kind == "level" else ("upper limit", "lower limit")
+    if panel.kind == "state":
+        words = ("top of range", "bottom of range")
     for value, word, arrow, above in ((high, words[0], "↑", True), (low, words[1], "↓", False)):
-        if panel.kind == "disturbance" or not np.isfinite(value):
+        if panel.kind in ("disturbance", "total") or not np.isfinite(value):
             continue
         if bottom - margin <= value <= top + margin:
             edge = top + margin if above else bottom - margin
@@ -211,9 +232,9 @@ def _set_view(axes: Axes, panel: Panel, shown: np.ndarray, factor: float) -> Non
             )
 
 
-def _draw_saturation(axes: Axes, run: Run, signal: Signal, time: np.ndarray) -> Legend:
+def _draw_saturation(axes: Axes, recording: Recording, signal: Signal, time: np.ndarray) -> Legend:
     """Mark on the time axis where the manipulated variable stands at a limit."""
-    saturated = at_limit(run.values[signal.name], signal.low, signal.high)
+    saturated = at_limit(recording.values[signal.name], signal.low, signal.high)
     if not saturated.any():
         return []
     period = time[1] - time[0] if len(time) > 1 else 1.0
@@ -221,7 +242,8 @@ def _draw_saturation(axes: Axes, run: Run, signal: Signal, time: np.ndarray) -> 
         axes.axvspan(
             time[start], time[stop - 1] + period, 0.0, 0.075, facecolor=INK, edgecolor=INK, lw=1.2
         )
-    seconds = float(saturated.sum()) * run.scenario.sampling_period
+    lengths = np.diff(recording.time, append=recording.end)
+    seconds = float(lengths[saturated].sum())
     style = {"color": INK, "linewidth": 4.0, "solid_capstyle": "butt"}
     return [(f"at a limit for {short_text(seconds)} s", style)]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from clepsydra.base.arguments import require_type
+from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
 from clepsydra.report.panels import all_panels
 from clepsydra.report.trends import trend_figure
@@ -14,12 +15,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def plot(run: Run) -> Figure:
-    """Draw everything that a run recorded: levels, manipulated variables, disturbances.
+def plot(run: Run | Simulation) -> Figure:
+    """Draw everything that a run recorded: states, manipulated variables, disturbances, events.
 
     Parameters
     ----------
-    run : Run
+    run : Run or Simulation
 
     Returns
     -------
@@ -43,5 +44,5 @@ def plot(run: Run) -> Figure:
         remedy = "give result.ranking[0].run" if run.ranking else "no controller of it has a run"
     elif isinstance(run, Candidate):
         remedy = "give candidate.run"
-    require_type(run, Run, "plot", "a Run", remedy)
+    require_type(run, (Run, Simulation), "plot", "a Run or a Simulation", remedy)
     return trend_figure(run, all_panels(run))

@@ -1,19 +1,17 @@
-"""The pipes of the process drawing: drafts become corner points, and everything gets a y."""
+"""The pipes of the process drawing: each finds its way between what stands there."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from clepsydra.report.flow_graph import Feed, Outlet, Split, leaves
-from clepsydra.report.pipe_drafts import BOTTOM, Crossway, Draft, draft_pipes
-from clepsydra.report.placement import TANK_HEIGHT, Placement, Riser
+from clepsydra.report.bodies import UP, Body, Pin, Point
+from clepsydra.report.flow_graph import FlowGraph
+from clepsydra.report.maze import Maze, straightened
+from clepsydra.report.placement import Labels, Placement, place
 
-_TRACK = 20.0
-_OUTLET_BAND = 46.0
-_STUB_BAND = 58.0
-_INLET_BAND = 26.0
-
-Point = tuple[float, float]
+#: With more room and in another order each time; the last one runs through what is in the way.
+_ATTEMPTS = 10
 
 
 @dataclass(eq=False)
@@ -22,253 +20,294 @@ class Pipe:
 
     Parameters
     ----------
-    source : str
-        The pump, inflow or tank that the liquid comes from.
     line : str
-        Pipes of one line run together before they part, so they may overlap.
-    title : str
-        For readers who do not see the picture.
+        The element that makes the liquid flow, or the junction that it comes from.
+    source, end : str
+        The elements between which it runs.
     points : list of (x, y)
+        In lines of the grid.
+    arrow : bool
+        It ends in an arrow.
 
     Examples
     --------
-    >>> Pipe("tank_3", "outlet_3", "outlet_3 to tank_1", [(0.0, 0.0), (0.0, 40.0)]).points[-1]
-    (0.0, 40.0)
+    >>> Pipe("outlet_3", "outlet_3", "tank_1", [(0, 0), (0, 4)]).points[-1]
+    (0, 4)
     """
 
-    source: str
     line: str
-    title: str
-    points: list[Point]
-
-
-@dataclass
-class Fitting:
-    """A splitter: where it sits and the directions of its ports, of "up", "down", "left", "right".
-
-    `shares` are (x, y, anchor, share): the share of the flow written beside each port.
-
-    Examples
-    --------
-    >>> valve = Split("valve", ((0.7, "tank_1"), (0.3, "tank_4")))
-    >>> sorted(Fitting(valve, 0.0, 0.0, {"down", "right", "up"}, "pump_1", -1).ports)
-    ['down', 'right', 'up']
-    """
-
-    split: Split
-    x: float
-    y: float
-    ports: set[str]
     source: str
-    outward: int
-    shares: list[tuple[float, float, str, float]] = field(default_factory=list)
+    end: str
+    points: list[Point]
+    arrow: bool = False
 
 
-@dataclass
+@dataclass(eq=False)
 class Routes:
-    """Everything that has a y as well.
+    """A placement with its pipes.
 
     Parameters
     ----------
+    placement : Placement
     pipes : list of Pipe
-    fittings : list of Fitting
-    orifices : list of (outlet, x, y, side)
-        Side is -1 or +1, where its name stands.
-    stubs : list of (inflow, x, y)
-        Where the arrow of an inflow starts.
-    tops : dict
-        Tank to the y of its rim.
-    pump_y, basin_y : float
-        Centres of the pumps; surface of the reservoirs.
-    basin_uses : list of (x, reservoir)
+    basin_uses : list of (x, shelf, reservoir)
 
     Examples
     --------
-    >>> Routes(tops={"tank_1": 60.0}).tops["tank_1"]
-    60.0
+    >>> from clepsydra.process.reader import load_process
+    >>> from clepsydra.report.flow_graph import flow_graph
+    >>> routes = route(flow_graph(load_process("quadruple-tank")), {})
+    >>> sorted({use[2] for use in routes.basin_uses})
+    ['basin']
     """
 
+    placement: Placement
     pipes: list[Pipe] = field(default_factory=list)
-    fittings: list[Fitting] = field(default_factory=list)
-    orifices: list[tuple[Outlet, float, float, int]] = field(default_factory=list)
-    stubs: list[tuple[Feed, float, float]] = field(default_factory=list)
-    tops: dict[str, float] = field(default_factory=dict)
-    pump_y: float = 0.0
-    basin_y: float = 0.0
-    basin_uses: list[tuple[float, str]] = field(default_factory=list)
+    basin_uses: list[tuple[int, int, str]] = field(default_factory=list)
 
 
-def route(placement: Placement) -> Routes:
-    """Find the way of every pipe and with it the height of everything.
+def route(graph: FlowGraph, labels: Labels, controlled: frozenset[str] = frozenset()) -> Routes:
+    """Place all parts and find the way of every pipe, with more room where there is too little.
+
+    Parameters
+    ----------
+    graph : FlowGraph
+    labels : dict
+        Element to the lines written beside it.
+    controlled : frozenset of str
+        Sensors with a controller.
 
     Examples
     --------
-    >>> from clepsydra.report.flow_graph import FlowGraph
-    >>> from clepsydra.report.placement import place
-    >>> outlet, pump = Outlet("outlet", "tank", "basin"), Feed("pump", True, "basin", "tank")
-    >>> routes = route(place(FlowGraph(("tank",), (outlet,), (pump,), ()), {"pump": ("pump",)}))
-    >>> [pipe.title for pipe in routes.pipes]
-    ['outlet to basin', 'pump to tank']
+    >>> from clepsydra.process.reader import load_process
+    >>> from clepsydra.report.flow_graph import flow_graph
+    >>> len(route(flow_graph(load_process("quadruple-tank")), {}).pipes)
+    18
     """
-    router = _Router(placement)
-    router.set_heights()
-    router.draw()
+    urgent: list[tuple[str, str]] = []
+    for attempt in range(_ATTEMPTS + 1):
+        placement = place(graph, labels, controlled, slack=3 * (attempt // 2))
+        router = _Router(placement, through=attempt == _ATTEMPTS)
+        stuck = router.lay_all(urgent)
+        if stuck is None:
+            break
+        # What found no way among the others goes before them.
+        urgent = [stuck, *urgent]
+    _close_up(router.routes)
     return router.routes
 
 
+@dataclass(eq=False)
+class _Way:
+    """A pipe to be laid; an end is a body with the role of its pins, or a reservoir."""
+
+    line: str
+    source: str
+    end: str
+    start: tuple[Body, str] | str
+    goal: tuple[Body, str] | str
+    shelf: int
+
+
 class _Router:
-    def __init__(self, placement: Placement) -> None:
-        self.placement = placement
-        self.drafts = draft_pipes(placement)
-        self.routes = Routes()
-        self.bottoms: dict[int, float] = {}
+    def __init__(self, placement: Placement, *, through: bool) -> None:
+        self.placement, self.through = placement, through
+        self.routes = Routes(placement, basin_uses=list(placement.draws))
+        self.maze = Maze(placement.width + 4, placement.height + 2)
+        for body in placement.bodies.values():
+            for area in body.areas:
+                self.maze.block(area)
+            for pin in body.pins:
+                self.maze.dear[pin.end] = 4.0
+        for shelf, row in enumerate(placement.basin_rows):
+            for x, there, _ in placement.draws:
+                if there == shelf:
+                    self.maze.block((x - 2, row + 1, x + 2, row + 3))
+            for x in range(self.maze.width):
+                self.maze.dear[x, row] = 8.0
 
-    def set_heights(self) -> None:
-        """Stack channels and tanks from the top down."""
-        layer = self.placement.layer
-        y = 8.0
-        for level in range(max(layer.values()), -1, -1):
-            stubs = any(layer[tank] == level for _, tank, _ in self.drafts.stub_ports)
-            y += _TRACK * self.drafts.tracks.get(level, 0) + (_STUB_BAND if stubs else _INLET_BAND)
-            self.bottoms[level] = y - (_STUB_BAND if stubs else _INLET_BAND)
-            for tank in self.placement.graph.tanks:
-                if layer[tank] == level:
-                    self.routes.tops[tank] = y
-            y += TANK_HEIGHT + _OUTLET_BAND
-        y += _TRACK * self.drafts.tracks.get(BOTTOM, 0)
-        self.bottoms[BOTTOM] = y
-        pumps = any(riser.name == riser.feed.name for riser in self.placement.risers)
-        # A splitter just above the pumps needs room for its name.
-        self.routes.pump_y = y + (48.0 if BOTTOM in self.drafts.tracks else 34.0)
-        self.routes.basin_y = self.routes.pump_y + 50.0 if pumps else y + 10.0
+    def lay_all(self, urgent: Sequence[tuple[str, str]]) -> tuple[str, str] | None:
+        """Lay every pipe, some before others; return source and end of one that found no way."""
+        for name, points in self.placement.fixed:
+            self.maze.lay(points)
+            line = name.removesuffix("<")
+            body = self.placement.bodies[line]
+            ends = body.symbol == "stub" or (not self._link_targets(line) and len(points) == 2)
+            self.routes.pipes.append(Pipe(line, line, line, points, arrow=ends))
+        ways = self._ways()
+        ways.sort(key=lambda way: ((way.source, way.end) not in urgent, self._length(way)))
+        return next(((way.source, way.end) for way in ways if not self._lay(way)), None)
 
-    def _height(self, way: Crossway) -> float:
-        return self.bottoms[way.channel] - _TRACK * way.track
+    def _link_targets(self, name: str) -> tuple[str, ...]:
+        return next(
+            (link.targets for link in self.placement.graph.links if link.name == name), ("",)
+        )
 
-    def draw(self) -> None:
-        """Turn drafts into pipes."""
-        self._draw_outlets()
-        self._draw_risers()
-        for feed, tank, x in self.drafts.stub_ports:
-            top = self.routes.tops[tank]
-            self.routes.stubs.append((feed, x, top - 28.0))
-            title = f"{feed.name} to {tank}"
-            self.routes.pipes.append(
-                Pipe(feed.name, feed.name, title, [(x, top - 28.0), (x, top + 3.0)])
+    def _ways(self) -> list[_Way]:
+        placement, graph = self.placement, self.placement.graph
+        joined = {
+            (line, other.name)
+            for line, points in placement.fixed
+            for other in placement.bodies.values()
+            if (other.x, other.y) == points[-1]
+        }
+        ways = []
+        for link in graph.links:
+            body = placement.bodies[link.name]
+            if body.symbol == "stub":
+                continue
+            fallen = any(
+                name == link.name and points[0][1] < points[1][1]
+                for name, points in placement.fixed
             )
+            shelf = placement.shelf_of(link.name)
+            for source in link.sources:
+                if source in graph.reservoirs:
+                    if (body.x, shelf, source) not in placement.draws:
+                        ways.append(_Way(link.name, source, link.name, source, (body, "in"), shelf))
+                elif not (fallen and source in graph.vessels):
+                    role = "side"
+                    ways.append(
+                        _Way(
+                            link.name,
+                            source,
+                            link.name,
+                            (placement.bodies[source], role),
+                            (body, "in"),
+                            shelf,
+                        )
+                    )
+            for target in link.targets:
+                if (link.name, target) not in joined:
+                    ways.append(self._toward(link.name, link.name, target, body, link.submerged))
+        for junction in graph.junctions:
+            body = placement.bodies[junction.name]
+            for _, target in junction.branches:
+                ways.append(self._toward(junction.name, junction.name, target, body, False))
+        return ways
 
-    def _end(self, draft: Draft) -> float:
-        if draft.receiver in self.routes.tops:
-            return self.routes.tops[draft.receiver] + 3.0
-        self.routes.basin_uses.append((draft.end, draft.receiver))
-        return self.routes.basin_y
+    def _toward(self, line: str, source: str, target: str, body: Body, submerged: bool) -> _Way:
+        shelf = self.placement.shelf_of(source)
+        if target in self.placement.graph.reservoirs:
+            return _Way(line, source, target, (body, "out"), target, shelf)
+        role = "side" if submerged else "in"
+        return _Way(
+            line, source, target, (body, "out"), (self.placement.bodies[target], role), shelf
+        )
 
-    def _points(self, draft: Draft, first: Point) -> list[Point]:
-        points = [first]
-        for way in draft.crossways:
-            y = self._height(way)
-            points += [(points[-1][0], y), (way.stop, y)]
-        points.append((draft.end, self._end(draft)))
-        return points
+    def _length(self, way: _Way) -> float:
+        """Return about how long a pipe will be; feeds of junctions come first."""
 
-    def _draw_outlets(self) -> None:
-        routes = self.routes
-        for outlet in self.placement.graph.outlets:
-            own = [draft for entry, draft in self.drafts.drains if entry is outlet]
-            floor = routes.tops[outlet.source] + TANK_HEIGHT
-            x = own[0].start
-            for draft in own:
-                points = self._points(draft, (x, floor))
-                routes.pipes.append(Pipe(draft.source, draft.line, draft.title, points))
-            side = 1 if x > self.placement.centre[outlet.source] else -1
-            if x == self.placement.centre[outlet.source]:
-                siblings = [e for e in self.placement.graph.outlets if e.source == outlet.source]
-                side = -self.placement.sensor_side[outlet.source] if len(siblings) > 1 else 1
-            routes.orifices.append((outlet, x, floor + 15.0, side))
-            if isinstance(outlet.target, Split):
-                self._fit_drain_splitter(outlet, outlet.target, own, side)
+        def middle(end: tuple[Body, str] | str) -> Point | None:
+            return None if isinstance(end, str) else (end[0].x, end[0].y)
 
-    def _fit_drain_splitter(
-        self, outlet: Outlet, split: Split, own: list[Draft], side: int
-    ) -> None:
-        """Set a splitter where the first branch leaves the pipe that falls from a tank."""
-        turning = [draft for draft in own if draft.crossways]
-        x, y = own[0].start, min(self._height(draft.crossways[0]) for draft in turning)
-        fitting = Fitting(split, x, y, {"up"}, outlet.source, side)
-        shares = dict(zip(leaves(split), _leaf_shares(split), strict=True))
-        down = 0
-        for draft in own:
-            share = shares[draft.receiver]
-            if draft.crossways and self._height(draft.crossways[0]) == y:
-                right = draft.crossways[0].stop > x
-                fitting.ports.add("right" if right else "left")
-                beside, anchor = (x + 16.0, "start") if right else (x - 16.0, "end")
-                fitting.shares.append((beside, y - 7.0, anchor, share))
-            else:
-                fitting.ports.add("down")
-                fitting.shares.append((x - 8.0, y + 24.0 + 14.0 * down, "end", share))
-                down += 1
-        self.routes.fittings.append(fitting)
+        one, other = middle(way.start), middle(way.goal)
+        row = self.placement.basin_rows[way.shelf]
+        one = one or (other[0] if other else 0, row)
+        other = other or (one[0], row)
+        into = not isinstance(way.goal, str) and way.goal[0].symbol in (
+            "splitter",
+            "header",
+            "delay",
+        )
+        return abs(one[0] - other[0]) + abs(one[1] - other[1]) - (1000.0 if into else 0.0)
 
-    def _draw_risers(self) -> None:
-        routes = self.routes
-        feet: dict[int, float] = {}
-        for place, riser in enumerate(self.placement.risers):
-            if riser.name == riser.feed.name:
-                feet[id(riser)] = routes.pump_y
-            if place in self.drafts.joints and riser.parent is not None:
-                y = self._height(self.drafts.joints[place])
-                if riser.name == riser.feed.name:
-                    way = [(riser.x, routes.pump_y), (riser.x, y), (riser.parent.x, y)]
-                else:
-                    feet[id(riser)] = y
-                    base = feet[id(riser.parent)]
-                    way = [(riser.parent.x, base), (riser.parent.x, y), (riser.x, y)]
-                routes.pipes.append(Pipe(riser.feed.name, riser.parent.name, riser.feed.name, way))
-            if riser.feed.pumped and riser.name == riser.feed.name:
-                routes.basin_uses.append((riser.x, riser.feed.source))
-        for riser in self.placement.risers:
-            own = [(share, draft) for owner, share, draft in self.drafts.rises if owner is riser]
-            for _, draft in own:
-                first = (riser.x, feet[id(riser)])
-                routes.pipes.append(
-                    Pipe(draft.source, draft.line, draft.title, self._points(draft, first))
-                )
-            if riser.split is not None:
-                self._fit_splitter(riser, own)
+    def _lay(self, way: _Way) -> bool:
+        starts, goals = self._ends(way.start, way), self._ends(way.goal, way)
+        points = self.maze.find([e[0] for e in starts], [e[0] for e in goals], through=self.through)
+        if not points:
+            return False
+        first = self._inner(starts, points[0], way.start)
+        last = self._inner(goals, points[-1], way.goal)
+        points = straightened([*first[::-1], *points, *last])
+        self.maze.lay(points)
+        for end, point in ((way.start, points[0]), (way.goal, points[-1])):
+            if isinstance(end, str):
+                self.routes.basin_uses.append((point[0], way.shelf, end))
+                row = self.placement.basin_rows[way.shelf]
+                self.maze.block((point[0] - 2, row + 1, point[0] + 2, row + 3))
+        vessel = (
+            not isinstance(way.goal, str)
+            and way.goal == (way.goal[0], "in")
+            and way.goal[0].symbol == "tank"
+        )
+        arrow = isinstance(way.goal, str) or vessel
+        self.routes.pipes.append(Pipe(way.line, way.source, way.end, points, arrow))
+        return True
 
-    def _fit_splitter(self, riser: Riser, own: list[tuple[float | None, Draft]]) -> None:
-        """Set a splitter where the first pipe leaves its riser, and write the shares."""
-        assert riser.split is not None
-        exits = [
-            (self._height(draft.crossways[0]), draft.end, share or 0.0) for share, draft in own
-        ]
-        children = {entry.split.name: entry for entry in self.placement.risers if entry.split}
-        for share, branch in riser.split.branches:
-            if isinstance(branch, Split):
-                child = children[branch.name]
-                joint = self.drafts.joints[self.placement.risers.index(child)]
-                exits.append((self._height(joint), child.x, share))
-        exits.sort(reverse=True)
-        y = exits[0][0]
-        fitting = Fitting(riser.split, riser.x, y, {"down"}, riser.feed.name, riser.outward)
-        for height, end, share in exits:
-            right = end > riser.x
-            if height == y:
-                fitting.ports.add("right" if right else "left")
-                x = riser.x + (16.0 if right else -16.0)
-                anchor = "start" if right else "end"
-                fitting.shares.append((x, y - 7.0, anchor, share))
-            else:
-                fitting.ports.add("up")
-                beside = riser.x + 6.0 * riser.outward
-                anchor = "end" if riser.outward < 0 else "start"
-                fitting.shares.append((beside, max(height + 14.0, y - 34.0), anchor, share))
-        self.routes.fittings.append(fitting)
+    def _ends(
+        self, end: tuple[Body, str] | str, way: _Way
+    ) -> list[tuple[tuple[Point, Point, float], Pin | None]]:
+        if not isinstance(end, str):
+            body, role = end
+            return [((pin.end, pin.way, pin.cost), pin) for pin in body.free(role)]
+        row = self.placement.basin_rows[way.shelf]
+        found: list[tuple[tuple[Point, Point, float], Pin | None]] = []
+        for x in range(3, self.placement.width - 2):
+            near = [
+                (abs(x - use), name)
+                for use, shelf, name in self.routes.basin_uses
+                if shelf == way.shelf
+            ]
+            room = lambda name: 3 + (len(name) + len(end)) * 9 // 32  # noqa: E731
+            if all(
+                distance > 1 and (name == end or distance > room(name)) for distance, name in near
+            ):
+                found.append((((x, row), UP, 0.0), None))
+        return found
+
+    def _inner(
+        self,
+        ends: Iterable[tuple[tuple[Point, Point, float], Pin | None]],
+        point: Point,
+        end: tuple[Body, str] | str,
+    ) -> list[Point]:
+        """Return the points from the free end of the pin inward, and take the pin."""
+        pin = next((pin for (place, _, _), pin in ends if place == point), None)
+        if pin is None or isinstance(end, str):
+            return []
+        pin.used = True
+        dx, dy = pin.way
+        x, y = pin.lead[0]
+        return [*pin.lead[::-1], (x - dx, y - dy)]
 
 
-def _leaf_shares(target: str | Split, share: float = 1.0) -> list[float]:
-    """Return the share of the whole flow that each of the `leaves` receives."""
-    if isinstance(target, str):
-        return [share]
-    return [part for own, branch in target.branches for part in _leaf_shares(branch, share * own)]
+def _close_up(routes: Routes) -> None:
+    """Take out lines of the grid that nothing needs, so that the drawing is no larger than that."""
+    placement = routes.placement
+    areas = [area for body in placement.bodies.values() for area in body.areas]
+    columns = {x for left, _, right, _ in areas for x in range(left, right + 1)}
+    rows = {y for _, top, _, bottom in areas for y in range(top, bottom + 1)}
+    for shelf in {shelf for _, shelf, _ in routes.basin_uses}:
+        row = placement.basin_rows[shelf]
+        rows |= set(range(row - 1, row + 4))
+    for x, _, _ in routes.basin_uses:
+        columns |= set(range(x - 2, x + 3))
+    for pipe in routes.pipes:
+        columns |= {x for x, _ in pipe.points}
+        rows |= {y for _, y in pipe.points}
+    across = _renumbered(columns, placement.width + 6)
+    down = _renumbered(rows, placement.height + 6)
+    for body in placement.bodies.values():
+        body.x, body.y = across[body.x], down[body.y]
+        body.areas = [(across[a], down[b], across[c], down[d]) for a, b, c, d in body.areas]
+        for pin in body.pins:
+            pin.lead = [(across[x], down[y]) for x, y in pin.lead]
+    for pipe in routes.pipes:
+        pipe.points = [(across[x], down[y]) for x, y in pipe.points]
+    routes.basin_uses = [(across[x], shelf, name) for x, shelf, name in routes.basin_uses]
+    placement.basin_rows = [down[row] for row in placement.basin_rows]
+    placement.width = across[max(columns)] + 2
+    placement.height = down[max(rows)] + 1
+
+
+def _renumbered(used: set[int], end: int) -> dict[int, int]:
+    """Number lines anew: of neighbouring lines that nothing needs, one stays."""
+    numbers, number, empty = {}, 0, True
+    for line in range(min(used) - 8, end):
+        if line in used:
+            number, empty = number + 1, False
+        elif not empty:
+            number, empty = number + 1, True
+        numbers[line] = number
+    return numbers

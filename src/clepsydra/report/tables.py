@@ -60,12 +60,12 @@ def ranking_table(result: StudyResult) -> RenderableType:
         table.add_row(*cells)
     parts: list[RenderableType] = [Text(result.verdict, style="bold"), table]
     parts.append(Padding(Text(RANKING_NOTE, style="dim"), (0, 0, 1, 0)))
-    parts += [_hanging(f"{row.rank}  {row.controller}: {row.reason}") for row in rows]
+    parts += [hanging(f"{row.rank}  {row.controller}: {row.reason}") for row in rows]
     for candidate in result.ranking:
         for warning in candidate.warnings:
-            parts.append(_hanging(f"!  {candidate.controller.name}: {warning}", "yellow"))
+            parts.append(hanging(f"!  {candidate.controller.name}: {warning}", "yellow"))
     for name, reason in result.not_applicable:
-        parts.append(_hanging(f"–  {name} does not apply: {reason}"))
+        parts.append(hanging(f"–  {name} does not apply: {reason}"))
     parts.append(Text(f"\nNext: {_next_step(result)}"))
     return Group(*parts)
 
@@ -97,12 +97,12 @@ def analysis_table(analysis: Analysis) -> RenderableType:
     grids = [operating_point_grid(point), *analysis_grids(analysis)]
     parts: list[RenderableType] = [
         Text(f"{point.process.title} ({point.process.name})", style="bold"),
-        Columns([_grid(grid) for grid in grids], padding=(0, 4)),
+        Columns([grid_table(grid) for grid in grids], padding=(0, 4)),
     ]
-    parts += [_hanging(f"•  {sentence}") for sentence in analysis.words]
-    parts += [_hanging(f"!  {warning}", "yellow") for warning in point.warnings]
-    target = point.process.path or point.process.name
-    parts.append(Text(f"\nNext: design and compare controllers with 'clepsydra study {target}'."))
+    parts += [hanging(f"•  {sentence}") for sentence in analysis.words]
+    parts += [hanging(f"!  {warning}", "yellow") for warning in point.warnings]
+    address = point.process.address
+    parts.append(Text(f"\nNext: design and compare controllers with 'clepsydra study {address}'."))
     return Group(*parts)
 
 
@@ -120,7 +120,14 @@ def _next_step(result: StudyResult) -> str:
     )
 
 
-def _grid(grid: Grid) -> Table:
+def grid_table(grid: Grid) -> Table:
+    """Return a table for Rich.
+
+    Examples
+    --------
+    >>> grid_table(Grid("Scenario", ("what", "size"), (("load", "+2"),))).row_count
+    1
+    """
     from rich import box
     from rich.table import Table
     from rich.text import Text
@@ -138,8 +145,14 @@ def _grid(grid: Grid) -> Table:
     return table
 
 
-def _hanging(sentence: str, style: str = "") -> RenderableType:
-    """Return a sentence whose further lines start under its first word."""
+def hanging(sentence: str, style: str = "") -> Table:
+    """Return a sentence whose further lines start under its first word.
+
+    Examples
+    --------
+    >>> len(hanging("!  pump_1 stood at its limit").columns)
+    2
+    """
     from rich.table import Table
     from rich.text import Text
 

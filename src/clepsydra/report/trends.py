@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from clepsydra.loop.duration import time_unit
+from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Segment
 from clepsydra.process.process import Process
 from clepsydra.report.colours import INK, MUTED, signal_colours
 from clepsydra.report.panels import Panel, draw_panel
 from clepsydra.report.quantities import display_factor, sensor_scale, short_text, unit_text
+from clepsydra.report.recording import Recording, recording_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,18 +54,27 @@ STYLE: dict[Any, Any] = {
 _WIDTH = 7.4
 _LEFT, _RIGHT = 0.62, 0.6
 _HEADER, _LEGEND, _FOOTER = 0.5, 0.27, 0.42
+#: Height above the panels where there is no scenario, with and without events.
+_EVENTS_HEADER, _NO_HEADER = 0.24, 0.1
+#: Hairlines of events that stay apart; of more, each is drawn fainter.
+_CLEAR_EVENTS = 30
+#: Places on the time axis for hairlines.
+_HAIRLINES = 1000
+#: Share of the width that the number of an event needs.
+_NUMBER_WIDTH = 0.02
 
 
-def trend_figure(run: Run, panels: Sequence[Panel]) -> Figure:
+def trend_figure(run: Run | Simulation, panels: Sequence[Panel]) -> Figure:
     """Draw panels of a run above each other with a shared time axis.
 
-    Levels are drawn in the tank's display unit with percent of the range on the right, setpoints
+    States are drawn in their display unit with percent of the range on the right, setpoints
     dashed, limits shaded; a bar on the time axis marks where a manipulated variable stands at a
-    limit; the strip on top says what happens.
+    limit; the strip on top says what the scenario does. Vertical hairlines are events, numbered
+    in order of time where there is room.
 
     Parameters
     ----------
-    run : Run
+    run : Run or Simulation
     panels : sequence of Panel
 
     Returns
@@ -81,43 +93,41 @@ def trend_figure(run: Run, panels: Sequence[Panel]) -> Figure:
     import matplotlib
     from matplotlib.figure import Figure
 
-    unit, seconds = time_unit(float(run.time[-1] - run.time[0]))
-    time = run.time / seconds
+    recording = recording_of(run)
+    unit, seconds = time_unit(recording.end - float(recording.time[0]))
+    time = recording.time / seconds
+    end = recording.end / seconds
+    limits = (float(time[0]) - 0.012 * end, end)
     colours = signal_colours(run.process)
-    height = _HEADER + sum(panel.height + _LEGEND for panel in panels) + _FOOTER
+    header = _HEADER if recording.segments else _NO_HEADER
+    if recording.happenings:
+        header += _EVENTS_HEADER
+    height = header + sum(panel.height + _LEGEND for panel in panels) + _FOOTER
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(_WIDTH, height))
-        top = height - _HEADER
-        strip = figure.add_axes(_box(top + 0.02, _HEADER - 0.06, height))
+        top = height - header
+        strips = []
+        if recording.segments:
+            strips.append(figure.add_axes(_box(height - _HEADER + 0.02, _HEADER - 0.06, height)))
+            _draw_strip(strips[0], recording, seconds, limits)
+        if recording.happenings:
+            strips.append(figure.add_axes(_box(top, _EVENTS_HEADER, height)))
+            _draw_numbers(strips[-1], recording, seconds, limits)
         first: Axes | None = None
         for panel in panels:
             top -= panel.height + _LEGEND
             axes = figure.add_axes(_box(top, panel.height, height), sharex=first)
             first = first or axes
-            draw_panel(axes, panel, run, time, colours[panel.signal.name])
-            for segment in run.scenario.segments:
+            draw_panel(axes, panel, recording, time, colours.get(panel.signal.name, INK))
+            for segment in recording.segments:
                 axes.axvline(segment.start / seconds, color=MUTED, linewidth=0.5, alpha=0.6)
+            _draw_hairlines(axes, recording, seconds)
             axes.tick_params(labelbottom=False)
         axes.tick_params(labelbottom=True)
         axes.set_xlabel(f"time [{unit}]")
-        end = float(time[-1]) + run.scenario.sampling_period / seconds
-        axes.set_xlim(float(time[0]) - 0.012 * end, end)
-        figure.align_ylabels([entry for entry in figure.axes if entry is not strip])
-        _draw_strip(strip, run, seconds, axes.get_xlim())
+        axes.set_xlim(limits)
+        figure.align_ylabels([entry for entry in figure.axes if entry not in strips])
     return figure
-
-
-def time_unit(duration: float) -> tuple[str, float]:
-    """Return the unit of a time axis and its length [s].
-
-    Examples
-    --------
-    >>> time_unit(90.0), time_unit(3000.0)
-    (('s', 1.0), ('min', 60.0))
-    """
-    if duration <= 600.0:
-        return "s", 1.0
-    return ("min", 60.0) if duration <= 4 * 3600.0 else ("h", 3600.0)
 
 
 def segment_words(process: Process, segment: Segment) -> tuple[str, str, str]:
@@ -152,17 +162,19 @@ def _box(bottom: float, axes_height: float, height: float) -> tuple[float, float
     return (_LEFT / _WIDTH, bottom / height, width, axes_height / height)
 
 
-def _draw_strip(axes: Axes, run: Run, seconds: float, limits: tuple[float, float]) -> None:
+def _draw_strip(
+    axes: Axes, recording: Recording, seconds: float, limits: tuple[float, float]
+) -> None:
     """Write above the panels what happens when."""
     axes.set_xlim(limits)
     axes.set_ylim(0.0, 1.0)
     axes.set_axis_off()
     inches = (_WIDTH - _LEFT - _RIGHT) / (limits[1] - limits[0])
-    for index, segment in enumerate(run.scenario.segments):
+    for index, segment in enumerate(recording.segments):
         start, stop = segment.start / seconds, min(segment.stop / seconds, limits[1])
         axes.axvspan(start, stop, facecolor="#f0f2f5" if index % 2 == 0 else "#e4e8ed", lw=0)
         letters = max(int((stop - start) * inches / 0.062), 1)
-        lines = [_cut(word, letters) for word in segment_words(run.process, segment) if word]
+        lines = [_cut(word, letters) for word in segment_words(recording.process, segment) if word]
         axes.text(
             float(np.mean([start, stop])),
             0.5,
@@ -172,6 +184,39 @@ def _draw_strip(axes: Axes, run: Run, seconds: float, limits: tuple[float, float
             fontsize=6.5,
             linespacing=1.15,
         )
+
+
+def _draw_hairlines(axes: Axes, recording: Recording, seconds: float) -> None:
+    if recording.happenings:
+        # Lines that nobody could tell apart are drawn once.
+        grid = (recording.end - float(recording.time[0])) / _HAIRLINES
+        places = {round(event.time / grid): event.time / seconds for event in recording.happenings}
+        alpha = min(0.8, max(0.06, 0.8 * _CLEAR_EVENTS / len(places)))
+        # In shares of the panel's height, so that the lines do not widen its range.
+        axes.vlines(
+            list(places.values()), 0.0, 1.0, transform=axes.get_xaxis_transform(), color=INK,
+            linewidth=0.5, alpha=alpha, zorder=1.5,
+        )  # fmt: skip
+
+
+def _draw_numbers(
+    axes: Axes, recording: Recording, seconds: float, limits: tuple[float, float]
+) -> None:
+    """Write above the panels the number of each event that has room."""
+    axes.set_xlim(limits)
+    axes.set_ylim(0.0, 1.0)
+    axes.set_axis_off()
+    _draw_hairlines(axes, recording, seconds)
+    free = limits[0] - 1.0
+    for number, event in enumerate(recording.happenings, 1):
+        time = event.time / seconds
+        width = _NUMBER_WIDTH * (limits[1] - limits[0]) * max(1.0, len(str(number)) / 2)
+        if time - width / 2 >= free:
+            axes.text(
+                time, 0.5, str(number), ha="center", va="center", fontsize=6.5,
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
+            )  # fmt: skip
+            free = time + width / 2 * (1.0 if len(recording.happenings) <= _CLEAR_EVENTS else 4.0)
 
 
 def _cut(word: str, letters: int) -> str:

@@ -18,7 +18,7 @@ from clepsydra.scores.evaluate import score_run
 from clepsydra.study.designs import DESIGNS
 from clepsydra.study.ranking import Trial, rank, verdict
 from clepsydra.study.result import StudyResult
-from clepsydra.study.warnings import run_warnings
+from clepsydra.study.warnings import run_warnings, settling_warnings
 
 
 def run_study(process: Process | str | Path, *, seed: int = 1) -> StudyResult:
@@ -58,13 +58,14 @@ def run_study(process: Process | str | Path, *, seed: int = 1) -> StudyResult:
             refused.append((name, refusal.reason))
             continue
         run = Loop(controller, model).run_checked(scenario)
+        scores = scores_of(run)
         trials.append(
             Trial(
                 controller=controller,
                 run=run,
-                scores=scores_of(run),
+                scores=scores,
                 maximum_sensitivity=sampled_loop(controller, model).maximum_sensitivity,
-                warnings=run_warnings(run),
+                warnings=(*run_warnings(run), *settling_warnings(scores)),
             )
         )
     ranking = rank(trials)

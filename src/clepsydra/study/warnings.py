@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+
 import numpy as np
 
 from clepsydra.base.units import from_si
+from clepsydra.loop.lane_status import EMPTY_SHARE
 from clepsydra.loop.run import Run
 from clepsydra.scores.effort import at_limit
 
@@ -19,23 +23,45 @@ def run_warnings(run: Run) -> tuple[str, ...]:
     return (*_levels(run), *_saturation(run), *_accuracy(run))
 
 
-def leaves_its_tanks(run: Run) -> bool:
-    """Return whether a state leaves its range or stops being a number."""
-    return any(
-        not np.all((run.values[x.name] >= x.low) & (run.values[x.name] <= x.high))
-        for x in run.process.state
+def settling_warnings(scores: Mapping[str, float]) -> tuple[str, ...]:
+    """Return which controlled variables are not at rest at the end of their setpoint steps.
+
+    Examples
+    --------
+    >>> settling_warnings({"settling_time[level_1]": math.inf, "iae[level_1]": 2.0})
+    ('level_1 does not settle within its setpoint step.',)
+    """
+    return tuple(
+        f"{name.removeprefix('settling_time[').removesuffix(']')} does not settle within its "
+        "setpoint step."
+        for name, time in scores.items()
+        if name.startswith("settling_time[") and math.isinf(time)
     )
+
+
+def leaves_its_tanks(run: Run) -> bool:
+    """Return whether a level leaves its tank or a state stops being a number."""
+    process = run.process
+    within = all(
+        np.all((run.values[x.name] >= x.low) & (run.values[x.name] <= x.high))
+        for x in process.state
+        if x.name in process.levels
+    )
+    return not within or any(not np.all(np.isfinite(run.values[x.name])) for x in process.state)
 
 
 def _levels(run: Run) -> list[str]:
     words = []
+    totals = {total.name for total in run.process.motion.totals}
     for x in run.process.state:
         level = run.values[x.name]
-        limits = (
-            (level > x.high, "rises above its rim", "the model spills nothing"),
-            (level <= x.low, "runs empty", "its outlet has no flow then"),
-            (np.isnan(level), "is not a number", "the loop has diverged"),
-        )
+        limits = [(np.isnan(level), "is not a number", "the loop has diverged")]
+        if x.name in run.process.levels:
+            spills = f"{x.name.removesuffix('level')}spilt" in totals
+            lost = "it spills" if spills else "the model spills nothing, since it has no weir"
+            empty = level <= x.low + EMPTY_SHARE * (x.high - x.low)
+            limits.append((level > x.high, "rises above its rim", lost))
+            limits.append((empty, "runs empty", "what is drawn from it breaks off"))
         for where, what, consequence in limits:
             if np.any(where):
                 time = run.time[int(np.argmax(where))]

@@ -1,0 +1,176 @@
+"""Controllability and observability of each mode, and how nearly they fail."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.linear.internal_delays import refuse_delays
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.poles import poles
+
+# Below this share a mode counts as not reached at all.
+NOT_AT_ALL = 1e-10
+# So much more weight has it to be an eigenvector than to be out of reach.
+_EIGENVECTOR = 1e6
+
+
+class ModeMargin(NamedTuple):
+    """How well the inputs reach one mode, or the outputs show it.
+
+    Parameters
+    ----------
+    pole : complex
+        [rad/s]
+    margin : float
+        σ_min of [A - p I, B] (or of [A - p I; C]): the smallest change of the matrices that
+        cuts the mode off [1/s for states in one unit].
+    share : float
+        The same with every row (or column) first divided by its length [1]: zero where the mode
+        is cut off, of the order of one where it is well reached, whatever the speeds.
+    state : str
+        The state that has the largest part in the mode.
+
+    Examples
+    --------
+    >>> ModeMargin(-0.02 + 0j, 0.0, 0.0, "tank_3.level").state
+    'tank_3.level'
+    """
+
+    pole: complex
+    margin: float
+    share: float
+    state: str
+
+
+def controllability_margins(model: LinearModel) -> list[ModeMargin]:
+    """Return how far each mode is from being uncontrollable, by Popov, Belevitch and Hautus.
+
+    A mode p is uncontrollable when [A - p I, B] loses rank. The margins depend on units:
+    those of `in_ranges(model)` compare.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Returns
+    -------
+    list of ModeMargin
+        One for each pole, the rightmost first; of a conjugate pair both.
+
+    Raises
+    ------
+    InputError
+        The model has dead time.
+
+    References
+    ----------
+    R. Eising, Between controllable and uncontrollable, Systems & Control Letters 4(5), 1984,
+    263-264, doi 10.1016/S0167-6911(84)80035-3.
+
+    Examples
+    --------
+    Two tanks side by side, the second without a pump:
+
+    >>> A, B = np.diag([-0.02, -0.01]), np.array([[1.0], [0.0]])
+    >>> model = LinearModel(A, B, B[:, :0], np.eye(2), np.zeros((2, 1)),
+    ...                     ("tank_1.level", "tank_2.level"), ("pump",), (), ("y", "z"))
+    >>> [(mode.state, mode.margin) for mode in controllability_margins(model)]
+    [('tank_2.level', 0.0), ('tank_1.level', 0.01)]
+    """
+    return _margins(model.A, model.B, model)
+
+
+def observability_margins(model: LinearModel) -> list[ModeMargin]:
+    """Return how far each mode is from being unobservable: when [A - p I; C] loses rank.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Returns
+    -------
+    list of ModeMargin
+        As for `controllability_margins`.
+
+    Raises
+    ------
+    InputError
+        The model has dead time.
+
+    Examples
+    --------
+    A lower tank does not show in the level of the upper one:
+
+    >>> A, B = np.array([[-0.02, 0.0], [0.02, -0.01]]), np.array([[1.0], [0.0]])
+    >>> model = LinearModel(A, B, B[:, :0], np.array([[1.0, 0.0]]), np.zeros((1, 1)),
+    ...                     ("upper.level", "lower.level"), ("pump",), (), ("y",))
+    >>> worst = observability_margins(model)[0]
+    >>> worst.state, worst.margin
+    ('lower.level', 0.0)
+    """
+    return _margins(model.A.T, model.C.T, model)
+
+
+def _margins(A: np.ndarray, B: np.ndarray, model: LinearModel) -> list[ModeMargin]:
+    refuse_delays(model.delays, "controllability and observability margins")
+    found = []
+    for pole in poles(model):
+        test = np.hstack([A - pole * np.eye(len(A)), B])
+        lengths = np.linalg.norm(test, axis=1, keepdims=True)
+        share = np.linalg.svd(test / np.where(lengths > 0.0, lengths, 1.0), compute_uv=False)[-1]
+        margin = np.linalg.svd(test, compute_uv=False)[-1]
+        state = model.states[_main_state(test[:, : len(A)], B)]
+        found.append(ModeMargin(complex(pole), float(margin), float(share), state))
+    return found
+
+
+def _main_state(shifted: np.ndarray, B: np.ndarray) -> int:
+    """Return the largest entry of the left eigenvector; of several, of that least along B."""
+    weighted = np.hstack(
+        [_EIGENVECTOR * shifted / (np.linalg.norm(shifted) or 1.0), B / (np.linalg.norm(B) or 1.0)]
+    )
+    return int(np.argmax(np.abs(np.linalg.svd(weighted)[0][:, -1])))
+
+
+def words_on_reach(model: LinearModel, weak: float = 0.01) -> list[str]:
+    """Return sentences on modes that the inputs hardly reach or the outputs hardly show.
+
+    Parameters
+    ----------
+    model : LinearModel
+        In ranges, so that the shares mean something.
+    weak : float
+        The share [1] below which a mode is worth a sentence.
+
+    Raises
+    ------
+    InputError
+        The model has dead time.
+
+    Examples
+    --------
+    >>> A, B = np.diag([-0.02, -0.01]), np.array([[1.0], [0.0]])
+    >>> model = LinearModel(A, B, B[:, :0], np.eye(2), np.zeros((2, 1)),
+    ...                     ("tank_1.level", "tank_2.level"), ("pump",), (), ("y", "z"))
+    >>> words_on_reach(model)
+    ['No input moves the mode at -0.01 rad/s (mainly tank_2.level).']
+    """
+    words = []
+    for margins, never, hardly in (
+        (controllability_margins(model), "No input moves", "The inputs hardly reach"),
+        (observability_margins(model), "No output shows", "The outputs hardly show"),
+    ):
+        for mode in margins:
+            if mode.share >= weak or mode.pole.imag < 0.0:
+                continue
+            place = f"{mode.pole.real:.3g}"
+            if mode.pole.imag > 0.0:
+                place += f" ± {mode.pole.imag:.3g}j"
+            where = f"the mode at {place} rad/s (mainly {mode.state}"
+            if mode.share < NOT_AT_ALL:
+                words.append(f"{never} {where}).")
+            else:
+                words.append(f"{hardly} {where}): a share of {mode.share:.1g}.")
+    return words

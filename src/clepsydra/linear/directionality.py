@@ -1,0 +1,136 @@
+"""How strongly a process answers in each direction, and how its loops interact, by frequency."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from clepsydra.base.errors import InputError
+from clepsydra.linear.compared import compared
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.poles import integrators
+from clepsydra.linear.relative_gain_array import relative_gain_array
+from clepsydra.linear.response import frequency_response
+from clepsydra.linear.singular_values import condition_numbers, singular_values
+
+# The few frequencies of a table, in each decade.
+_NICE = (1.0, 3.0)
+_MOST = 9
+
+
+@dataclass(frozen=True, eq=False)
+class Directionality:
+    """Singular values, condition numbers and relative gains at some frequencies.
+
+    Parameters
+    ----------
+    frequencies : ndarray [l]
+        [rad/s]
+    singular_values : ndarray [l, min(q, m)] or None
+        Of G(jω) from shares of the inputs' ranges to shares of the outputs' ranges [1], falling;
+        None where a signal has no range.
+    condition_numbers : ndarray [l] or None
+        [1], the largest over the smallest.
+    relative_gains : ndarray [l, q, m], complex
+        [1]; not a number where G(jω) has not full rank.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> found = analyse(load_process("quadruple-tank")).directionality
+    >>> found.relative_gains[0, 0].real.round(1)
+    array([ 1.4, -0.4])
+    """
+
+    frequencies: np.ndarray
+    singular_values: np.ndarray | None
+    condition_numbers: np.ndarray | None
+    relative_gains: np.ndarray
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as values for JSON; a relative gain is {"re": …, "im": …} or null."""
+        sizes, ratios = self.singular_values, self.condition_numbers
+        return {
+            "frequencies": self.frequencies.tolist(),
+            "singular_values": None if sizes is None else sizes.tolist(),
+            "condition_numbers": None if ratios is None else [_finite(v) for v in ratios],
+            "relative_gains": [
+                [
+                    [
+                        {"re": float(v.real), "im": float(v.imag)} if np.isfinite(v) else None
+                        for v in row
+                    ]
+                    for row in array
+                ]
+                for array in self.relative_gains
+            ],
+        }
+
+
+def directionality(model: LinearModel, omegas: ArrayLike) -> Directionality:
+    """Return how the process answers at these frequencies, exact with dead time.
+
+    Parameters
+    ----------
+    model : LinearModel
+    omegas : array_like [l]
+        [rad/s]; none of them a pole.
+
+    Raises
+    ------
+    InputError
+        A frequency is not finite or is a pole.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> directionality(model, 0.01).condition_numbers.shape
+    (1,)
+    """
+    frequencies = np.atleast_1d(np.asarray(omegas, float))
+    shares = compared(model)
+    gains = []
+    for gain in frequency_response(shares or model, frequencies):
+        try:
+            gains.append(relative_gain_array(gain))
+        except InputError:  # a zero: nothing to divide by
+            gains.append(np.full(gain.shape, np.nan + 0j))
+    return Directionality(
+        frequencies,
+        None if shares is None else singular_values(shares, frequencies),
+        None if shares is None else condition_numbers(shares, frequencies),
+        np.array(gains, complex).reshape(len(frequencies), len(model.outputs), len(model.inputs)),
+    )
+
+
+def few_frequencies(model: LinearModel, poles: np.ndarray) -> np.ndarray:
+    """Return round frequencies [rad/s] about the poles, and zero where nothing integrates.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> few_frequencies(tank, np.array([-0.02]))
+    array([0.   , 0.003, 0.01 , 0.03 , 0.1  ])
+    """
+    rates = np.abs(poles[np.abs(poles) > 0.0])
+    if model.delays is not None:
+        rates = np.append(rates, 1.0 / model.delays.times)
+    low, high = (rates.min() / 9.0, rates.max() * 9.0) if rates.size else (0.01, 100.0)
+    decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+    nice = [float(f"{share:g}e{k}") for k in decades for share in _NICE]
+    chosen = [omega for omega in nice if low <= omega <= high]
+    if len(chosen) > _MOST:
+        chosen = [chosen[i] for i in np.linspace(0, len(chosen) - 1, _MOST).round().astype(int)]
+    return np.array(chosen if integrators(model.A) else [0.0, *chosen])
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,179 @@
+"""The step response of a linear model, exact, also with dead time."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import gcd, lcm
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from clepsydra.base.errors import InputError
+from clepsydra.linear.internal_delays import InternalDelays
+from clepsydra.linear.linear_model import LinearModel
+
+# Polynomials of this degree, on intervals shorter than the fastest time constant.
+_DEGREE = 12
+_MOST_INTERVALS = 100_000
+# A dead time is taken for a fraction whose denominator is not above this.
+_DENOMINATOR = 10_000
+
+
+def step_response(model: LinearModel, times: ArrayLike) -> np.ndarray:
+    """Return what each output does after a step of one in each manipulated input, from rest.
+
+    Without dead time the motion between two times is the matrix exponential. With dead time the
+    axis is cut into intervals of which every dead time is a multiple, so that what comes back in
+    one is what left in an earlier one (the method of steps), as a polynomial of degree 12 on
+    each: errors are near rounding, and jumps stand where they belong.
+
+    Parameters
+    ----------
+    model : LinearModel
+    times : array_like [l]
+        Not falling, from zero on [s]. At a jump, the value after it.
+
+    Returns
+    -------
+    ndarray [l, q, m]
+        [output unit / input unit]
+
+    Raises
+    ------
+    InputError
+        The times fall or are negative; or the dead times have no common measure long enough.
+
+    References
+    ----------
+    R. Bellman and K. L. Cooke, Differential-Difference Equations, 1963, section 3.4.
+
+    Examples
+    --------
+    A tank with gain 2 and time constant 50 s after one time constant, 2 (1 - 1/e):
+
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> step_response(tank, [0.0, 50.0])[:, 0, 0].round(6)
+    array([0.      , 1.264241])
+    """
+    moments = np.atleast_1d(np.asarray(times, float))
+    if not np.all(np.isfinite(moments)) or np.any(np.diff(moments, prepend=0.0) < 0.0):
+        raise InputError(
+            "step response, times", moments.tolist(), "times from 0 s on, not falling", "sort them"
+        )
+    if model.delays is None:
+        return _by_matrix_exponential(model, moments)
+    return _by_steps(model, model.delays, moments)
+
+
+def _by_matrix_exponential(model: LinearModel, moments: np.ndarray) -> np.ndarray:
+    from scipy.linalg import expm
+
+    n, m = model.B.shape
+    moving = np.block([[model.A, model.B], [np.zeros((m, n + m))]])
+    known: dict[float, np.ndarray] = {}
+    motion, last = np.vstack([np.zeros((n, m)), np.eye(m)]), 0.0
+    values = np.empty((len(moments), len(model.outputs), m))
+    for place, moment in enumerate(moments):
+        # Steps that differ by rounding of an even grid are one step.
+        step = float(f"{moment - last:.12e}")
+        if step > 0.0:
+            if step not in known:
+                known[step] = expm(moving * step)
+            motion = known[step] @ motion
+        last = moment
+        values[place] = model.C @ motion[:n] + model.D
+    return values
+
+
+def _by_steps(model: LinearModel, delays: InternalDelays, moments: np.ndarray) -> np.ndarray:
+    n, m = model.B.shape
+    r = len(delays.times)
+    length, behind = _intervals(model, delays)
+    last = float(moments.max(initial=0.0))
+    count = int(np.floor(last / length * (1.0 + 1e-12))) + 1
+    if count > _MOST_INTERVALS:
+        raise InputError(
+            "step response, delays",
+            f"dead times of {', '.join(f'{time:.9g}' for time in delays.times)} s",
+            f"a common measure longer than {last / _MOST_INTERVALS:.3g} s",
+            "round the dead times, or approximate them by "
+            "clepsydra.linear.pade.without_dead_time(model, order)",
+        )
+    # On each interval: ẋ = A x + B u + to_states z at all nodes but the first, where x goes on.
+    nodes, slopes = _chebyshev(_DEGREE)
+    slopes = slopes * 2.0 / length
+    size = len(nodes)
+    matrix = np.kron(slopes, np.eye(n)) - np.kron(np.eye(size), model.A)
+    matrix[:n] = np.eye(n, size * n)
+    inverse = np.linalg.inv(matrix)
+    left = np.zeros((count, size, r, m))  # w at the nodes of each interval
+    values = np.empty((len(moments), len(model.outputs), m))
+    interval_of = np.minimum((moments / length * (1.0 + 1e-12)).astype(int), count - 1)
+    state = np.zeros((n, m))
+    for interval in range(count):
+        back = np.zeros((size, r, m))  # z; before the step nothing left
+        for signal, steps in enumerate(behind):
+            if interval >= steps:
+                back[:, signal] = left[interval - steps, :, signal]
+        driven = model.B + delays.to_states @ back
+        driven[0] = state
+        states = (inverse @ driven.reshape(size * n, m)).reshape(size, n, m)
+        left[interval] = delays.from_states @ states + delays.from_inputs + delays.through @ back
+        state = states[-1]
+        wanted = np.flatnonzero(interval_of == interval)
+        if len(wanted):
+            outputs = model.C @ states + model.D + delays.to_outputs @ back
+            local = np.clip(2.0 * (moments[wanted] / length - interval) - 1.0, -1.0, 1.0)
+            values[wanted] = np.tensordot(_interpolation(nodes, local), outputs, axes=1)
+    return values
+
+
+def _intervals(model: LinearModel, delays: InternalDelays) -> tuple[float, list[int]]:
+    """Return the length of the intervals [s], and how many of them each dead time is."""
+    unit = float(delays.times.max())
+    parts = [Fraction(time / unit).limit_denominator(_DENOMINATOR) for time in delays.times]
+    if max(abs(part * unit - time) for part, time in zip(parts, delays.times, strict=True)) > (
+        1e-12 * unit
+    ):
+        raise InputError(
+            "step response, delays",
+            f"dead times of {', '.join(f'{time:.9g}' for time in delays.times)} s",
+            "dead times with a common measure",
+            "round the dead times, or approximate them by "
+            "clepsydra.linear.pade.without_dead_time(model, order)",
+        )
+    shares = lcm(*(part.denominator for part in parts))
+    whole = [part.numerator * (shares // part.denominator) for part in parts]
+    common = gcd(*whole)
+    measure = unit * common / shares
+    # The largest eigenvalue of |A| bounds its rates in whatever units the states are.
+    fastest = float(np.abs(np.linalg.eigvals(np.abs(model.A))).max(initial=0.0))
+    splits = max(1, int(np.ceil(measure * fastest)))
+    return measure / splits, [number // common * splits for number in whole]
+
+
+def _chebyshev(degree: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the Chebyshev points from -1 to 1 and the matrix that differentiates there.
+
+    L. N. Trefethen, Spectral Methods in MATLAB, 2000, doi 10.1137/1.9780898719598, chapter 6.
+    """
+    nodes = -np.cos(np.pi * np.arange(degree + 1) / degree)
+    weights = (-1.0) ** np.arange(degree + 1)
+    weights[[0, -1]] *= 2.0
+    apart = nodes[:, None] - nodes + np.eye(degree + 1)
+    slopes = weights[:, None] / weights / apart
+    return nodes, slopes - np.diag(slopes.sum(axis=1))
+
+
+def _interpolation(nodes: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return the matrix from values at the Chebyshev points to values at the places."""
+    weights = (-1.0) ** np.arange(len(nodes))
+    weights[[0, -1]] /= 2.0
+    apart = places[:, None] - nodes
+    hit = apart == 0.0
+    rows = weights / np.where(hit, 1.0, apart)
+    rows /= rows.sum(axis=1, keepdims=True)
+    rows[hit.any(axis=1)] = hit[hit.any(axis=1)]
+    return rows

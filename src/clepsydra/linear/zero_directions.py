@@ -1,0 +1,106 @@
+"""Zeros with the directions in which they block."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.minimal_realisation import minimal_realisation, scaled_system
+from clepsydra.linear.zeros import normal_rank, zeros
+
+
+class ZeroDirection(NamedTuple):
+    """A transmission zero z, with G(z) input_direction = 0 and output_directionᴴ G(z) = 0.
+
+    Parameters
+    ----------
+    zero : complex
+        [rad/s]
+    input_direction : ndarray [m], complex
+        The combination of inputs that no output shows; of length one.
+    output_direction : ndarray [q], complex
+        The combination of outputs that no input moves; of length one. For a zero in the right
+        half-plane it is what first goes the wrong way, and its largest entry is the output that
+        suffers.
+
+    Examples
+    --------
+    >>> ZeroDirection(0.5 + 0j, np.array([1.0]), np.array([1.0])).zero
+    (0.5+0j)
+    """
+
+    zero: complex
+    input_direction: np.ndarray
+    output_direction: np.ndarray
+
+
+def zero_directions(model: LinearModel) -> list[ZeroDirection]:
+    """Return each zero with its input and output direction, in the order of `zeros`.
+
+    They are the null vectors of the Rosenbrock matrix [[A - z I, B], [C, D]] of the minimal
+    realisation, so a zero that is a pole as well has them too. The largest entry is real and
+    positive. Directions depend on units: `in_ranges(model)` gives those that compare.
+
+    Parameters
+    ----------
+    model : LinearModel
+
+    Returns
+    -------
+    list of ZeroDirection
+        Of a zero that stands twice with two directions, two.
+
+    Raises
+    ------
+    InputError
+        The model has dead time: it may have infinitely many zeros.
+
+    References
+    ----------
+    S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section
+    4.5.3.
+
+    Examples
+    --------
+    (1 - s)/(s + 1)² from the first input to the first output, beside 1/(s + 1):
+
+    >>> A = np.array([[-1.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
+    >>> B = np.array([[-1.0, 0.0], [2.0, 0.0], [0.0, 1.0]])
+    >>> model = LinearModel(A, B, B[:, :0], np.eye(3)[[0, 2]], np.zeros((2, 2)), ("a", "b", "c"),
+    ...                     ("u", "v"), (), ("y", "z"))
+    >>> found = zero_directions(model)[0]
+    >>> abs(found.zero - 1.0) < 1e-9, found.output_direction.real.round(6).tolist()
+    (True, [1.0, 0.0])
+    """
+    roots = zeros(model)
+    scaled = scaled_system(*minimal_realisation(model.A, model.B, model.C, model.D))
+    n, full_rank = len(scaled.A), normal_rank(model)
+    system = np.block([[scaled.A, scaled.B], [scaled.C, scaled.D]]).astype(complex)
+    found = []
+    for place, root in enumerate(roots):
+        matrix = system.copy()
+        matrix[:n, :n] -= root / scaled.rate * np.eye(n)
+        # A root that stands again takes the next null vector.
+        again = int(np.sum(np.abs(roots[:place] - root) <= 1e-9 * abs(root)))
+        left, _, right = np.linalg.svd(matrix)
+        null = n + full_rank - 1 - again
+        inputs = right.conj()[null, n:] / scaled.input_sizes
+        outputs = left[n:, null] / scaled.output_sizes
+        found.append(ZeroDirection(complex(root), unit_direction(inputs), unit_direction(outputs)))
+    return found
+
+
+def unit_direction(vector: np.ndarray) -> np.ndarray:
+    """Return a complex vector at length one with its largest entry positive; zero stays zero.
+
+    Examples
+    --------
+    >>> unit_direction(np.array([0.0, -2.0j])).real
+    array([0., 1.])
+    """
+    largest = vector[int(np.argmax(np.abs(vector)))] if vector.size else 0.0
+    if largest == 0.0:
+        return np.asarray(vector, complex)
+    return np.asarray(vector * (np.abs(largest) / largest) / np.linalg.norm(vector), complex)

@@ -1,0 +1,60 @@
+"""What happened in a run and when: the events of a process by time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.loop.motion_block import event_count, event_time
+from clepsydra.process.process import Process
+
+
+@dataclass(frozen=True)
+class Happening:
+    """That an event happened.
+
+    Parameters
+    ----------
+    time : float
+        [s]; where it happened more than once within a sampling period, the last time.
+    event : str
+    words : str
+    times : int
+        How often within the sampling period.
+
+    Examples
+    --------
+    >>> Happening(12.25, "pump_1.runs_dry", "pump_1 runs dry", 1).time
+    12.25
+    """
+
+    time: float
+    event: str
+    words: str
+    times: int
+
+
+def happenings(process: Process, values: Mapping[str, np.ndarray]) -> tuple[Happening, ...]:
+    """Return what happened in a run, in order of time.
+
+    Parameters
+    ----------
+    process : Process
+    values : mapping
+        Trajectories by name, with the count and time of every event.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> happenings(load_process("quadruple-tank"), {})
+    ()
+    """
+    found = []
+    for name, words in process.motion.events:
+        rises = np.diff(values[event_count(name)])
+        for sample in np.flatnonzero(rises > 0):
+            time = float(values[event_time(name)][sample + 1])
+            found.append(Happening(time, name, words, int(rises[sample])))
+    return tuple(sorted(found, key=lambda happening: happening.time))

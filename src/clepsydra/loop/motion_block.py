@@ -1,0 +1,269 @@
+"""The motion of a process over one sampling period, as statements of a program."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from clepsydra.base.signal import Signal
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.event_location import located_step
+from clepsydra.loop.lane_status import STATUS_SIGNALS, append_status
+from clepsydra.loop.motion_step import MotionStep
+from clepsydra.process.motion import Motion
+from clepsydra.process.process import Process
+from clepsydra.program.builder import BlockBuilder
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.program import Block
+from clepsydra.program.reader import inline
+
+#: Number of integration steps since the start of a run, which dates the events.
+CLOCK = "clock.steps"
+#: What a ring keeps of a delayed quantity for each integration step.
+RING_PARTS = ("start", "mean", "end")
+
+
+@dataclass(frozen=True)
+class MotionBlock:
+    """The motion of a process from one sample to the next, in equal integration steps.
+
+    Parameters
+    ----------
+    motion : Motion
+    period : float
+        Sampling period [s].
+    substeps : int
+        Integration steps in it.
+    totals : tuple of str
+        Those totals that are integrated.
+    watched : Process or None
+        The process, where each step is to be checked for a status, see
+        `clepsydra.loop.lane_status`.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> block = MotionBlock(load_process("quadruple-tank").motion, period=1.0, substeps=2)
+    >>> [signal.name for signal in block.state][:2], block.step_length
+    (['tank_1.level', 'tank_2.level'], 0.5)
+    """
+
+    motion: Motion
+    period: float
+    substeps: int
+    totals: tuple[str, ...] = ()
+    watched: Process | None = None
+
+    @property
+    def step_length(self) -> float:
+        """Length of an integration step [s]."""
+        return self.period / self.substeps
+
+    @property
+    def state(self) -> tuple[Signal, ...]:
+        """What lives from sample to sample, apart from the rings of the delays.
+
+        Contents, totals, memories, and for every event "event.count" and "event.time" [s].
+        """
+        motion = self.motion
+        totals = [replace(s, initial=0.0) for s in motion.totals if s.name in self.totals]
+        return (
+            *motion.contents,
+            *totals,
+            *motion.memories,
+            *(Signal(event_count(name), kind="integer", low=0.0) for name, _ in motion.events),
+            *(Signal(event_time(name), "s") for name, _ in motion.events),
+            *((Signal(CLOCK, kind="integer", low=0.0),) if motion.events else ()),
+            *(STATUS_SIGNALS if self.watched else ()),
+        )
+
+    @property
+    def rings(self) -> tuple[DelayRing, ...]:
+        """Start, mean and end of every delayed quantity, kept for its time."""
+        return tuple(
+            DelayRing(
+                Signal(ring_name(delay.name, part), delay.unit),
+                round(delay.time / self.step_length),
+            )
+            for delay in self.motion.delays
+            for part in RING_PARTS
+        )
+
+    def move(
+        self, builder: BlockBuilder, state: Sequence[int], outside: Sequence[int]
+    ) -> tuple[int, ...]:
+        """Append the motion over a sampling period and return the values of the next state.
+
+        Parameters
+        ----------
+        builder : BlockBuilder
+        state : sequence of int
+            Values of `state`.
+        outside : sequence of int
+            Values of inputs, disturbances and parameters, held over the period.
+        """
+        if self.substeps == 1 and not self.motion.delays:
+            return tuple(self._step(builder, list(state), [], list(outside))[0])
+        size, rings = len(self.state), len(self.rings)
+        inner = BlockBuilder(size + rings + len(outside))
+        following, written = self._step(
+            inner,
+            list(range(size)),
+            list(range(size, size + rings)),
+            list(range(size + rings, size + rings + len(outside))),
+        )
+        body = inner.finish([*following, *written])
+        return builder.loop(
+            "integration", body, self.substeps, (), state, outside, rings=self.rings
+        )
+
+    def _step(
+        self, builder: BlockBuilder, state: list[int], ring: list[int], outside: list[int]
+    ) -> tuple[list[int], list[int]]:
+        """Append one step; return the next state and what is written to the rings."""
+        motion = self.motion
+        step = MotionStep(motion, self.totals)
+        integrated = step.size - len(motion.delays)
+        events, memories = len(motion.events), len(motion.memories)
+        integral = state[:integrated] + [builder.constant(0.0)] * len(motion.delays)
+        m = state[integrated : integrated + memories]
+        flags = len(STATUS_SIGNALS) if self.watched else 0
+        dates = state[integrated + memories : len(state) - flags]
+        status = state[len(state) - flags :]
+        h, zero, one = (builder.constant(v) for v in (self.step_length, 0.0, 1.0))
+        after = inline(
+            builder, step.advance, [h, zero, one, *integral, *ring, *m, *outside], fused=True
+        )
+        following = m
+        if events:
+            count, time, clock = dates[:events], dates[events:-1], dates[-1]
+            guards = inline(builder, step.guards, [one, *after, *ring, *m, *outside], fused=True)
+            happens = builder.operation("less_equal", zero, guards[0])
+            for guard in guards[1:]:
+                fires = builder.operation("less_equal", zero, guard)
+                happens = builder.operation("or", happens, fires)
+            carried = [*after, *count, *time, *m]
+            invariants = [clock, *integral, *ring, *outside]
+            body = self._located(step, len(carried), len(invariants))
+            changed = builder.conditional("event", happens, body, carried, invariants)
+            after = list(changed[: step.size])
+            dates = [*changed[step.size : len(changed) - memories]]
+            dates.append(builder.operation("add", clock, one))
+            following = list(changed[len(changed) - memories :])
+        written: list[int] = []
+        if motion.delays:
+            first = inline(builder, step.sent, [zero, *integral, *ring, *m, *outside], fused=True)
+            last = inline(
+                builder, step.sent, [one, *after, *ring, *following, *outside], fused=True
+            )
+            for start, total, end in zip(first, after[integrated:], last, strict=True):
+                written += [start, builder.operation("divide", total, h), end]
+        if self.watched:
+            integrals = [*integral, *after, *ring, *m, *outside]
+            status = append_status(builder, self.watched, step, self.step_length, status, integrals)
+        if memories:
+            following = inline(
+                builder, step.updates, [one, *after, *ring, *following, *outside], fused=True
+            )
+        return [*after[:integrated], *following, *dates, *status], written
+
+    def _located(self, step: MotionStep, carried: int, invariants: int) -> Block:
+        """Return the block that repeats a step in which something happens."""
+        events, memories = len(self.motion.events), len(self.motion.memories)
+        inner = BlockBuilder(carried + invariants)
+        count = list(range(step.size, step.size + events))
+        time = list(range(step.size + events, step.size + 2 * events))
+        m = list(range(carried - memories, carried))
+        clock, *rest = range(carried, carried + invariants)
+        integral, rest = rest[: step.size], rest[step.size :]
+        ring, outside = rest[: step.ring.numel()], rest[step.ring.numel() :]
+        h = inner.constant(self.step_length)
+        now = inner.operation("multiply", clock, h)
+        arguments = [h, now, *integral, *ring, *count, *time, *m, *outside]
+        return inner.finish(inline(inner, located_step(step), arguments, fused=True))
+
+
+def motion_at_rest(point: OperatingPoint) -> dict[str, float]:
+    """Return what lives from sample to sample by name, at rest; nothing has happened yet.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.process.reader import load_process
+    >>> rest = motion_at_rest(find_equilibrium(load_process("quadruple-tank")))
+    >>> round(rest["tank_1.level"], 6)
+    0.12263
+    """
+    process, motion = point.process, point.process.motion
+    p = process.parameter_values
+    c = np.array(motion.to_contents(point.state, p)).ravel()
+    m = np.array([signal.initial for signal in motion.memories])
+    z = np.zeros(len(motion.delays))
+    for _ in motion.delays:  # one delay may feed the next
+        w = motion.rates(c, z, m, point.inputs, point.disturbances, p)[1]
+        z = np.array(w).ravel()
+    rings = {
+        ring_name(delay.name, part): float(value)
+        for delay, value in zip(motion.delays, z, strict=True)
+        for part in RING_PARTS
+    }
+    return {
+        **{signal.name: float(value) for signal, value in zip(motion.contents, c, strict=True)},
+        **{signal.name: signal.initial for signal in motion.memories},
+        **rings,
+    }
+
+
+def recorded_signals(process: Process) -> tuple[Signal, ...]:
+    """Return what a run records beside the states: volumes spilt, memories, counts and times.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> recorded_signals(load_process("quadruple-tank"))
+    ()
+    """
+    motion = process.motion
+    block = MotionBlock(motion, 1.0, 1, spilt_totals(process))
+    return block.state[len(motion.contents) :]
+
+
+def spilt_totals(process: Process) -> tuple[str, ...]:
+    """Return the totals that every run integrates: volumes spilt.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> spilt_totals(load_process("quadruple-tank"))
+    ()
+    """
+    return tuple(total.name for total in process.motion.totals if total.name.endswith(".spilt"))
+
+
+def event_count(event: str) -> str:
+    """Return the name of the number of times that an event has happened.
+
+    >>> event_count("pump_1.runs_dry")
+    'pump_1.runs_dry.count'
+    """
+    return f"{event}.count"
+
+
+def event_time(event: str) -> str:
+    """Return the name of the time at which an event happened last.
+
+    >>> event_time("pump_1.runs_dry")
+    'pump_1.runs_dry.time'
+    """
+    return f"{event}.time"
+
+
+def ring_name(delay: str, part: str) -> str:
+    """Return the name of the ring that keeps one part of a delayed quantity.
+
+    >>> ring_name("channel.delayed_flow", "mean")
+    'channel.delayed_flow.mean'
+    """
+    return f"{delay}.{part}"

@@ -1,0 +1,257 @@
+"""A process on its own: its motion under inputs that are given as profiles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.engine.kernel import Kernel
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.balance import Balance, balances
+from clepsydra.loop.happenings import Happening, happenings
+from clepsydra.loop.loop import Solver
+from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
+from clepsydra.loop.reference_motion import ReferenceMotion
+from clepsydra.loop.step_size import check_substeps
+from clepsydra.process.process import Process
+from clepsydra.program.builder import BlockBuilder
+from clepsydra.program.program import Program
+from clepsydra.program.reader import inline
+
+if TYPE_CHECKING:
+    import pandas
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """What a process did under given inputs.
+
+    Parameters
+    ----------
+    process : Process
+    time : ndarray [samples + 1]
+        Start of each sample, and the end [s].
+    signals : tuple of Signal
+        One for each trajectory.
+    values : dict
+        Name to trajectory [samples + 1] in SI: states, measurements (without noise), inputs,
+        disturbances (held during a sample), volumes spilt, memories of switches.
+    happenings : tuple of Happening
+        Events in order of time.
+    balances : tuple of Balance
+        Of the liquid and of each component.
+    substeps : int
+        Integration steps in a sampling period; 0 for the reference solver.
+    error_estimate : float or None
+        Largest difference to a run with half the step, as a fraction of the state's range.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.process.reader import load_process
+    >>> point = find_equilibrium(load_process("quadruple-tank"))
+    >>> run = simulate(point, {"pump_1": np.full(600, 3.2)}, substeps=1)
+    >>> round(100 * float(run.values["tank_1.level"][-1]), 3), run.balances[0].error < 1e-12
+    (13.323, True)
+    """
+
+    process: Process
+    time: np.ndarray
+    signals: tuple[Signal, ...]
+    values: dict[str, np.ndarray]
+    happenings: tuple[Happening, ...]
+    balances: tuple[Balance, ...]
+    substeps: int
+    error_estimate: float | None = None
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return a table with one row a sample, indexed by time [s], one column a signal."""
+        import pandas
+
+        return pandas.DataFrame(self.values, index=pandas.Index(self.time, name="time"))
+
+
+def simulate(
+    point: OperatingPoint,
+    profiles: Mapping[str, np.ndarray],
+    *,
+    substeps: int,
+    state: Mapping[str, float] | None = None,
+    solver: Solver = "kernel",
+) -> Simulation:
+    """Simulate a process whose inputs and disturbances follow profiles.
+
+    Parameters
+    ----------
+    point : OperatingPoint
+        Where it starts, and where signals without a profile stay.
+    profiles : mapping
+        Input or disturbance to its values [samples], all of one length, SI; held over a sample.
+    substeps : int
+        Integration steps in a sampling period, see `clepsydra.loop.step_size.substeps_for`.
+    state : mapping, optional
+        States that do not start at the point, "tank_1.level" to its value.
+    solver : {"kernel", "reference"}
+
+    Raises
+    ------
+    InputError
+        A profile or a state is of no such signal, or their lengths differ.
+    """
+    check_substeps(substeps, point.process)
+    run = _OpenLoop(point, profiles, substeps, state or {})
+    return run.by_reference() if solver == "reference" else run.by_kernel()
+
+
+class _OpenLoop:
+    def __init__(
+        self,
+        point: OperatingPoint,
+        profiles: Mapping[str, np.ndarray],
+        substeps: int,
+        state: Mapping[str, float],
+    ) -> None:
+        self.point, self.process, self.substeps = point, point.process, substeps
+        process = self.process
+        self.outside = (*process.inputs, *process.disturbances)
+        self._check(profiles, state)
+        self.samples = len(next(iter(profiles.values())))
+        at = point.as_dict()
+        self.profiles = {
+            signal.name: np.asarray(
+                profiles.get(signal.name, np.full(self.samples, at[signal.name])), float
+            )
+            for signal in self.outside
+        }
+        totals = tuple(signal.name for signal in process.motion.totals)
+        self.motion = MotionBlock(process.motion, process.sampling_period, substeps, totals)
+        self.start = point.state.copy()
+        for place, signal in enumerate(process.state):
+            self.start[place] = state.get(signal.name, self.start[place])
+        self.contents = np.array(
+            process.motion.to_contents(self.start, process.parameter_values)
+        ).ravel()
+
+    def by_kernel(self) -> Simulation:
+        process, rest = self.process, motion_at_rest(self.point)
+        contents = {
+            s.name: float(v) for s, v in zip(process.motion.contents, self.contents, strict=True)
+        }
+        kernel = Kernel(self._program())
+        given = {**{name: np.append(values, values[-1]) for name, values in self.profiles.items()}}
+        result = kernel.run(self.samples + 1, inputs=given, state=rest | contents)
+        values = {s.name: result.output(s.name)[0] for s in kernel.program.outputs}
+        return self._collect(values, self.substeps)
+
+    def by_reference(self) -> Simulation:
+        process = self.process
+        motion = ReferenceMotion(
+            self.point, self.substeps, self.motion.totals, contents=self.contents
+        )
+        rows = []
+        moved = self._columns(process.inputs)
+        disturbed = self._columns(process.disturbances)
+        for sample in range(self.samples + 1):
+            state = motion.state()
+            measured = np.array(process.measure(state, process.parameter_values)).ravel()
+            rows.append(
+                {s.name: v for s, v in zip(process.state, state, strict=True)}
+                | {s.name: v for s, v in zip(process.measurements, measured, strict=True)}
+                | motion.recorded()
+            )
+            if sample < self.samples:
+                motion.advance(moved[sample], disturbed[sample])
+        values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        return self._collect(values, 0)
+
+    def _columns(self, signals: tuple[Signal, ...]) -> np.ndarray:
+        """Return the profiles of some signals [samples, signals]."""
+        columns = np.empty((self.samples, len(signals)))
+        for place, signal in enumerate(signals):
+            columns[:, place] = self.profiles[signal.name]
+        return columns
+
+    def _check(self, profiles: Mapping[str, np.ndarray], state: Mapping[str, float]) -> None:
+        for what, names, known in (
+            ("profiles", profiles, [s.name for s in self.outside]),
+            ("state", state, [s.name for s in self.process.state]),
+        ):
+            for name in names:
+                if name not in known:
+                    raise InputError(
+                        f"simulation of {self.process.name}, {what}", name,
+                        f"one of {', '.join(known)}", "correct the name",
+                    )  # fmt: skip
+        lengths = {len(values) for values in profiles.values()}
+        if len(lengths) != 1 or 0 in lengths:
+            raise InputError(
+                f"simulation of {self.process.name}, profiles", sorted(lengths),
+                "profiles of one length, at least one sample", "give one value a sample",
+            )  # fmt: skip
+
+    def _program(self) -> Program:
+        process, motion = self.process, self.process.motion
+        state = self.motion.state
+        names = [s.name for s in (*state, *self.outside, *process.parameters)]
+        builder = BlockBuilder(len(names))
+        value = {name: index for index, name in enumerate(names)}
+        parameters = [value[p.name] for p in process.parameters]
+        contents = [value[s.name] for s in motion.contents]
+        shown = inline(builder, motion.to_state, [*contents, *parameters], fused=True)
+        measured = inline(builder, process.measure, [*shown, *parameters], fused=True)
+        outside = [value[s.name] for s in self.outside]
+        following = self.motion.move(
+            builder, [value[s.name] for s in state], [*outside, *parameters]
+        )
+        recorded = state[len(motion.contents) :]
+        kept = [s for s in motion.contents if s.name not in {x.name for x in process.state}]
+        block = builder.finish(
+            [
+                *following,
+                *shown,
+                *measured,
+                *(value[s.name] for s in (*recorded, *kept)),
+            ]
+        )
+        return Program(
+            f"{process.name}, open loop",
+            state,
+            self.outside,
+            process.parameters,
+            (*process.state, *process.measurements, *recorded, *kept),
+            block,
+        )
+
+    def _collect(self, values: dict[str, np.ndarray], substeps: int) -> Simulation:
+        process, motion = self.process, self.process.motion
+        recorded = self.motion.state[len(motion.contents) :]
+        for name, profile in self.profiles.items():
+            values[name] = np.append(profile, profile[-1])
+        balanced = [s.name for s in motion.totals if s.name.startswith("balance.")]
+        last_state = np.array([values[s.name][-1] for s in process.state])
+        last = np.array(motion.to_contents(last_state, process.parameter_values)).ravel()
+        signals = (
+            *process.state,
+            *process.measurements,
+            *self.outside,
+            *(s for s in recorded if s.name not in balanced),
+        )
+        return Simulation(
+            process=process,
+            time=np.arange(self.samples + 1) * process.sampling_period,
+            signals=signals,
+            values={s.name: values[s.name] for s in signals},
+            happenings=happenings(process, values),
+            balances=balances(
+                process,
+                self.contents,
+                last,
+                {name: float(values[name][-1]) for name in balanced},
+            ),
+            substeps=substeps,
+        )

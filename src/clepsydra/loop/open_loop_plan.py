@@ -1,0 +1,276 @@
+"""The plan of an open-loop run: where the process starts, what its inputs do, how long."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
+from clepsydra.base.units import to_si
+from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import linearise
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.poles import origin_radius
+from clepsydra.loop.duration import pretty_duration, read_duration, samples_before, time_text
+from clepsydra.loop.loop import Solver
+from clepsydra.loop.open_loop import Simulation, simulate
+from clepsydra.loop.profile import Change, check_range, profiles_of
+from clepsydra.loop.refinement import refined
+from clepsydra.loop.step_size import substeps_for
+from clepsydra.process.process import Process
+
+Start = Literal["rest", "empty"]
+
+#: The error that a run may have, as a fraction of a state's range, before its step is halved.
+TOLERANCE = 1e-6
+#: Length of a run that nobody gave one for, in times of the slowest time constant.
+_SLOWEST_TIMES = 6.0
+_MOST_SAMPLES = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What an open-loop run is to do.
+
+    Parameters
+    ----------
+    point : OperatingPoint
+        Where it starts, and where signals without a change stay.
+    state : mapping
+        States that do not start at the point [SI].
+    changes : tuple of Change
+        In order of time.
+    samples : int
+    begins : str
+        Where it starts, in words: "at rest", "empty".
+    substeps : int
+        Integration steps in a sampling period to begin with.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> plan = plan_simulation(load_process("quadruple-tank"))
+    >>> plan.duration, plan.begins
+    (600.0, 'at rest')
+    """
+
+    point: OperatingPoint
+    state: Mapping[str, float]
+    changes: tuple[Change, ...]
+    samples: int
+    begins: str
+    substeps: int
+
+    @property
+    def process(self) -> Process:
+        """The process."""
+        return self.point.process
+
+    @property
+    def duration(self) -> float:
+        """Length of the run [s]."""
+        return self.samples * self.process.sampling_period
+
+    @property
+    def first(self) -> OperatingPoint:
+        """Every signal at the start of the run; nothing says that it is at rest there."""
+        process = self.process
+        state = np.array(
+            [
+                self.state.get(s.name, v)
+                for s, v in zip(process.state, self.point.state, strict=True)
+            ]
+        )
+        return _point_at(process, state, self.point.inputs, self.point.disturbances)
+
+    def run(self, solver: Solver = "kernel") -> Simulation:
+        """Simulate as planned.
+
+        The kernel's error is estimated by halving the step, and the step is halved until the
+        estimate is below 1e-6 of each state's range or 64 times as many steps have been tried.
+        The reference solver keeps its own tolerance, 1e-10, and no estimate is made.
+
+        Raises
+        ------
+        InputError
+            The solver is unknown, or changes of a signal are out of order or beyond the end.
+        """
+        if solver not in get_args(Solver):
+            raise InputError(
+                "solver", solver, f"one of {', '.join(get_args(Solver))}", "correct the name"
+            )
+        period = self.process.sampling_period
+        at = self.point.as_dict()
+        outside = (*self.process.inputs, *self.process.disturbances)
+        before = {signal.name: at[signal.name] for signal in outside}
+        profiles = profiles_of(self.changes, before, period, self.samples)
+
+        def simulated(substeps: int) -> Simulation:
+            return simulate(
+                self.point, profiles, substeps=substeps, state=self.state, solver=solver
+            )
+
+        if solver == "reference":
+            return simulated(self.substeps)
+        run, estimate = refined(self.process, simulated, self.substeps, TOLERANCE)
+        return replace(run, error_estimate=estimate)
+
+
+def read_state(name: str, value: object, process: Process, place: str) -> float:
+    """Read the value at which a state starts [SI].
+
+    Raises
+    ------
+    InputError
+        There is no such state, or the value has another unit or is out of its range.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> read_state("tank_1.level", "5 cm", load_process("quadruple-tank"), "--state")
+    0.05
+    """
+    known = {signal.name: signal for signal in process.state}
+    if name not in known:
+        raise InputError(
+            place,
+            name[:60],
+            f"a state of {process.name} ({', '.join(known)})",
+            suggestion(name, known, "choose one of them"),
+        )
+    where = f"{place}, {name}"
+    number = to_si(value, known[name].unit, where)
+    check_range(known[name], number, where)
+    return number
+
+
+def plan_simulation(
+    process: Process,
+    changes: Iterable[Change] = (),
+    *,
+    duration: str | None = None,
+    start: Start = "rest",
+    state: Mapping[str, float] | None = None,
+) -> Plan:
+    """Choose where an open-loop run starts, how long it lasts and with which step it begins.
+
+    Parameters
+    ----------
+    process : Process
+    changes : iterable of Change
+        Those of one signal in order of time.
+    duration : str, optional
+        If left out, six times the slowest finite time constant after the last change, as a
+        pretty number.
+    start : {"rest", "empty"}
+        At the equilibrium of the process, or with empty tanks and everything else as there.
+    state : mapping, optional
+        States that start elsewhere [SI].
+
+    Raises
+    ------
+    InputError
+        The start is unknown, the run would take more than a million samples, or it has no
+        duration and the process no finite time constant.
+    NoEquilibrium
+        It starts at rest and the process does not rest anywhere.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> plan = plan_simulation(load_process("quadruple-tank"), start="empty")
+    >>> plan.first.as_dict()["tank_1.level"]
+    0.0
+    """
+    if start not in get_args(Start):
+        raise InputError("start", start, f"one of {', '.join(get_args(Start))}", "choose one")
+    state = dict(state or {})
+    changes = tuple(changes)
+    complete = all(signal.name in state for signal in process.state)
+    try:
+        rest = find_equilibrium(process)
+    except NoEquilibrium as error:
+        if start == "rest" and not complete:
+            raise NoEquilibrium(
+                process, [*error.reasons, "so that a simulation has to start empty"]
+            ) from None
+        rest = _middle(process)
+    model = _model_near(rest)
+    point = _emptied(rest) if start == "empty" else rest
+    begins = "empty" if start == "empty" else "at rest"
+    if complete:
+        begins = "at the given state"
+    elif state:
+        begins += f", but for {' and '.join(state)}"
+    period = process.sampling_period
+    length = (
+        read_duration(duration, "duration")
+        if duration is not None
+        else _default_duration(model, changes)
+    )
+    samples = max(1, samples_before(length, period))
+    if samples > _MOST_SAMPLES:
+        raise InputError(
+            "duration",
+            time_text(length),
+            f"at most {time_text(_MOST_SAMPLES * period)}, a million samples of {period:g} s",
+            "shorten it, or lengthen the sampling period of the process",
+        )
+    return Plan(point, state, changes, samples, begins, substeps_for(model))
+
+
+def _point_at(
+    process: Process, state: np.ndarray, inputs: np.ndarray, disturbances: np.ndarray
+) -> OperatingPoint:
+    parameters = process.parameter_values
+    rates = np.array(process.dynamics(state, inputs, disturbances, parameters)).ravel()
+    measured = np.array(process.measure(state, parameters)).ravel()
+    residual = float(np.abs(rates).max(initial=0.0))
+    return OperatingPoint(process, state, inputs, disturbances, measured, residual)
+
+
+def _middle(process: Process) -> OperatingPoint:
+    """Return the point where searches begin: levels half-way up, inputs at their nominal values."""
+    state, inputs, disturbances = (
+        np.array([signal.initial for signal in group])
+        for group in (process.state, process.inputs, process.disturbances)
+    )
+    return _point_at(process, state, inputs, disturbances)
+
+
+def _emptied(rest: OperatingPoint) -> OperatingPoint:
+    """Return a point with empty tanks; valves and sensors stand as they do at rest."""
+    process = rest.process
+    inside = {s.name for e in process.elements if e.symbol == "tank" for s in e.states()}
+    state = np.array(
+        [
+            signal.low if signal.name in inside else value
+            for signal, value in zip(process.state, rest.state, strict=True)
+        ]
+    )
+    return _point_at(process, state, rest.inputs, rest.disturbances)
+
+
+def _model_near(rest: OperatingPoint) -> LinearModel:
+    """Return the linear model at rest, or with half-full tanks where one is empty at rest."""
+    try:
+        return linearise(rest)
+    except InputError:
+        return linearise(_middle(rest.process))
+
+
+def _default_duration(model: LinearModel, changes: tuple[Change, ...]) -> float:
+    rates = -np.linalg.eigvals(model.A).real
+    finite = rates[np.abs(rates) > origin_radius(model.A)]
+    if not finite.size:
+        raise InputError(
+            "duration", None, "a length of time, since no time constant of the process is finite",
+            "give one, for example '20 min'",
+        )  # fmt: skip
+    last = max((change.stop for change in changes), default=0.0)
+    return pretty_duration(last + _SLOWEST_TIMES / float(np.min(np.abs(finite))))

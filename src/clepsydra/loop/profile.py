@@ -1,0 +1,251 @@
+"""Profiles of inputs and disturbances, written as words: values, steps and ramps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.base.suggestion import suggestion
+from clepsydra.base.units import from_si, to_si
+from clepsydra.loop.duration import samples_before, time_text
+from clepsydra.process.process import Process
+
+_EXAMPLE = "write as in pump_1=3.2V, pump_1=3.5V@60s or pump_1=4V@60s..120s"
+
+
+@dataclass(frozen=True)
+class Change:
+    """That an input or a disturbance takes a new value, at once or along a ramp.
+
+    Parameters
+    ----------
+    signal : str
+    value : float
+        [SI]
+    start, stop : float
+        [s]; equal for a step.
+    place : str
+        Where it was written, for messages.
+
+    Examples
+    --------
+    >>> Change("pump_1", 3.5, 60.0, 60.0).is_ramp
+    False
+    """
+
+    signal: str
+    value: float
+    start: float
+    stop: float
+    place: str = ""
+
+    @property
+    def is_ramp(self) -> bool:
+        """It takes time."""
+        return self.stop > self.start
+
+
+def read_assignment(text: str, process: Process, place: str) -> Change:
+    """Read a change of a named signal, such as ``pump_1=4V@60s..120s``.
+
+    Parameters
+    ----------
+    text : str
+    process : Process
+    place : str
+        Where it stands, for messages.
+
+    Raises
+    ------
+    InputError
+        There is no such signal, or what `read_change` refuses.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> change = read_assignment("pump_1=4V@60s..120s", load_process("quadruple-tank"), "--input")
+    >>> change.value, change.start, change.stop
+    (4.0, 60.0, 120.0)
+    """
+    name, equals, words = text.partition("=")
+    if not equals:
+        raise InputError(place, text[:60], "a signal, '=' and its value", _EXAMPLE)
+    return read_change(name.strip(), words, process, place)
+
+
+def read_change(name: str, words: object, process: Process, place: str) -> Change:
+    """Read what a signal does: "3.2 V", "3.5 V @ 60 s" or "4 V @ 60 s..120 s".
+
+    Parameters
+    ----------
+    name : str
+        Input or disturbance.
+    words : object
+    process : Process
+    place : str
+        Where it stands, for messages.
+
+    Raises
+    ------
+    InputError
+        There is no such signal; value or time is no quantity of the right kind; the value is out
+        of the signal's range, the time before the start, or the ramp ends before it begins.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> read_change("pump_1", "3.2 V", load_process("quadruple-tank"), "inputs").start
+    0.0
+    """
+    signal = outside_signal(name, process, place)
+    value_words, at, times = words.partition("@") if isinstance(words, str) else (words, "", "")
+    value = to_si(value_words, signal.unit, place)
+    check_range(signal, value, place)
+    if not at:
+        return Change(name, value, 0.0, 0.0, place)
+    parts = times.split("..")
+    if len(parts) > 2:
+        raise InputError(place, times[:60], "one time, or two with '..' between them", _EXAMPLE)
+    start, stop = (to_si(part, "s", place) for part in (parts[0], parts[-1]))
+    if start < 0.0:
+        raise InputError(place, parts[0].strip(), "a time from 0 s on", "begin at 0 s or later")
+    if len(parts) == 2 and stop <= start:
+        raise InputError(
+            place, times.strip(), "a ramp that ends after it begins", "exchange the two times"
+        )
+    return Change(name, value, start, stop, place)
+
+
+def outside_signal(name: str, process: Process, place: str) -> Signal:
+    """Return an input or a disturbance by its name.
+
+    Raises
+    ------
+    InputError
+        There is none.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> outside_signal("pump_1", load_process("quadruple-tank"), "--input").unit
+    'V'
+    """
+    known = {signal.name: signal for signal in (*process.inputs, *process.disturbances)}
+    if name not in known:
+        raise InputError(
+            place,
+            name[:60],
+            f"an input or a disturbance of {process.name} ({', '.join(known)})",
+            suggestion(name, known, "choose one of them"),
+        )
+    return known[name]
+
+
+def check_range(signal: Signal, value: float, place: str) -> None:
+    """Refuse a value [SI] outside a signal's range.
+
+    Examples
+    --------
+    >>> check_range(Signal("pump_1", "V", low=0.0, high=10.0), 11.0, "--input")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: --input: got '11 V', expected a value from 0 to 10 V, \
+the range of pump_1; stay inside the range.
+    """
+    if signal.low <= value <= signal.high:
+        return
+    shown, low, high = (
+        f"{from_si(number, signal.unit, signal.shown_unit):.6g}"
+        for number in (value, signal.low, signal.high)
+    )
+    raise InputError(
+        place,
+        f"{shown} {signal.shown_unit}",
+        f"a value from {low} to {high} {signal.shown_unit}, the range of {signal.name}",
+        "stay inside the range",
+    )
+
+
+def profiles_of(
+    changes: Iterable[Change], before: Mapping[str, float], period: float, samples: int
+) -> dict[str, np.ndarray]:
+    """Return what signals do on the grid of the samples.
+
+    A value is held over a sample. A step between two samples acts from the later one on; a ramp
+    is a staircase that meets it at the start of each sample.
+
+    Parameters
+    ----------
+    changes : iterable of Change
+        Those of one signal in order of time.
+    before : mapping
+        Every signal to its value until its first change [SI].
+    period : float
+        Sampling period [s].
+    samples : int
+
+    Returns
+    -------
+    dict
+        Every signal of `before` to its values [samples].
+
+    Raises
+    ------
+    InputError
+        A change begins before the last one of its signal has ended, falls into the same sample,
+        or has not ended with the last sample.
+
+    Examples
+    --------
+    >>> changes = [Change("pump", 2.0, 0.0, 0.0), Change("pump", 4.0, 1.0, 3.0)]
+    >>> profiles_of(changes, {"pump": 1.0}, period=1.0, samples=5)["pump"]
+    array([2., 2., 3., 4., 4.])
+    """
+    profiles = {name: np.full(samples, value) for name, value in before.items()}
+    last: dict[str, Change] = {}
+    value_of = dict(before)
+    for change in changes:
+        previous = last.get(change.signal)
+        if previous is not None:
+            _check_follows(previous, change, period)
+        first = samples_before(change.start, period)
+        if first >= samples or change.stop > samples * period * (1.0 + 1e-12):
+            raise InputError(
+                change.place,
+                time_text(change.stop),
+                f"a change that ends within the duration of {time_text(samples * period)}",
+                "lengthen the duration or leave the change out",
+            )
+        values, old = profiles[change.signal], value_of[change.signal]
+        if change.is_ramp:
+            time = np.arange(first, samples) * period
+            share = np.clip((time - change.start) / (change.stop - change.start), 0.0, 1.0)
+            # Written so that the ramp ends on its value exactly.
+            values[first:] = (1.0 - share) * old + share * change.value
+        else:
+            values[first:] = change.value
+        value_of[change.signal], last[change.signal] = change.value, change
+    return profiles
+
+
+def _check_follows(previous: Change, change: Change, period: float) -> None:
+    """Refuse a change that would hide the one before it."""
+    if change.start < previous.stop:
+        raise InputError(
+            change.place,
+            time_text(change.start),
+            f"a time from {time_text(previous.stop)} on, when the change of {change.signal} "
+            "before it has ended",
+            "give the changes of a signal in order of time",
+        )
+    if samples_before(change.start, period) <= samples_before(previous.start, period):
+        raise InputError(
+            change.place,
+            time_text(change.start),
+            f"at most one value of {change.signal} in a sampling period of {time_text(period)}",
+            "leave one of the two out or shorten the sampling period",
+        )

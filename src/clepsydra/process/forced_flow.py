@@ -1,0 +1,177 @@
+"""A forced flow: a flow whose size is given from outside, whatever the levels are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar, Self
+
+import casadi as ca
+
+from clepsydra.base.signal import Signal
+from clepsydra.process.concentrations import (
+    GivenConcentration,
+    concentration_signals,
+    concentration_values,
+    read_concentrations,
+)
+from clepsydra.process.element import Connection, Element
+from clepsydra.process.flow import Flow
+from clepsydra.process.hybrid import Event
+from clepsydra.process.suction import drawn, suction_events, suction_memory
+from clepsydra.process.vessels.vessel import Vessel
+from clepsydra.program.step_law import Symbols
+
+if TYPE_CHECKING:
+    from clepsydra.process.table_reader import TableReader
+
+
+@dataclass(frozen=True)
+class ForcedFlow(Element):
+    """A forced flow: q = d, into a tank from outside, out of a tank, or from one to another.
+
+    Out of an empty tank nothing flows, see `clepsydra.process.suction`.
+
+    Parameters
+    ----------
+    name : str
+        Also the name of its signal, d [m³/s], a disturbance unless the file manipulates it.
+    source, destination : str
+        Elements; empty for outside the plant, but not both.
+    low, high : float
+        Range [m³/s].
+    nominal : float
+        Value at the operating point [m³/s].
+    step : float
+        Size of the load step of the default scenario [m³/s].
+    given : mapping
+        Component to its concentration, in liquid from outside.
+
+    Examples
+    --------
+    >>> rain = ForcedFlow("rain", "", "tank_1", low=0.0, high=1e-5, nominal=0.0, step=2e-6)
+    >>> rain.disturbances()[0].high
+    1e-05
+    """
+
+    kind: ClassVar[str] = "forced flow"
+    table: ClassVar[str] = "flows"
+    symbol: ClassVar[str] = "flow"
+    keys: ClassVar[tuple[str, ...]] = (
+        "source", "destination", "range", "nominal", "step", "concentration",
+    )  # fmt: skip
+
+    source: str
+    destination: str
+    low: float
+    high: float
+    nominal: float
+    step: float = 0.0
+    given: Mapping[str, GivenConcentration] = field(default_factory=dict)
+    source_vessel: Vessel | None = None
+
+    @classmethod
+    def read(cls, name: str, table: TableReader) -> Self:
+        """Make the flow from its table of a process file."""
+        low, high = table.range("range", "m^3/s", at_least=0.0)
+        nominal = table.quantity(
+            "nominal",
+            "m^3/s",
+            "a flow",
+            "choose a flow within the range",
+            at_least=low,
+            at_most=high,
+        )
+        step = table.quantity(
+            "step", "m^3/s", "a flow", "give the size of a typical load step", default=0.0
+        )
+        if not low <= nominal + step <= high:
+            raise table.refused(
+                "step",
+                table.written("step"),
+                "a step that stays within the range",
+                "make the step smaller or the range wider",
+            )
+        ends = {
+            key: table.name(key, "the name of a tank") if table.has(key) else ""
+            for key in ("source", "destination")
+        }
+        if not any(ends.values()):
+            raise table.refused(
+                "destination",
+                "no destination",
+                "the name of a tank",
+                'write as in destination = "tank_1", or give a source',
+            )
+        if ends["source"] and table.has("concentration"):
+            raise table.refused(
+                "concentration",
+                table.written("concentration"),
+                "no concentration, since the liquid comes from an element",
+                "remove it, or remove the source",
+            )
+        return cls(
+            name,
+            ends["source"],
+            ends["destination"],
+            low=low,
+            high=high,
+            nominal=nominal,
+            step=step,
+            given=read_concentrations(table),
+            source_vessel=table.vessel_of(ends["source"]),
+            components=table.components,
+            display_units=table.display_units("range"),
+        )
+
+    def connections(self) -> tuple[Connection, ...]:
+        """Return the elements that it runs out of and into."""
+        ends = (("source", self.source, "source"), ("destination", self.destination, "receiver"))
+        return tuple(Connection((key,), name, wanted) for key, name, wanted in ends if name)
+
+    def brings(self) -> tuple[str, ...]:
+        """Return the components with a concentration of their own."""
+        return tuple(self.given)
+
+    def disturbances(self) -> tuple[Signal, ...]:
+        """Return the flow, and the concentrations that vary."""
+        return (
+            Signal(
+                self.name,
+                "m^3/s",
+                display_unit=self.display_units.get("range", ""),
+                low=self.low,
+                high=self.high,
+                initial=self.nominal,
+                description=f"flow of {self.name}",
+            ),
+            *concentration_signals(self.name, self.given, self.components),
+        )
+
+    def load_steps(self) -> dict[str, float]:
+        """Return the sizes of its load steps by signal."""
+        varying = {
+            f"{self.name}.{component}": given.step for component, given in self.given.items()
+        }
+        return {name: size for name, size in {self.name: self.step, **varying}.items() if size}
+
+    def memories(self) -> tuple[Signal, ...]:
+        """Return whether it draws liquid, where it comes out of a tank."""
+        return (suction_memory(self.name),) if self.source_vessel else ()
+
+    def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
+        """Return q = d."""
+        flow = symbols[self.name]
+        if self.source_vessel:
+            flow = drawn(self.name, flow, symbols)
+        fluxes = None
+        if not self.source:
+            carried = concentration_values(self.name, self.given, self.components, symbols)
+            fluxes = {name: flow * concentration for name, concentration in carried.items()}
+        return (Flow(self.source, self.destination, ca.SX(1), ca.SX(flow), fluxes=fluxes),)
+
+    def events(self, symbols: Symbols) -> tuple[Event, ...]:
+        """Return where its tank runs empty."""
+        if not self.source_vessel:
+            return ()
+        return suction_events(self.name, self.source, self.source_vessel, symbols)

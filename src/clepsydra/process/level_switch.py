@@ -1,0 +1,291 @@
+"""Level switches of a pump: trips that stop it, and a starter that runs it by a level."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from clepsydra.base.signal import Signal
+from clepsydra.base.units import from_si
+from clepsydra.process.hybrid import Event
+from clepsydra.program.step_law import Symbols
+
+if TYPE_CHECKING:
+    from clepsydra.process.table_reader import TableReader
+
+#: The keys of a process file that `read_trips` and `read_starter` know.
+SWITCH_KEYS = (
+    "trip_above", "trip_below", "hysteresis", "start_above", "stop_below", "running",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class LevelLimit:
+    """A level of a tank that a switch watches.
+
+    Parameters
+    ----------
+    tank : str
+    level : float
+        [m]
+    above : bool
+        It watches for levels above, or else below.
+    unit : str
+        In which words give the level.
+
+    Examples
+    --------
+    >>> limit = LevelLimit("tank_3", 0.275, above=True, unit="cm")
+    >>> limit.words(), limit.words(back=0.005)
+    ('tank_3 above 27.5 cm', 'tank_3 below 27 cm')
+    """
+
+    tank: str
+    level: float
+    above: bool
+    unit: str = "m"
+
+    def excess(self, symbols: Symbols) -> ca.SX:
+        """Return how far the level is beyond the limit [m], negative before it."""
+        beyond = symbols[f"{self.tank}.level"] - self.level
+        return beyond if self.above else -beyond
+
+    def words(self, back: float | None = None) -> str:
+        """Return it in words; with `back` [m], that the level has come back so far."""
+        level = self.level if back is None else self.level + (-back if self.above else back)
+        side = "above" if self.above == (back is None) else "below"
+        return f"{self.tank} {side} {from_si(round(level, 12), 'm', self.unit):g} {self.unit}"
+
+
+@dataclass(frozen=True)
+class LevelTrips:
+    """Limits that switch a pump off while any of them is exceeded.
+
+    Parameters
+    ----------
+    limits : tuple of LevelLimit
+    hysteresis : float
+        How far all levels must come back before the pump may run again [m], above zero.
+
+    Examples
+    --------
+    >>> trips = LevelTrips((LevelLimit("tank_3", 0.275, above=True, unit="cm"),), 0.005)
+    >>> symbols = {"tank_3.level": ca.SX(0.28), "pump_1.tripped": ca.SX(0)}
+    >>> for event in trips.events("pump_1", symbols):
+    ...     print(event.words, round(float(event.guard), 3))
+    pump_1 trips: tank_3 above 27.5 cm 0.005
+    pump_1 is released: tank_3 below 27 cm -1.0
+    """
+
+    limits: tuple[LevelLimit, ...]
+    hysteresis: float
+
+    def memory(self, element: str) -> Signal:
+        """Return the memory that is 1 while the pump is switched off."""
+        return _boolean(f"{element}.tripped", 0.0, f"{element} has tripped")
+
+    def events(self, element: str, symbols: Symbols) -> tuple[Event, ...]:
+        """Return one trip for each limit, and the release when all levels are back."""
+        name = f"{element}.tripped"
+        tripped = symbols[name] > 0.5
+        back = ca.SX(1)
+        for limit in self.limits:
+            back = ca.fmin(back, -limit.excess(symbols) - self.hysteresis)
+        released = " and ".join(limit.words(self.hysteresis) for limit in self.limits)
+        return (
+            *(
+                Event(
+                    f"{element}.trips_{limit.tank}_{'above' if limit.above else 'below'}",
+                    f"{element} trips: {limit.words()}",
+                    ca.if_else(tripped, -1, limit.excess(symbols)),
+                    {name: 1.0},
+                )
+                for limit in self.limits
+            ),
+            Event(
+                f"{element}.is_released",
+                f"{element} is released: {released}",
+                ca.if_else(tripped, back, -1),
+                {name: 0.0},
+            ),
+        )
+
+
+@dataclass(frozen=True)
+class LevelStarter:
+    """A switch that runs a pump between two levels of one tank, as in a wet well.
+
+    Parameters
+    ----------
+    start, stop : LevelLimit
+        The pump starts above the first and stops below the second, which is lower.
+    running : bool
+        It runs at first.
+
+    Examples
+    --------
+    >>> starter = LevelStarter(LevelLimit("well", 1.2, above=True),
+    ...                        LevelLimit("well", 0.4, above=False), running=True)
+    >>> symbols = {"well.level": ca.SX(0.3), "pump_1.runs": ca.SX(1)}
+    >>> [(event.words, round(float(event.guard), 3)) for event in starter.events("pump_1", symbols)]
+    [('pump_1 starts: well above 1.2 m', -1.0), ('pump_1 stops: well below 0.4 m', 0.1)]
+    """
+
+    start: LevelLimit
+    stop: LevelLimit
+    running: bool
+
+    def memory(self, element: str) -> Signal:
+        """Return the memory that is 1 while the pump runs."""
+        return _boolean(f"{element}.runs", float(self.running), f"{element} runs by its switch")
+
+    def events(self, element: str, symbols: Symbols) -> tuple[Event, ...]:
+        """Return its start and its stop."""
+        name = f"{element}.runs"
+        runs = symbols[name] > 0.5
+        return (
+            Event(
+                f"{element}.starts",
+                f"{element} starts: {self.start.words()}",
+                ca.if_else(runs, -1, self.start.excess(symbols)),
+                {name: 1.0},
+            ),
+            Event(
+                f"{element}.stops",
+                f"{element} stops: {self.stop.words()}",
+                ca.if_else(runs, self.stop.excess(symbols), -1),
+                {name: 0.0},
+            ),
+        )
+
+
+def read_trips(table: TableReader) -> LevelTrips | None:
+    """Read the keys "trip_above", "trip_below" and "hysteresis" of a pump.
+
+    Raises
+    ------
+    InputError
+        A trip without hysteresis, or limits that leave no level at which the pump may run.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> from clepsydra.process.table_reader import TableReader
+    >>> content = b"[pumps.p]\\nhysteresis = '5 mm'\\ntrip_above = { tank_3 = '27.5 cm' }"
+    >>> document = parse(content, "plant.toml")
+    >>> read_trips(TableReader(document, ("pumps", "p"), None)).limits[0].words()
+    'tank_3 above 27.5 cm'
+    """
+    limits = (*_limits(table, "trip_above"), *_limits(table, "trip_below"))
+    if not limits:
+        if table.has("hysteresis"):
+            raise table.refused(
+                "hysteresis",
+                table.written("hysteresis"),
+                "no hysteresis, since the pump has no trip",
+                'remove it, or add a trip as in trip_above = { tank_3 = "27.5 cm" }',
+            )
+        return None
+    hysteresis = table.quantity(
+        "hysteresis",
+        "m",
+        "a difference of levels",
+        "say how far a level must come back before the pump is released",
+        above=0.0,
+    )
+    for limit in limits:
+        for lower in limits:
+            same = limit.tank == lower.tank and limit.above and not lower.above
+            if same and limit.level - hysteresis <= lower.level + hysteresis:
+                raise table.refused(
+                    "trip_below",
+                    lower.words(),
+                    f"a level far enough below that of trip_above for {limit.tank}",
+                    "leave more than two hystereses between the two levels",
+                )
+        rim = table.height_of(limit.tank)
+        room = limit.level
+        if not limit.above:
+            room = math.inf if rim is None else rim - limit.level
+        if room <= hysteresis:
+            raise table.refused(
+                "hysteresis",
+                table.written("hysteresis"),
+                f"less than what is left {'below' if limit.above else 'above'} the level at which "
+                f"{limit.tank} trips the pump",
+                "make it smaller, or the pump is never released",
+            )
+    return LevelTrips(limits, hysteresis)
+
+
+def read_starter(table: TableReader) -> LevelStarter | None:
+    """Read the keys "start_above", "stop_below" and "running" of a pump.
+
+    A pump runs at first where the file does not say, since its nominal signal describes an
+    operating point at which it runs.
+
+    Raises
+    ------
+    InputError
+        One of the two without the other, more than one tank, two different tanks, or a start
+        that is not above the stop.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> from clepsydra.process.table_reader import TableReader
+    >>> document = parse(b"[pumps.p]\\nstart_above = {well='1.2 m'}\\nstop_below = {well='40 cm'}",
+    ...                  "plant.toml")
+    >>> read_starter(TableReader(document, ("pumps", "p"), None)).stop.level
+    0.4
+    """
+    start, stop = _limits(table, "start_above"), _limits(table, "stop_below")
+    if not start and not stop:
+        if table.has("running"):
+            raise table.refused(
+                "running",
+                str(table.raw("running")).lower(),
+                "no such key, since the pump has no level switch",
+                "remove it, or add start_above and stop_below",
+            )
+        return None
+    remedy = 'write as in start_above = { well = "1.2 m" } and stop_below = { well = "0.4 m" }'
+    for key, limits in (("start_above", start), ("stop_below", stop)):
+        if len(limits) != 1:
+            got = f"no {key}" if not limits else table.written(key)
+            raise table.refused(key, got, "one level of one tank", remedy)
+    if start[0].tank != stop[0].tank:
+        raise table.refused(
+            "stop_below", stop[0].tank, f"a level of {start[0].tank}, as in start_above", remedy
+        )
+    if stop[0].level >= start[0].level:
+        raise table.refused(
+            "stop_below", stop[0].words(), "a level below that of start_above", remedy
+        )
+    return LevelStarter(start[0], stop[0], table.flag("running", default=True))
+
+
+def _limits(table: TableReader, key: str) -> tuple[LevelLimit, ...]:
+    if not table.has(key):
+        return ()
+    expected = "a level for each tank"
+    inner = table.table(key, expected, f'write as in {key} = {{ tank_1 = "20 cm" }}')
+    if not inner.present:
+        raise table.refused(key, "{}", expected, "name a tank, or remove the key")
+    limits = []
+    for tank in inner.present:
+        vessel = table.vessel_of(tank)
+        level = inner.quantity(
+            tank, "m", "a level", f"choose a level between floor and rim of {tank}",
+            above=0.0, at_most=None if vessel is None else vessel.height,
+        )  # fmt: skip
+        unit = inner.display_units(tank).get(tank, "m")
+        limits.append(LevelLimit(tank, level, key.endswith("above"), unit))
+    return tuple(limits)
+
+
+def _boolean(name: str, initial: float, description: str) -> Signal:
+    return Signal(name, kind="boolean", low=0.0, high=1.0, initial=initial, description=description)

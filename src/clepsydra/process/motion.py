@@ -1,0 +1,110 @@
+"""How a process moves: what is integrated, what is remembered, delayed and switched."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from clepsydra.base.signal import Signal
+from clepsydra.process.hybrid import Delay
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The equations of a process in the form that an integrator needs.
+
+    With contents c, delayed quantities z, memories m, inputs u, disturbances d, parameters p:
+
+    - dc/dt = f(c, z, m, u, d, p), w = what enters the delays, z(t) = w(t - τ);
+    - when a guard g(c, z, m, u, d, p) becomes zero or positive, m takes the values that the
+      events that fired reset it to; at the end of every step m takes its update;
+    - states x = x(c, p) and back c = c(x, p): a level may be integrated as a volume and a
+      concentration as an amount, so that what is conserved is conserved to rounding.
+
+    Parameters
+    ----------
+    contents, totals, memories : tuple of Signal
+        Integrated; integrated without an effect; held.
+    delays : tuple of Delay
+    events : tuple of (name, words)
+    to_contents : casadi.Function
+        (x, p) → c
+    to_state : casadi.Function
+        (c, p) → x
+    rates : casadi.Function
+        (c, z, m, u, d, p) → (dc/dt, w, dt/dt), the last the rates of the totals.
+    guards : casadi.Function
+        (c, z, m, u, d, p) → g [events]
+    resets : casadi.Function
+        (fired [events], c, z, m, u, d, p) → m
+    updates : casadi.Function
+        (c, z, m, u, d, p) → m
+    stored : casadi.Function
+        (c, p) → liquid in the tanks [m³], then the amount of each component.
+    stored_names : tuple of str
+        "liquid", then the components.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> motion = load_process("quadruple-tank").motion
+    >>> motion.plain, len(motion.contents)
+    (True, 4)
+    """
+
+    contents: tuple[Signal, ...]
+    totals: tuple[Signal, ...]
+    memories: tuple[Signal, ...]
+    delays: tuple[Delay, ...]
+    events: tuple[tuple[str, str], ...]
+    to_contents: ca.Function
+    to_state: ca.Function
+    rates: ca.Function
+    guards: ca.Function
+    resets: ca.Function
+    updates: ca.Function
+    stored: ca.Function
+    stored_names: tuple[str, ...]
+
+    @property
+    def plain(self) -> bool:
+        """Nothing is remembered, delayed or switched: dc/dt = f(c, u, d, p)."""
+        return not (self.memories or self.delays or self.events)
+
+
+def plain_motion(state: tuple[Signal, ...], dynamics: ca.Function) -> Motion:
+    """Return the motion of a process that is nothing but dx/dt = f(x, u, d, p).
+
+    Parameters
+    ----------
+    state : tuple of Signal
+    dynamics : casadi.Function
+        SX function (x [n], u [m], d [k], p [l]) → dx/dt [n]
+
+    Examples
+    --------
+    >>> x, u, d, p = ca.SX.sym("x"), ca.SX.sym("u"), ca.SX(0, 1), ca.SX(0, 1)
+    >>> motion = plain_motion((Signal("x"),), ca.Function("f", [x, u, d, p], [u - x]))
+    >>> float(motion.rates([1.0], [], [], [3.0], [], [])[0])
+    2.0
+    """
+    x, u, d, p = (ca.SX.sym(name, dynamics.numel_in(i)) for i, name in enumerate("xudp"))
+    none = ca.SX(0, 1)
+    held = [x, none, none, u, d, p]
+    rates = dynamics(x, u, d, p)
+    return Motion(
+        contents=state,
+        totals=(),
+        memories=(),
+        delays=(),
+        events=(),
+        to_contents=ca.Function("to_contents", [x, p], [x]),
+        to_state=ca.Function("to_state", [x, p], [x]),
+        rates=ca.Function("rates", held, [rates, none, none]),
+        guards=ca.Function("guards", held, [none]),
+        resets=ca.Function("resets", [none, *held], [none]),
+        updates=ca.Function("updates", held, [none]),
+        stored=ca.Function("stored", [x, p], [none]),
+        stored_names=(),
+    )

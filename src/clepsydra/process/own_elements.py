@@ -1,0 +1,327 @@
+"""A user's own elements: subclasses of `Element` in a Python file beside the process file.
+
+The key ``elements = "my_elements.py"`` of a process file names it. To read such a process file
+is to run that Python file with all rights of the user: open only files that you trust.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import inspect
+import sys
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.signal import Signal
+from clepsydra.process.element import Connection, Element
+from clepsydra.process.flow import Flow
+from clepsydra.process.hybrid import Delay, Event
+from clepsydra.process.table_reader import TableReader, checked_name
+
+#: Methods of an element, and of what the tuple consists that each returns.
+_TUPLES: dict[str, type] = {
+    "connections": Connection,
+    "states": Signal,
+    "contents": Signal,
+    "totals": Signal,
+    "memories": Signal,
+    "inputs": Signal,
+    "disturbances": Signal,
+    "measurements": Signal,
+    "parameters": Signal,
+    "brings": str,
+    "flows": Flow,
+    "events": Event,
+    "delays": Delay,
+}
+#: Methods of an element that return a value for each of several names.
+_MAPPINGS = (
+    "to_contents", "to_states", "load_steps", "measured_states", "rates", "stored",
+    "concentrations", "sent", "updates", "readings", "noises", "displayed",
+)  # fmt: skip
+
+
+def read_own_kinds(
+    general: TableReader, path: Path | None, taken: Iterable[str]
+) -> tuple[type[Element], ...]:
+    """Run the Python file that a process file names and return the elements that it defines.
+
+    Parameters
+    ----------
+    general : TableReader
+        The whole process file.
+    path : Path or None
+        Of the process file; None in the catalogue, which names no Python file.
+    taken : iterable of str
+        Tables and keys that a process file has already.
+
+    Returns
+    -------
+    tuple of type
+        Kinds of element. Their methods raise an `InputError` where the user's code fails.
+
+    Raises
+    ------
+    InputError
+        There is no such file, it lies elsewhere, it fails, or it defines no proper element.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> general = TableReader(parse(b"elements = '../a.py'", "plant.toml"), (), None)
+    >>> try:
+    ...     read_own_kinds(general, Path("plant.toml"), ())
+    ... except InputError as error:
+    ...     print(error.place, "|", error.remedy)
+    plant.toml, line 1, elements | move it beside the process file
+    """
+    if not general.has("elements"):
+        return ()
+    expected, remedy = "the name of a Python file", 'write as in elements = "my_elements.py"'
+    written = general.text("elements", expected, remedy)
+    if path is None:
+        raise general.refused(
+            "elements", written[:60], "no Python file in the catalogue", "copy the file first"
+        )
+    if not written.endswith(".py"):
+        raise general.refused("elements", written[:60], expected, remedy)
+    file = _file(general, path, written)
+    try:
+        content = file.read_bytes()
+    except OSError as error:
+        raise general.refused(
+            "elements",
+            written[:60],
+            "a Python file that can be read",
+            f"see why not: {(error.strerror or str(error)).lower()}",
+        ) from None
+    kinds = _kinds(file, content)
+    if not kinds:
+        raise general.refused(
+            "elements",
+            written[:60],
+            "a Python file that defines an element",
+            "add a class MyElement(Element), with Element from clepsydra",
+        )
+    _check_tables(kinds, set(taken))
+    return kinds
+
+
+@contextmanager
+def joining_own(kinds: Sequence[type[Element]], general: TableReader) -> Iterator[None]:
+    """Say of a failure while elements are joined that own elements do not fit.
+
+    Parameters
+    ----------
+    kinds : sequence of type
+        Own elements; without any, a failure is none of the user's and stays as it is.
+    general : TableReader
+        The whole process file.
+
+    Examples
+    --------
+    >>> with joining_own((), None):
+    ...     pass
+    """
+    try:
+        yield
+    except ClepsydraError:
+        raise
+    except Exception as error:
+        if not kinds:
+            raise
+        raise general.refused(
+            "elements",
+            _words(error),
+            "elements that fit together",
+            "see that each of your elements names only what is there, and returns a rate for "
+            "each of its states and a reading for each of its measurements",
+        ) from None
+
+
+def _file(general: TableReader, path: Path, written: str) -> Path:
+    folder = path.parent.resolve()
+    try:
+        file = (folder / written).resolve()
+    except (OSError, RuntimeError):  # a link that leads to itself
+        file = folder / written
+    if not file.is_relative_to(folder):
+        raise general.refused(
+            "elements",
+            written[:60],
+            "a Python file in the folder of the process file",
+            "move it beside the process file",
+        )
+    try:
+        there = file.is_file()
+    except OSError:  # a name that is too long
+        there = False
+    if not there:
+        raise general.refused(
+            "elements", written[:60], "a Python file that exists", "check the name"
+        )
+    return file
+
+
+@functools.lru_cache(maxsize=64)
+def _kinds(file: Path, content: bytes) -> tuple[type[Element], ...]:
+    """Return the kinds in a file; the same content gives the same kinds."""
+    module = _module(file, content)
+    found = [
+        value
+        for value in dict.fromkeys(v for v in vars(module).values() if inspect.isclass(v))
+        if issubclass(value, Element) and value.__module__ == module.__name__
+    ]
+    bases = {base for kind in found for base in kind.__mro__[1:]}
+    kinds = [kind for kind in found if not (inspect.isabstract(kind) and kind in bases)]
+    for kind in kinds:
+        _check_kind(kind, file)
+    return tuple(_guarded(kind, file) for kind in kinds)
+
+
+def _module(file: Path, content: bytes) -> ModuleType:
+    """Run what was read; Python's own cache of compiled files knows a change by size and second."""
+    digest = hashlib.sha256(bytes(file) + b"\0" + content).hexdigest()
+    module = ModuleType(f"clepsydra_own_elements_{digest}")
+    module.__file__ = str(file)
+    sys.modules[module.__name__] = module  # dataclasses look their module up here
+    try:
+        exec(compile(content, str(file), "exec", dont_inherit=True), module.__dict__)
+    except (Exception, SystemExit) as error:
+        del sys.modules[module.__name__]
+        raise InputError(
+            _line(error, file), _words(error), "Python that runs", "correct it"
+        ) from None
+    return module
+
+
+def _check_kind(kind: type[Element], file: Path) -> None:
+    place = _class_place(kind, file)
+    if inspect.isabstract(kind):
+        raise InputError(
+            place,
+            f"no method {', '.join(sorted(kind.__abstractmethods__))}",
+            "a class that says how it is read",
+            "add def read(cls, name, table) as a class method",
+        )
+    if not isinstance(inspect.getattr_static(kind, "read"), classmethod):
+        raise InputError(
+            f"{place}.read",
+            "no class method",
+            "a class that says how it is read",
+            "write @classmethod above def read(cls, name, table)",
+        )
+    for attribute, example in (
+        ("kind", '"V-notch weir"'),
+        ("table", '"v_notch_weirs"'),
+        ("symbol", '"orifice"'),
+    ):
+        value = getattr(kind, attribute, None)
+        if not isinstance(value, str) or not value.isprintable() or not value.strip():
+            raise InputError(
+                f"{place}.{attribute}",
+                f"no {attribute}" if value is None else _short(repr(value)),
+                "a text",
+                f"write as in {attribute} = {example}",
+            )
+    checked_name(kind.table, f"{place}.table")
+    keys = getattr(kind, "keys", None)
+    if not isinstance(keys, tuple) or not all(isinstance(key, str) for key in keys):
+        raise InputError(
+            f"{place}.keys",
+            "no keys" if keys is None else _short(repr(keys)),
+            "a tuple of texts",
+            'write as in keys = ("source", "destination")',
+        )
+
+
+def _check_tables(kinds: Sequence[type[Element]], taken: set[str]) -> None:
+    for kind in kinds:
+        if kind.table in taken:
+            raise InputError(
+                _class_place(kind, Path(inspect.getfile(kind.__mro__[1]))) + ".table",
+                kind.table,
+                "a table that process files do not have yet",
+                "choose another name for the table",
+            )
+        taken.add(kind.table)
+
+
+def _guarded(kind: type[Element], file: Path) -> type[Element]:
+    """Return the kind with methods that say where the user's code fails."""
+    methods: dict[str, object] = {"__module__": kind.__module__, "__doc__": kind.__doc__}
+    for name in (*_TUPLES, *_MAPPINGS):
+        # What is inherited as it is stays as it is: the wiring looks at what is overridden.
+        if getattr(kind, name) is not getattr(Element, name):
+            methods[name] = _guard(getattr(kind, name), kind, name, file)
+    methods["read"] = classmethod(_guard(kind.read.__func__, kind, "read", file))  # type: ignore[attr-defined]
+    return type(kind.__name__, (kind,), methods)
+
+
+def _guard(method: Callable[..., Any], kind: type, name: str, file: Path) -> Callable[..., Any]:
+    @functools.wraps(method)
+    def guarded(*arguments: Any, **named: Any) -> Any:
+        where = f"{kind.__name__}.{name}"
+        try:
+            result = method(*arguments, **named)
+            if name in _TUPLES and (inspect.isgenerator(result) or isinstance(result, list)):
+                result = tuple(result)  # a generator runs here, where its failure is caught
+        except ClepsydraError:
+            raise
+        except Exception as error:
+            raise InputError(
+                f"{_line(error, file)}, {where}", _words(error), "a method that works", "correct it"
+            ) from None
+        if name == "read":
+            proper = isinstance(result, arguments[0]) and result.name == arguments[1]
+            wanted = "" if proper else "cls(name, …)"
+        else:
+            wanted = _unfit(name, result)
+        if wanted:
+            raise InputError(f"{file.name}, {where}", _short(repr(result)), wanted, "return that")
+        return result
+
+    return guarded
+
+
+def _unfit(name: str, result: object) -> str:
+    """Return what a method should have returned, if it did not."""
+    if name in _MAPPINGS:
+        fits = isinstance(result, Mapping) and all(isinstance(key, str) for key in result)
+        return "" if fits else "a dictionary with texts as keys"
+    part = _TUPLES[name]
+    fits = isinstance(result, tuple) and all(isinstance(value, part) for value in result)
+    return "" if fits else f"a tuple of {part.__name__}"
+
+
+def _class_place(kind: type, file: Path) -> str:
+    return f"{file.name}, class {kind.__name__}"
+
+
+def _line(error: BaseException, file: Path) -> str:
+    """Return the file and its line in which an error came about."""
+    lines = [
+        frame.lineno
+        for frame in traceback.extract_tb(error.__traceback__)
+        if Path(frame.filename) == file
+    ]
+    line = error.lineno if isinstance(error, SyntaxError) else lines[-1] if lines else None
+    return file.name if line is None else f"{file.name}, line {line}"
+
+
+def _words(error: BaseException) -> str:
+    """Return the kind and the first line of an error; of a syntax error without its place."""
+    text = error.msg if isinstance(error, SyntaxError) else str(error)
+    first = next(iter(text.strip().splitlines()), "")
+    return _short(f"{type(error).__name__}: {first}" if first else type(error).__name__)
+
+
+def _short(text: str) -> str:
+    text = text if text.isprintable() else ascii(text)
+    return text[:150] + "…" if len(text) > 150 else text

@@ -1,0 +1,210 @@
+"""The table of a sensor in a process file: what it measures, and on which scale it shows it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from clepsydra.base.suggestion import suggestion
+from clepsydra.base.units import convertible, split_quantity
+
+if TYPE_CHECKING:
+    from clepsydra.process.table_reader import TableReader
+
+_SIGNALS = ("V", "A", "1")
+_PER = {"m": "/m", "m^3": "/m^3", "m^3/s": " s/m^3", "kg/m^3": " m^3/kg", "mol/m^3": " m^3/mol"}
+
+
+@dataclass(frozen=True)
+class SensorScale:
+    """The scale of a sensor.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit of its signal.
+    low, high : float
+        Range [unit].
+    gain : float or None
+        Signal per quantity in SI; None where it shows the quantity itself.
+    zero : float or None
+        The quantity that it shows as `low`; None where it shows 0 as 0.
+    shown_gain : str
+        The unit of the gain that the reader sees; empty for SI.
+
+    Examples
+    --------
+    >>> SensorScale("A", 0.004, 0.02, gain=0.064, zero=0.0).gain  # [A/m]
+    0.064
+    """
+
+    unit: str
+    low: float
+    high: float
+    gain: float | None = None
+    zero: float | None = None
+    shown_gain: str = ""
+
+
+def gain_unit(signal: str, quantity: str) -> str:
+    """Return the SI unit of a gain from the units of signal and quantity.
+
+    Examples
+    --------
+    >>> gain_unit("V", "m"), gain_unit("A", "m^3/s"), gain_unit("1", "kg/m^3")
+    ('V/m', 'A s/m^3', 'm^3/kg')
+    """
+    per = _PER[quantity]
+    return per.strip() if signal == "1" and not per.startswith("/") else f"{signal}{per}"
+
+
+def read_measured(table: TableReader) -> tuple[str, str, str]:
+    """Return what is measured, the tank where it is, and the element whose flow it is.
+
+    Raises
+    ------
+    InputError
+        A tank and a flow are named, or a quantity and a component, or an unknown component.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> from clepsydra.process.table_reader import TableReader
+    >>> document = parse(b"[sensors.meter]\\nflow = 'pump_1'", "plant.toml")
+    >>> read_measured(TableReader(document, ("sensors", "meter"), None))
+    ('flow', '', 'pump_1')
+    """
+    if table.has("flow"):
+        for key in ("tank", "quantity", "component"):
+            if table.has(key):
+                raise table.refused(
+                    key, table.written(key), f"no {key} beside a flow", "remove one of the two"
+                )
+        return "flow", "", table.name("flow", "the name of an element that causes a flow")
+    tank = table.name("tank", "the name of a tank")
+    if not table.has("component"):
+        return table.choice("quantity", ("level", "volume"), "level"), tank, ""
+    if table.has("quantity"):
+        raise table.refused(
+            "quantity",
+            table.written("quantity"),
+            "no quantity beside a component",
+            "remove one of the two",
+        )
+    known = [component.name for component in table.components]
+    component = table.name("component", "the name of a component")
+    if component not in known:
+        raise table.refused(
+            "component",
+            component[:60],
+            f"a component: {', '.join(known)}"
+            if known
+            else "no component, since the file has none",
+            suggestion(component, known, "correct the name, or add a table [components.…]"),
+        )
+    return component, tank, ""
+
+
+def read_scale(table: TableReader, quantity: str) -> SensorScale:
+    """Return the scale: a gain, a span that is mapped onto the range, or the quantity itself.
+
+    Parameters
+    ----------
+    table : TableReader
+    quantity : str
+        SI unit of what is measured.
+
+    Raises
+    ------
+    InputError
+        Gain and span are given, or one of gain, span and range is wrong.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> from clepsydra.process.table_reader import TableReader
+    >>> text = b"[sensors.a]\\nspan = ['0 cm', '25 cm']\\nrange = ['4 mA', '20 mA']"
+    >>> scale = read_scale(TableReader(parse(text, "plant.toml"), ("sensors", "a"), None), "m")
+    >>> scale.unit, round(scale.gain, 12), scale.shown_gain  # [A/m]
+    ('A', 0.064, 'mA/cm')
+    """
+    shown = table.display_units("gain", "span", "range")
+    if table.has("gain"):
+        if table.has("span"):
+            raise table.refused(
+                "span", table.written("span"), "either a gain or a span", "remove one of the two"
+            )
+        unit = _signal(shown.get("range", ""), _SIGNALS)
+        gain = table.quantity(
+            "gain",
+            gain_unit(unit, quantity),
+            "a gain",
+            "give the volts that a metre of level makes"
+            if (unit, quantity) == ("V", "m")
+            else "give the signal over what is measured",
+            above=0.0,
+        )
+        low, high = table.range("range", unit)
+        return SensorScale(unit, low, high, gain, shown_gain=shown.get("gain", ""))
+    if table.has("span"):
+        first, last = table.range("span", quantity)
+        unit = _signal(shown.get("range", ""), (*_SIGNALS, quantity))
+        low, high = table.range("range", unit)
+        below = shown.get("span", "")
+        above = shown.get("range", "")
+        simple = below.isalpha()
+        return SensorScale(
+            unit,
+            low,
+            high,
+            (high - low) / (last - first),
+            first,
+            f"{above}/{below if simple else f'({below})'}" if above and below else "",
+        )
+    low, high = table.range("range", quantity)
+    return SensorScale(quantity, low, high)
+
+
+def read_share(
+    table: TableReader, key: str, scale: SensorScale, *, at_least: float | None = None
+) -> float:
+    """Return a positive part of the range [unit of the scale], in % of it or in its own unit.
+
+    Parameters
+    ----------
+    table : TableReader
+    key : str
+    scale : SensorScale
+    at_least : float or None
+        0 where it may be nothing.
+
+    Raises
+    ------
+    InputError
+        It is no such part, or larger than the range.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> from clepsydra.process.table_reader import TableReader
+    >>> table = TableReader(parse(b"[a]\\nnoise = '0.5 %'", "plant.toml"), ("a",), None)
+    >>> read_share(table, "noise", SensorScale("A", 0.004, 0.02))
+    8e-05
+    """
+    written = table.raw(key)
+    parts = split_quantity(written) if isinstance(written, str) else None
+    above = 0.0 if at_least is None else None
+    remedy = "give it in % of the range, or in the unit of the range"
+    what = f"a {key}"
+    width = scale.high - scale.low
+    if scale.unit == "1" or (parts is not None and parts[1] == "%"):
+        share = table.quantity(key, "1", what, remedy, above=above, at_least=at_least, at_most=1.0)
+        return share * width
+    return table.quantity(
+        key, scale.unit, what, remedy, above=above, at_least=at_least, at_most=width
+    )
+
+
+def _signal(shown: str, units: tuple[str, ...]) -> str:
+    """Return the SI unit of a signal from the unit of its range; volts where it has none."""
+    return next((unit for unit in units if shown and convertible(shown, unit)), "V")

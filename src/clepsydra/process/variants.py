@@ -1,0 +1,241 @@
+"""Variants of a process file: tables that differ from the rest of it, chosen by name."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
+from clepsydra.process.document import Document
+from clepsydra.process.table_reader import TableReader, shown_value
+
+#: Keys of a process file that say which variants it has, and so cannot vary themselves.
+VARIANT_KEYS = ("variants", "default_variant")
+
+_NAME = re.compile(r"[A-Za-z](?:[-_]?[A-Za-z0-9]){0,39}")
+
+
+@dataclass(frozen=True)
+class ChosenVariants:
+    """A process file with variants laid over it.
+
+    Parameters
+    ----------
+    document : Document
+        Without its tables of variants; places of what a variant brought name the variant.
+    names : tuple of str
+        The variants in force, in the order in which they were laid over the file.
+    descriptions : dict
+        Every variant of the file to its description.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> text = b"[tanks.a]\\narea = '1 m^2'\\n[variants.wide.tanks.a]\\narea = '2 m^2'"
+    >>> chosen = choose_variants(parse(text, "plant.toml"), ("wide",))
+    >>> chosen.names, chosen.document.tables
+    (('wide',), {'tanks': {'a': {'area': '2 m^2'}}})
+    """
+
+    document: Document
+    names: tuple[str, ...]
+    descriptions: dict[str, str]
+
+
+def split_variants(text: str) -> tuple[str, tuple[str, ...] | None]:
+    """Split "process:variant,variant" into the process and its variants; None for no colon.
+
+    A colon after a single letter is a drive's, and one before a separator of folders belongs
+    to a folder.
+
+    Raises
+    ------
+    InputError
+        No variant follows the colon.
+
+    Examples
+    --------
+    >>> split_variants("laboratory-four-tanks:fitted,volts")
+    ('laboratory-four-tanks', ('fitted', 'volts'))
+    >>> split_variants("C:plant.toml")
+    ('C:plant.toml', None)
+    """
+    process, colon, variants = text.rpartition(":")
+    folder = any(separator in variants for separator in (os.sep, os.altsep) if separator)
+    if not colon or len(process) < 2 or folder:
+        return text, None
+    names = tuple(name.strip() for name in variants.split(","))
+    if not all(names):
+        raise InputError(
+            "process",
+            text[:60],
+            "a variant after the colon and after each comma",
+            f'write as in "{process[:40]}:variant", or leave the colon out',
+        )
+    return process, names
+
+
+def variants_asked(variant: object) -> tuple[str, ...] | None:
+    """Return the names of variants as a caller gave them: none, one, or several in order.
+
+    Raises
+    ------
+    InputError
+        They are no names.
+
+    Examples
+    --------
+    >>> variants_asked("fitted"), variants_asked(["fitted", "volts"]), variants_asked(None)
+    (('fitted',), ('fitted', 'volts'), None)
+    """
+    if variant is None:
+        return None
+    names = (variant,) if isinstance(variant, str) else variant
+    if not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
+        raise InputError(
+            "variant",
+            shown_value(variant),
+            "the name of a variant, or several names",
+            'write as in variant="fitted" or variant=["fitted", "volts"]',
+        )
+    return tuple(names)
+
+
+def choose_variants(document: Document, asked: tuple[str, ...] | None) -> ChosenVariants:
+    """Lay variants over a process file, one after the other.
+
+    A table of a variant is merged into the table of the file, key by key; anything else takes
+    the place of what the file says.
+
+    Parameters
+    ----------
+    document : Document
+        As parsed.
+    asked : tuple of str or None
+        Names of variants; None for those that the file names in `default_variant`.
+
+    Raises
+    ------
+    InputError
+        A variant is unknown or named twice, or the tables of variants are wrong.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> text = b"name = 'a'\\n[variants.slow]\\nsampling_period = '5 s'"
+    >>> chosen = choose_variants(parse(text, "plant.toml"), ("slow",))
+    >>> chosen.document.place("sampling_period")
+    'plant.toml, line 3, variants.slow.sampling_period'
+    """
+    general = TableReader(document, (), None)
+    contents = _contents(document, general)
+    descriptions = {name: _description(document, name) for name in contents}
+    if asked is not None:
+        for name in asked:
+            _check_known(name, contents, "variant", document.file)
+        _check_once(asked, "variant")
+    names = _defaults(document, general, contents) if asked is None else asked
+    merged = _copied({k: v for k, v in document.tables.items() if k not in VARIANT_KEYS})
+    origins: dict[tuple[str, ...], tuple[str, ...]] = {}
+    for name in names:
+        content = {k: v for k, v in contents[name].items() if k != "description"}
+        _merge(merged, content, (), ("variants", name), origins)
+    return ChosenVariants(
+        Document(document.file, merged, document.lines, origins), names, descriptions
+    )
+
+
+def _contents(document: Document, general: TableReader) -> dict[str, dict[str, Any]]:
+    """Return the table of each variant, each with a fitting name and only keys that may vary."""
+    if not general.has("variants"):
+        return {}
+    contents = {}
+    for name in TableReader(document, ("variants",), None).present:
+        if not _NAME.fullmatch(name):
+            raise InputError(
+                document.place("variants", name),
+                shown_value(name),
+                "letters, digits and single hyphens after a first letter",
+                "write as in [variants.outflow-constant]",
+            )
+        table = TableReader(document, ("variants", name), None)
+        for key in (*VARIANT_KEYS, "name"):
+            if table.has(key):
+                raise table.refused(
+                    key,
+                    table.written(key),
+                    f"no {key} within a variant",
+                    "remove it, or move it to the top of the file",
+                )
+        contents[name] = document.tables["variants"][name]
+    return contents
+
+
+def _description(document: Document, name: str) -> str:
+    table = TableReader(document, ("variants", name), None)
+    return table.text("description", "one line of text", "correct it", default="")
+
+
+def _defaults(
+    document: Document, general: TableReader, contents: dict[str, dict[str, Any]]
+) -> tuple[str, ...]:
+    """Return the variants that are in force where none is asked for."""
+    if not general.has("default_variant"):
+        return ()
+    place = document.place("default_variant")
+    expected, remedy = "the name of a variant", 'write as in default_variant = "nominal"'
+    if isinstance(general.raw("default_variant"), str):
+        names: tuple[str, ...] = (general.text("default_variant", expected, remedy),)
+    else:
+        names = general.names("default_variant", expected, remedy)
+    for name in names:
+        _check_known(name, contents, place, document.file)
+    return names
+
+
+def _check_known(name: str, contents: dict[str, Any], place: str, file: str) -> None:
+    if name in contents:
+        return
+    raise InputError(
+        place,
+        shown_value(name),
+        f"a variant of {file} ({', '.join(contents)})"
+        if contents
+        else f"no variant, since {file} has none",
+        suggestion(name, contents, "choose one of them, or none" if contents else "leave it out"),
+    )
+
+
+def _check_once(names: tuple[str, ...], place: str) -> None:
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(place, name, "every variant once", "remove one of the two")
+
+
+def _copied(table: dict[str, Any]) -> dict[str, Any]:
+    """Return a table whose inner tables may be changed without changing the first."""
+    return {k: _copied(v) if isinstance(v, dict) else v for k, v in table.items()}
+
+
+def _merge(
+    table: dict[str, Any],
+    over: dict[str, Any],
+    path: tuple[str, ...],
+    origin: tuple[str, ...],
+    origins: dict[tuple[str, ...], tuple[str, ...]],
+) -> None:
+    """Merge a table into another in place, and note where each new value stands."""
+    for key, value in over.items():
+        here, there = (*path, key), (*origin, key)
+        if isinstance(value, dict) and isinstance(table.get(key), dict):
+            _merge(table[key], value, here, there, origins)
+            continue
+        table[key] = _copied(value) if isinstance(value, dict) else value
+        # What an earlier variant brought below this key is gone, and with it its place.
+        for old in [known for known in origins if known[: len(here)] == here]:
+            del origins[old]
+        origins[here] = there

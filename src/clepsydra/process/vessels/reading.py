@@ -1,0 +1,74 @@
+"""The shape of a tank, read from its table of a process file."""
+
+from __future__ import annotations
+
+import math
+
+from clepsydra.base.errors import InputError
+from clepsydra.process.table_reader import TableReader
+from clepsydra.process.vessels.cone import Cone
+from clepsydra.process.vessels.horizontal_cylinder import HorizontalCylinder
+from clepsydra.process.vessels.prism import Prism
+from clepsydra.process.vessels.sphere_segment import SphereSegment
+from clepsydra.process.vessels.table import AreaTable
+from clepsydra.process.vessels.vessel import Vessel
+
+#: The first is meant where a file names no shape.
+SHAPES: tuple[type[Vessel], ...] = (Prism, HorizontalCylinder, Cone, SphereSegment, AreaTable)
+#: The keys of a tank that describe its shape.
+VESSEL_KEYS: tuple[str, ...] = tuple(
+    dict.fromkeys(["shape", *(key for vessel in SHAPES for key in vessel.keys)])
+)
+_LARGEST_CAPACITY = 1e15
+_SMALLEST_CAPACITY = 1e-15
+
+
+def read_vessel(table: TableReader) -> Vessel:
+    """Make the vessel that the table of a tank describes.
+
+    Parameters
+    ----------
+    table : TableReader
+        May have other keys than those of `VESSEL_KEYS`, which are left alone.
+
+    Raises
+    ------
+    InputError
+        The shape is unknown, a key is missing or belongs to another shape, or a size is none.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> text = b"[tanks.a]\\nshape = 'cone'\\nheight = '60 cm'\\nrim_diameter = '40 cm'\\n"
+    >>> read_vessel(TableReader(parse(text, "plant.toml"), ("tanks", "a"), VESSEL_KEYS))
+    Cone(height=0.6, floor_diameter=0.0, rim_diameter=0.4)
+    """
+    names = [vessel.shape for vessel in SHAPES]
+    name = table.choice("shape", names, Prism.shape)
+    vessel = SHAPES[names.index(name)]
+    for key in table.present:
+        if key in VESSEL_KEYS and key != "shape" and key not in vessel.keys:
+            raise table.refused(
+                key,
+                key,
+                f"one of {', '.join(vessel.keys)} for the shape {name}",
+                "remove it, or choose the shape that it belongs to",
+            )
+    made = vessel.read(table)
+    _check_capacity(made, table)
+    return made
+
+
+def _check_capacity(vessel: Vessel, table: TableReader) -> None:
+    """Refuse sizes, such as 1e-200 m, whose powers are not numbers any more."""
+    try:
+        capacity = vessel.capacity
+    except (OverflowError, ZeroDivisionError):
+        capacity = math.nan
+    if not _SMALLEST_CAPACITY <= capacity <= _LARGEST_CAPACITY:
+        raise InputError(
+            table.place(),
+            "sizes of no tank",
+            f"a capacity from {_SMALLEST_CAPACITY:g} m^3 to {_LARGEST_CAPACITY:g} m^3",
+            "check the units of the sizes",
+        )

@@ -1,0 +1,165 @@
+"""A vessel of any shape, given by its area at some levels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import TYPE_CHECKING, ClassVar, Self
+
+import casadi as ca
+
+from clepsydra.base.units import from_si
+from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel, VesselParameter
+
+if TYPE_CHECKING:
+    from clepsydra.process.table_reader import TableReader
+
+
+@dataclass(frozen=True)
+class _Segment:
+    """The part between two levels of the table, measured from its narrow end.
+
+    At a distance z from there, A = area + growth · z; `upward` is 1 where the narrow end is the
+    lower one and -1 where it is the upper one. `from_level` and `from_volume` are those of the
+    lower end, at which the segment begins to hold.
+    """
+
+    from_level: float
+    from_volume: float
+    level: float
+    volume: float
+    area: float
+    growth: float
+    upward: float
+
+
+@dataclass(frozen=True)
+class AreaTable(Vessel):
+    """A vessel whose area is linear between the levels of a table.
+
+    Within a segment whose narrow end has area A and whose area grows by s a metre from there,
+    the volume to a distance z is dV = A z + s z²/2. The way back is the root of this quadratic
+    in the form that cancels nothing, z = 2 dV / (A + √(A² + 2 s dV)).
+
+    Parameters
+    ----------
+    levels : tuple of float
+        From 0, strictly increasing; the last is the rim [m].
+    areas : tuple of float
+        Above zero, the first at least zero [m²].
+
+    Examples
+    --------
+    >>> table = AreaTable(levels=(0.0, 0.5, 1.0), areas=(1.0, 2.0, 2.0))
+    >>> table.capacity, float(table.level(0.75, table.values()))
+    (1.75, 0.5)
+    """
+
+    shape: ClassVar[str] = "table"
+    keys: ClassVar[tuple[str, ...]] = ("table",)
+
+    levels: tuple[float, ...]
+    areas: tuple[float, ...]
+    height: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "height", self.levels[-1])
+
+    @classmethod
+    def read(cls, table: TableReader) -> Self:
+        """Make the shape from its list of levels and areas."""
+        remedy = 'write as in table = [["0 m", "1 m^2"], ["0.5 m", "2 m^2"]]'
+        rows = table.pairs("table", "m", "m^2", "a list of pairs of level and area", remedy)
+        if len(rows) < 2:
+            raise table.refused("table", table.written("table"), "at least two rows", remedy)
+        levels, areas = tuple(row[0] for row in rows), tuple(row[1] for row in rows)
+        if levels[0] != 0.0:
+            raise table.refused(
+                "table",
+                _shown(levels[0], "m"),
+                "a first level of 0 m, the floor",
+                "measure the levels from the floor, and give the area there",
+            )
+        for lower, upper in pairwise(levels):
+            if not lower < upper:
+                raise table.refused(
+                    "table",
+                    _shown(upper, "m"),
+                    f"a level above {_shown(lower, 'm')}, the one before it",
+                    "sort the rows by their level, and give every level once",
+                )
+        if areas[0] < 0.0:
+            raise table.refused(
+                "table", _shown(areas[0], "m^2"), "an area of at least 0 m^2", "correct the area"
+            )
+        for level, area in rows[1:]:
+            if area <= 0.0:
+                raise table.refused(
+                    "table",
+                    _shown(area, "m^2"),
+                    f"an area above 0 m^2 at {_shown(level, 'm')}",
+                    "correct the area",
+                )
+        return cls(levels=levels, areas=areas)
+
+    def parameters(self) -> tuple[VesselParameter, ...]:
+        """Return none: the entries of the table are constants."""
+        return ()
+
+    @property
+    def _segments(self) -> list[_Segment]:
+        segments = []
+        volume = 0.0
+        rows = zip(self.levels, self.areas, strict=True)
+        for (low, low_area), (high, high_area) in pairwise(rows):
+            full = volume + 0.5 * (low_area + high_area) * (high - low)
+            widens = low_area <= high_area
+            segments.append(
+                _Segment(
+                    from_level=low,
+                    from_volume=volume,
+                    level=low if widens else high,
+                    volume=volume if widens else full,
+                    area=min(low_area, high_area),
+                    growth=abs(high_area - low_area) / (high - low),
+                    upward=1.0 if widens else -1.0,
+                )
+            )
+            volume = full
+        return segments
+
+    def _chosen(self, quantity: str, value: ca.SX) -> dict[str, ca.SX]:
+        """Return the numbers of the segment in which a level or volume lies."""
+        first, *others = self._segments
+        chosen: dict[str, ca.SX] = dict(vars(first))
+        for segment in others:
+            reached = value >= getattr(segment, quantity)
+            for name, number in vars(segment).items():
+                chosen[name] = ca.if_else(reached, number, chosen[name])
+        return chosen
+
+    def _rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
+        return ca.SX(self.height)
+
+    def _area_within(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
+        segment = self._chosen("from_level", level)
+        distance = segment["upward"] * (level - segment["level"])
+        return segment["area"] + segment["growth"] * distance
+
+    def _volume_within(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
+        segment = self._chosen("from_level", level)
+        distance = segment["upward"] * (level - segment["level"])
+        content = distance * (segment["area"] + 0.5 * segment["growth"] * distance)
+        return segment["volume"] + segment["upward"] * content
+
+    def _level_within(self, volume: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
+        segment = self._chosen("from_volume", volume)
+        content = segment["upward"] * (volume - segment["volume"])
+        content = ca.fmax(content, SMALLEST_SHARE * self.levels[-1] * max(self.areas))
+        area = ca.sqrt(segment["area"] ** 2 + 2 * segment["growth"] * content)
+        return segment["level"] + segment["upward"] * (2 * content / (segment["area"] + area))
+
+
+def _shown(value: float, unit: str) -> str:
+    return f"{from_si(value, unit, unit):g} {unit}"

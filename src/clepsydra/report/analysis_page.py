@@ -1,0 +1,146 @@
+"""The page of a linear analysis: one HTML file that opens anywhere, without a script."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from clepsydra.base.arguments import require_type
+from clepsydra.base.files import whole_file
+from clepsydra.linear.analysis import Analysis
+from clepsydra.report.analysis_tables import analysis_grids, further_grids, operating_point_grid
+from clepsydra.report.bode import bode_figure
+from clepsydra.report.colours import signal_colours
+from clepsydra.report.drawing import process_drawing
+from clepsydra.report.nyquist import nyquist_figure
+from clepsydra.report.roots_picture import roots_figure
+from clepsydra.report.singular_value_picture import directionality_figure
+from clepsydra.report.step_picture import step_figure
+from clepsydra.report.svg import svg_text
+from clepsydra.report.template import rendered
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class _Picture:
+    """A picture on the page, with what it is called and what has to be said about it."""
+
+    title: str
+    words: str
+    svg: Markup
+    new_page: bool
+
+
+#: Identifier, title, words, drawn by, and whether it starts a printed page.
+_PICTURES: tuple[tuple[str, str, str, Callable[[Analysis], Figure], bool], ...] = (
+    (
+        "steps",
+        "Step responses of the linear model",
+        "Deviations from the operating point after a step of one input, the others held. A "
+        "dotted line marks the end of the dead time.",
+        step_figure,
+        True,
+    ),
+    (
+        "roots",
+        "Poles and zeros",
+        "Crosses are poles, circles transmission zeros; the right half-plane is shaded.",
+        roots_figure,
+        False,
+    ),
+    (
+        "bode",
+        "Frequency response",
+        "Magnitude and phase from each input to each output; dotted lines stand at the rates of "
+        "the poles. Dead time is exact.",
+        bode_figure,
+        True,
+    ),
+    (
+        "nyquist",
+        "Nyquist",
+        "The same in the complex plane, in shares of the ranges; small numbers are frequencies "
+        "[rad/s]. Dashed: the unit circle; the cross stands at −1.",
+        nyquist_figure,
+        True,
+    ),
+    (
+        "directions",
+        "Strong and weak directions, and interaction",
+        "Singular values from shares of the inputs' ranges to shares of the outputs' ranges: the "
+        "strongest direction dark, weaker ones grey; below one (dashed) a full swing of the "
+        "inputs does not cover the range of the outputs. Relative gains of the suggested pairs "
+        "are solid; near one the loops do not feel each other.",
+        directionality_figure,
+        True,
+    ),
+)
+
+
+def write_analysis_page(analysis: Analysis, path: str | Path) -> None:
+    """Write the page of an analysis; an existing file is replaced only by a whole one.
+
+    Parameters
+    ----------
+    analysis : Analysis
+    path : str or Path
+        An HTML file.
+
+    Raises
+    ------
+    InputError
+        It is no analysis, or the folder cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_analysis_page(analyse(load_process("quadruple-tank")), Path(folder, "a.html"))
+    ...     Path(folder, "a.html").read_text("utf-8")[:15]
+    '<!DOCTYPE html>'
+    """
+    require_type(
+        analysis, Analysis, "report, analysis", "an Analysis", "give what analyse returned"
+    )
+    require_type(path, (str, Path), "report, path", "a file name", 'write as in "analysis.html"')
+    text = analysis_page_text(analysis)
+    with whole_file(Path(path)) as part:
+        part.write_text(text, encoding="utf-8", newline="\n")
+
+
+def analysis_page_text(analysis: Analysis) -> str:
+    """Return the page of an analysis as HTML.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> page = analysis_page_text(analyse(load_process("quadruple-tank")))
+    >>> page.count("<svg")
+    6
+    """
+    from markupsafe import Markup
+
+    point = analysis.operating_point
+    pictures = [
+        _Picture(title, words, Markup(svg_text(draw(analysis), title, name)), new_page)
+        for name, title, words, draw, new_page in _PICTURES
+    ]
+    return rendered(
+        "analysis.html.jinja",
+        process=point.process,
+        analysis=analysis,
+        drawing=Markup(process_drawing(point.process, point)),
+        operating_point=operating_point_grid(point),
+        grids=analysis_grids(analysis),
+        further=further_grids(analysis),
+        pictures=pictures,
+        colours=signal_colours(point.process),
+    )

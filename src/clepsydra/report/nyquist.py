@@ -1,0 +1,89 @@
+"""Nyquist pictures: every channel of a process in the complex plane."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clepsydra.linear.analysis import Analysis
+from clepsydra.linear.compared import compared
+from clepsydra.linear.response import frequency_response
+from clepsydra.report.colours import INK, MUTED, signal_colours
+from clepsydra.report.response_axes import picture, shown_frequencies, title
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# The view of a channel that integrates ends at this gain.
+_FARTHEST = 3.0
+
+
+def nyquist_figure(analysis: Analysis) -> Figure:
+    """Draw g(jω) from each input (columns) to each output (rows) for ω above zero.
+
+    Gains are shares of the output's range over shares of the input's range, so that the
+    unit circle (dashed) and the cross at -1 mean a proportional controller of gain one in
+    percent; dots mark the decades of the frequency. Without ranges they are in SI.
+
+    Parameters
+    ----------
+    analysis : Analysis
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> len(nyquist_figure(analyse(load_process("quadruple-tank"))).axes)
+    4
+    """
+    shares = compared(analysis.model)
+    model = shares or analysis.model
+    colours = signal_colours(analysis.operating_point.process)
+    omegas = shown_frequencies(analysis)
+    gains = frequency_response(model, omegas)
+    rows, columns = len(model.outputs), len(model.inputs)
+    decades = 10.0 ** np.arange(np.ceil(np.log10(omegas[0])), np.log10(omegas[-1]) + 1e-9)
+    marked = frequency_response(model, decades) if len(decades) else gains[:0]
+    with picture(rows, columns, min(2.6, 6.4 / columns)) as drawn:
+        for place, output in enumerate(model.outputs):
+            for column, name in enumerate(model.inputs):
+                axes = drawn.axes[place, column]
+                values, dots = gains[:, place, column], marked[:, place, column]
+                title(axes, f"{output} by {name}", columns)
+                limit = _limit(values, bool(np.isinf(analysis.static_gain[place, column])))
+                angle = np.linspace(0.0, 2.0 * np.pi, 200)
+                circle = {"color": MUTED, "linewidth": 0.6, "linestyle": (0, (4, 3))}
+                axes.plot(np.cos(angle), np.sin(angle), **circle)
+                axes.plot([-1.0], [0.0], "+", color=INK, markersize=7)
+                axes.plot(values.real, values.imag, color=colours[output], linewidth=1.4)
+                axes.plot(dots.real, dots.imag, ".", color=colours[output], markersize=5)
+                for omega, dot in zip(decades, dots, strict=True):
+                    if 0.04 * limit < abs(dot) and max(abs(dot.real), abs(dot.imag)) < limit:
+                        axes.annotate(
+                            f"{omega:g}",
+                            (dot.real, dot.imag),
+                            xytext=(3, 3),
+                            textcoords="offset points",
+                            fontsize=6,
+                            color=MUTED,
+                        )
+                axes.axhline(0.0, color=MUTED, linewidth=0.5)
+                axes.axvline(0.0, color=MUTED, linewidth=0.5)
+                axes.set_xlim(-limit, limit)
+                axes.set_ylim(-limit, limit)
+                axes.set_aspect("equal")
+                if place == rows - 1:
+                    axes.set_xlabel("real part" + (" [% per %]" if shares else " [SI]"))
+                if column == 0:
+                    axes.set_ylabel("imaginary part")
+    return drawn.figure
+
+
+def _limit(values: np.ndarray, integrates: bool) -> float:
+    largest = float(np.abs(values).max(initial=0.0))
+    return 1.1 * max(min(largest, _FARTHEST) if integrates else largest, 1.05)

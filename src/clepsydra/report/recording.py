@@ -1,0 +1,83 @@
+"""What trend pictures show of a run, be it of a loop or of a process on its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from clepsydra.loop.happenings import Happening, happenings
+from clepsydra.loop.motion_block import event_count
+from clepsydra.loop.open_loop import Simulation
+from clepsydra.loop.run import Run
+from clepsydra.loop.scenario import Segment
+from clepsydra.process.process import Process
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Trajectories with what happened beside them.
+
+    Parameters
+    ----------
+    process : Process
+    time : ndarray [samples]
+        [s]
+    end : float
+        Of the last sample [s].
+    values : mapping
+        Name to trajectory [samples] in SI.
+    controlled : tuple of str
+        Measurements with a setpoint.
+    noise : mapping
+        Measurement to its noise [samples], where it has some.
+    segments : tuple of Segment
+        Of the scenario.
+    happenings : tuple of Happening
+        Events in order of time.
+
+    Examples
+    --------
+    >>> from clepsydra.loop.simulation import simulate
+    >>> recording_of(simulate("quadruple-tank", duration="60 s")).end
+    60.0
+    """
+
+    process: Process
+    time: np.ndarray
+    end: float
+    values: Mapping[str, np.ndarray]
+    controlled: tuple[str, ...] = ()
+    noise: Mapping[str, np.ndarray] = field(default_factory=dict)
+    segments: tuple[Segment, ...] = ()
+    happenings: tuple[Happening, ...] = ()
+
+
+def recording_of(run: Run | Simulation) -> Recording:
+    """Return what a picture shows of a run or of a simulation.
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> recording_of(run_study("quadruple-tank").ranking[0].run).controlled
+    ('level_1', 'level_2')
+    """
+    process = run.process
+    if isinstance(run, Simulation):
+        return Recording(
+            process, run.time, float(run.time[-1]), run.values, happenings=run.happenings
+        )
+    scenario = run.scenario
+    columns = zip(process.measurements, scenario.noise.T, strict=True)
+    recorded = all(event_count(name) in run.values for name, _ in process.motion.events)
+    return Recording(
+        process,
+        run.time,
+        float(run.time[-1]) + scenario.sampling_period,
+        run.values,
+        process.controlled,
+        {signal.name: column for signal, column in columns if np.any(column)},
+        scenario.segments,
+        happenings(process, run.values) if recorded else (),
+    )

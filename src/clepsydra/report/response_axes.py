@@ -1,0 +1,137 @@
+"""What the pictures of a linear model share: frequencies, units, and a grid of small axes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from clepsydra.base.signal import Signal
+from clepsydra.linear.analysis import Analysis
+from clepsydra.linear.frequency_grid import frequency_grid
+from clepsydra.report.colours import MUTED
+from clepsydra.report.quantities import display_factor, fitted, unit_text
+from clepsydra.report.trends import STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+#: Width of a picture [inch], that of the trends.
+WIDTH = 7.4
+# A picture shows this many times beyond the slowest and the fastest of the process.
+_BEYOND = 30.0
+# And not more than this many turns of the phase by the longest dead time.
+_TURNS = 2.0
+_LETTERS_AN_INCH = 13
+
+
+def shown_frequencies(analysis: Analysis) -> np.ndarray:
+    """Return the frequencies of a picture [rad/s], rising, none of them a pole.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> omegas = shown_frequencies(analyse(load_process("quadruple-tank")))
+    >>> omegas[0] < 0.011 / 20, omegas[-1] > 20 * 0.0597  # the slowest pole, the fastest zero
+    (np.True_, np.True_)
+    """
+    grid = frequency_grid(analysis.model)
+    roots = np.concatenate([analysis.poles, analysis.zeros])
+    rates = np.abs(roots[np.abs(roots) > 0.0])
+    delays = analysis.model.delays
+    if delays is not None:
+        rates = np.append(rates, 1.0 / delays.times)
+    if not rates.size:
+        return grid
+    low, high = rates.min() / _BEYOND, rates.max() * _BEYOND
+    if delays is not None:
+        high = min(high, max(2.0 * np.pi * _TURNS / delays.times.max(), 3.0 * rates.min()))
+    chosen: np.ndarray = grid[(grid >= low) & (grid <= high)]
+    return chosen
+
+
+def gain_factor(output: Signal, manipulated: Signal) -> float:
+    """Return what turns a gain in SI into one in display units.
+
+    Examples
+    --------
+    >>> gain_factor(Signal("level", "m", display_unit="cm"), Signal("pump", "V"))
+    100.0
+    """
+    return display_factor(output) / display_factor(manipulated)
+
+
+def ratio_text(output: Signal, manipulated: Signal) -> str:
+    """Return the unit of a gain as it is printed.
+
+    Examples
+    --------
+    >>> ratio_text(Signal("level", "m", display_unit="cm"), Signal("pump", "V"))
+    'cm per V'
+    """
+    above, below = (unit_text(signal.shown_unit) or "1" for signal in (output, manipulated))
+    return "1" if above == below == "1" else f"{above} per {below}"
+
+
+@contextmanager
+def picture(rows: int, columns: int, height: float, **options: Any) -> Iterator[_Picture]:
+    """Give a figure with a grid of axes [rows, columns], each row of a height [inch].
+
+    Examples
+    --------
+    >>> with picture(2, 1, 1.0) as drawn:
+    ...     len(drawn.figure.axes)
+    2
+    """
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, rows * height + 0.75), layout="constrained")
+        axes = figure.subplots(rows, columns, squeeze=False, **options)
+        yield _Picture(figure, axes)
+
+
+class _Picture:
+    """A figure and its axes [rows, columns]."""
+
+    def __init__(self, figure: Figure, axes: np.ndarray) -> None:
+        self.figure = figure
+        self.axes = axes
+
+
+def title(axes: Axes, words: str, columns: int) -> None:
+    """Write what axes show above them, shortened to their width.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().add_subplot()
+    >>> title(axes, "level_1 by pump_1", 1)
+    >>> axes.get_title(loc="left")
+    'level_1 by pump_1'
+    """
+    letters = max(int(WIDTH / columns * _LETTERS_AN_INCH) - 8, 12)
+    axes.set_title(fitted(words, letters), loc="left", fontsize=7.5)
+
+
+def mark_frequencies(axes: Sequence[Axes] | np.ndarray, label: bool = True) -> None:
+    """Give axes a logarithmic frequency axis, named below the last of them.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> axes = [Figure().add_subplot()]
+    >>> mark_frequencies(axes)
+    >>> axes[0].get_xlabel()
+    'frequency [rad/s]'
+    """
+    for entry in axes:
+        entry.set_xscale("log")
+        entry.tick_params(which="minor", color=MUTED)
+    if label:
+        axes[-1].set_xlabel("frequency [rad/s]")

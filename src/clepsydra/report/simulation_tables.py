@@ -1,0 +1,210 @@
+"""A simulation in words and rows of text, for a terminal and for a page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from clepsydra.base.signal import Signal
+from clepsydra.base.units import from_si
+from clepsydra.loop.duration import time_text
+from clepsydra.loop.open_loop import Simulation
+from clepsydra.loop.open_loop_plan import TOLERANCE, Plan
+from clepsydra.loop.profile import Change
+from clepsydra.process.process import Process
+from clepsydra.report.analysis_tables import Grid
+from clepsydra.report.quantities import number_text, quantity_text, short_text, unit_text
+
+#: Changes that one sentence still names.
+_NAMED_CHANGES = 3
+#: A signal that moves by less than this share of its size does not move: that is rounding.
+_STILL = 1e-9
+
+
+def simulation_sentence(plan: Plan, run: Simulation) -> str:
+    """Return what was done and what happened, in one sentence.
+
+    Examples
+    --------
+    >>> from clepsydra.loop.open_loop_plan import plan_simulation
+    >>> from clepsydra.process.reader import load_process
+    >>> plan = plan_simulation(load_process("quadruple-tank"), duration="60 s")
+    >>> simulation_sentence(plan, plan.run())
+    'Starts at rest and runs for 60 s without any change; no events.'
+    """
+    count = sum(event.times for event in run.happenings)
+    events = "1 event" if count == 1 else f"{count or 'no'} events"
+    return (
+        f"Starts {plan.begins} and runs for {time_text(plan.duration)} {_changes_text(plan)}; "
+        f"{events}."
+    )
+
+
+def trust_sentence(run: Simulation) -> str:
+    """Return how sure a simulation is: its error and its balances.
+
+    Examples
+    --------
+    >>> from clepsydra.loop.simulation import simulate
+    >>> trust_sentence(simulate("quadruple-tank", duration="60 s", solver="reference"))[:34]
+    'Integrated by the reference solver'
+    """
+    sure = "Integrated by the reference solver to a relative tolerance of 1e−10"
+    if run.error_estimate is not None:
+        error = number_text(100.0 * run.error_estimate, 2)
+        sure = f"Step halving estimates the largest error of a state at {error} % of its range"
+        if math.isnan(run.error_estimate):
+            sure = "The simulation broke down: a state became not a number"
+        elif run.error_estimate > TOLERANCE:
+            sure += f", more than the {number_text(100.0 * TOLERANCE)} % that was aimed at"
+    closed = max((balance.error for balance in run.balances), default=0.0)
+    if not run.balances:
+        return f"{sure}."
+    names = " and ".join(balance.name for balance in run.balances)
+    return f"{sure}; the balance of {names} closes to {number_text(closed, 2)} of the throughput."
+
+
+def change_words(process: Process, change: Change) -> str:
+    """Return what a change does.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> change_words(process, Change("pump_1", 4.0, 60.0, 120.0))
+    'pump_1 to 4 V from 60 s to 120 s'
+    """
+    signal = process.signal(change.signal)
+    shown = from_si(change.value, signal.unit, signal.shown_unit)
+    words = f"{change.signal} to {short_text(shown)} {unit_text(signal.shown_unit)}".strip()
+    if change.is_ramp:
+        return f"{words} from {time_text(change.start)} to {time_text(change.stop)}"
+    return f"{words} at {time_text(change.start)}" if change.start else f"{words} from the start"
+
+
+def trajectories_grid(run: Simulation) -> Grid:
+    """Return the first, last, smallest and largest value of each state, measurement and input.
+
+    Of the disturbances and of the volumes spilt there are those that are not always the same.
+
+    Examples
+    --------
+    >>> from clepsydra.loop.simulation import simulate
+    >>> trajectories_grid(simulate("quadruple-tank", start="empty")).rows[0][:2]
+    ('tank_1.level', '0 cm')
+    """
+    rows = []
+    for signal in shown_signals(run):
+        values = run.values[signal.name]
+        low, high = int(np.argmin(values)), int(np.argmax(values))
+        extremes = ["–", "–"]
+        if np.ptp(values) > _STILL * np.max(np.abs(values)):
+            extremes = [
+                f"{quantity_text(signal, float(values[k]), 4)} at {time_text(float(run.time[k]))}"
+                for k in (low, high)
+            ]
+        ends = [quantity_text(signal, float(values[k]), 4) for k in (0, -1)]
+        rows.append((signal.name, *ends, *extremes))
+    return Grid("Trajectories", ("", "start", "end", "smallest", "largest"), tuple(rows))
+
+
+def shown_signals(run: Simulation) -> list[Signal]:
+    """Return the signals of a simulation that a reader is told about.
+
+    Examples
+    --------
+    >>> from clepsydra.loop.simulation import simulate
+    >>> [s.name for s in shown_signals(simulate("quadruple-tank", duration="60 s"))][-2:]
+    ['pump_1', 'pump_2']
+    """
+    process = run.process
+    moving = [
+        signal
+        for signal in (*process.disturbances, *process.motion.totals)
+        if signal.name in run.values and np.ptp(run.values[signal.name]) > 0.0
+    ]
+    return [*process.state, *process.measurements, *process.inputs, *moving]
+
+
+def events_grid(run: Simulation, most: int) -> Grid:
+    """Return the events in order of time, the first `most` of them, numbered as in the picture.
+
+    Examples
+    --------
+    >>> from clepsydra.loop.simulation import simulate
+    >>> events_grid(simulate("quadruple-tank", duration="60 s"), most=5).rows
+    ()
+    """
+    rows = [
+        (
+            str(number),
+            time_text(event.time),
+            event.words + (f" ({event.times} times)" if event.times > 1 else ""),
+        )
+        for number, event in enumerate(run.happenings[:most], 1)
+    ]
+    left = len(run.happenings) - most
+    if left > 0:
+        last = time_text(run.happenings[-1].time)
+        rows.append(("…", "", f"and {left} more, the last at {last}"))
+    return Grid("Events", ("", "time", "what happened"), tuple(rows))
+
+
+def event_counts_grid(run: Simulation) -> Grid:
+    """Return how often each event happened, first and last time.
+
+    Examples
+    --------
+    >>> from clepsydra.loop.simulation import simulate
+    >>> event_counts_grid(simulate("quadruple-tank", duration="60 s")).rows
+    ()
+    """
+    rows = []
+    for name, words in run.process.motion.events:
+        found = [event for event in run.happenings if event.event == name]
+        if found:
+            times = sum(event.times for event in found)
+            first, last = (time_text(found[k].time) for k in (0, -1))
+            rows.append((words, str(times), first, last))
+    return Grid("How often", ("event", "times", "first", "last"), tuple(rows))
+
+
+def balances_grid(run: Simulation) -> Grid:
+    """Return what entered, left and stayed of the liquid and of each component.
+
+    Examples
+    --------
+    >>> from clepsydra.loop.simulation import simulate
+    >>> balances_grid(simulate("quadruple-tank", duration="60 s")).rows[0][:2]
+    ('liquid', '0.00120 m³')
+    """
+    rows = tuple(
+        (
+            balance.name,
+            *(
+                f"{number_text(amount)} {unit_text(balance.unit)}".strip()
+                for amount in (balance.entered, balance.left, balance.gained)
+            ),
+            number_text(balance.error, 2),
+        )
+        for balance in run.balances
+    )
+    return Grid("Balance", ("", "entered", "left", "gained", "error"), rows)
+
+
+def _changes_text(plan: Plan) -> str:
+    changes = sorted(plan.changes, key=lambda change: change.start)
+    if not changes:
+        return "without any change"
+    if len(changes) > _NAMED_CHANGES:
+        names = list(dict.fromkeys(change.signal for change in changes))
+        return f"with {len(changes)} changes of {_listed(names)}"
+    return f"with {_listed([change_words(plan.process, change) for change in changes])}"
+
+
+def _listed(words: Sequence[str]) -> str:
+    if len(words) == 1:
+        return words[0]
+    return f"{', '.join(words[:-1])} and {words[-1]}"

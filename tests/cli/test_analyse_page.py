@@ -1,0 +1,38 @@
+"""``clepsydra analyse --output``: the page is written, or nothing is."""
+
+import json
+
+import pytest
+
+from clepsydra.cli import main
+
+
+def run(*arguments):
+    try:
+        main(list(arguments))
+    except SystemExit as ending:
+        return ending.code or 0
+    return 0
+
+
+def test_it_writes_a_page_beside_the_table(tmp_path, capsys):
+    target = tmp_path / "tank.html"
+    assert run("analyse", "quadruple-tank", "--output", str(target)) == 0
+    assert f"Page: {target}" in capsys.readouterr().out.replace("\n", "")
+    assert target.read_text("utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_json_names_the_page(tmp_path, capsys):
+    target = tmp_path / "tank.html"
+    assert run("analyse", "quadruple-tank", "--json", "-o", str(target)) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["page"] == str(target)
+    assert target.exists()
+
+
+@pytest.mark.parametrize("name", ["tank.svg", "tank", "folder.html"])
+def test_another_name_is_refused(tmp_path, capsys, name):
+    (tmp_path / "folder.html").mkdir()
+    assert run("analyse", "quadruple-tank", "--output", str(tmp_path / name)) == 2
+    assert "ends in .html" in capsys.readouterr().err.replace("\n", " ")
+    assert [entry.name for entry in tmp_path.iterdir()] == ["folder.html"]

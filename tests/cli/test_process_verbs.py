@@ -1,0 +1,207 @@
+"""The verbs that list, draw and begin processes."""
+
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from importlib import resources
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+import clepsydra as cl
+from clepsydra.cli import main
+from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
+from clepsydra.process.kinds import KINDS
+from clepsydra.process.reader import _GENERAL_KEYS
+
+TEMPLATE = (resources.files("clepsydra.cli") / "new_process.toml").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def command(capsys, tmp_path, monkeypatch):
+    """Return a function: arguments → (exit status, standard output, standard error)."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        try:
+            main(list(arguments))
+            status = 0
+        except SystemExit as ending:
+            status = 0 if ending.code is None else int(ending.code)
+        captured = capsys.readouterr()
+        return status, captured.out, captured.err
+
+    return run
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def refused(result, *words):
+    status, output, errors = result
+    assert (status, output) == (2, "")
+    assert errors.startswith("clepsydra: ") and "Traceback" not in errors
+    for word in words:
+        assert word in errors, (word, errors)
+
+
+def test_processes_names_every_process_with_source_and_variants(command):
+    status, output, _ = command("processes")
+    assert status == 0
+    for name in catalogue_names():
+        tables = tomllib.loads(catalogue_file(name).read_text(encoding="utf-8"))
+        assert f"{name}\n    {tables['title']}\n    source: {tables['source']}\n" in output
+        for variant in tables.get("variants", {}):
+            assert f"variant {name}:{variant}" in output
+
+
+def test_processes_prints_one_json_document_with_what_load_process_says(command):
+    status, output, _ = command("processes", "--json")
+    assert status == 0
+    entries = json.loads(output)["processes"]
+    assert [entry["name"] for entry in entries] == catalogue_names()
+    for entry in entries:
+        process = cl.load_process(entry["name"])
+        assert (entry["title"], entry["source"]) == (process.title, process.source)
+        assert entry["variants"] == dict(process.variants)
+        assert tuple(entry["default_variants"]) == tuple(process.variant)
+
+
+@pytest.mark.parametrize("arguments", [["processes"], ["new", "--help"], ["draw", "--help"]])
+def test_these_load_no_numeric_library(tmp_path, arguments):
+    code = (
+        "import sys; from clepsydra.cli import main\n"
+        "try: main(sys.argv[1:])\n"
+        "except SystemExit: pass\n"
+        "heavy = {'numpy', 'casadi', 'scipy', 'pandas', 'matplotlib', 'pint'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
+    )
+    source = str(Path(cl.__file__).parents[1])
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        cwd=tmp_path, env={"PYTHONPATH": source}, capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+
+def test_python_runs_the_package(tmp_path):
+    source = str(Path(cl.__file__).parents[1])
+    done = subprocess.run(
+        [sys.executable, "-m", "clepsydra", "--version"],
+        cwd=tmp_path, env={"PYTHONPATH": source}, capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout.strip()) == (0, f"clepsydra {cl.__version__}")
+
+
+def test_draw_writes_the_picture_of_the_report(command, tmp_path):
+    status, output, _ = command("draw", "quadruple-tank")
+    assert (status, output) == (0, "Drawing: quadruple-tank.svg\n")
+    root = ElementTree.parse(tmp_path / "quadruple-tank.svg").getroot()
+    titles = [title.text for title in root.iter("{http://www.w3.org/2000/svg}title")]
+    assert "pump pump_1, 3.00 V, 30 %" in titles
+    assert names(tmp_path) == ["quadruple-tank.svg"]
+
+
+def test_draw_writes_where_it_is_told(command, tmp_path):
+    assert command("draw", "eight-tanks", "-o", "a.svg")[0] == 0
+    assert names(tmp_path) == ["a.svg"]
+    refused(command("draw", "eight-tanks", "-o", "a.png"), "--output", "a.png", ".svg")
+    refused(command("draw", "eight-tanks", "-o", "missing/a.svg"), "missing/a.svg")
+    refused(command("draw", "eight-tonks"), "eight-tanks")
+    assert names(tmp_path) == ["a.svg"]
+
+
+def test_a_plant_without_rest_is_drawn_and_the_reason_given(command, tmp_path):
+    text = catalogue_file("quadruple-tank").read_text(encoding="utf-8")
+    bad = text.replace('nominal = "3.00 V"', 'nominal = "9.99 V"')
+    (tmp_path / "full.toml").write_text(bad, encoding="utf-8")
+    status, output, errors = command("draw", "full.toml")
+    assert (status, output) == (0, "Drawing: quadruple-tank.svg\n")
+    assert "drawn without values" in errors and "tank_" in errors
+    assert "9.99" not in (tmp_path / "quadruple-tank.svg").read_text(encoding="utf-8")
+
+
+def test_a_new_file_loads_and_can_be_studied(command, tmp_path):
+    status, output, _ = command("new", "my-plant")
+    assert status == 0 and "my-plant.toml" in output
+    assert cl.load_process(tmp_path / "my-plant.toml").name == "my-plant"
+    status, _, errors = command("study", "my-plant.toml", "--json")
+    assert (status, errors) == (0, "")
+    assert names(tmp_path) == ["my-plant.html", "my-plant.parquet", "my-plant.toml"]
+
+
+def test_the_template_explains_every_key():
+    for key in _GENERAL_KEYS:
+        assert re.search(rf"^(# )?(\[)?{key}\b", TEMPLATE, re.MULTILINE), key
+    for kind in KINDS:
+        place = re.search(rf"^(# )?\[{kind.table}\.", TEMPLATE, re.MULTILINE)
+        assert place, kind.table
+        rest = TEMPLATE[place.start() :]
+        for key in kind.keys:
+            assert re.search(rf"\b{key} = ", rest) or re.search(rf"\b{key} = ", TEMPLATE), key
+
+
+@pytest.mark.parametrize("table", sorted({kind.table for kind in KINDS}))
+def test_what_the_template_shows_in_comments_can_be_written(table, tmp_path):
+    """Uncomment one table of the template at a time: its keys are known and its values right."""
+    block = re.search(rf"^# \[{table}\.[a-z_0-9]+\]\n(# .*\n)+", TEMPLATE, re.MULTILINE)
+    if block is None:
+        assert re.search(rf"^\[{table}\.", TEMPLATE, re.MULTILINE)
+        return
+    lines = [line[2:] for line in block.group().splitlines()]
+    # Words after a value are for the reader, and some keys exclude others.
+    lines = [re.sub(r'^(\w+ = ("[^"]*"|\[.*\]|\{.*\}|\S+))\s{2,}.*$', r"\1", x) for x in lines]
+    lines = [x for x in lines if not x.startswith(("rangeability", "backlash"))]
+    text = TEMPLATE.replace(block.group(), "\n".join(lines) + "\n")
+    outlet = 'source = "tank_1"\ndestination = "basin"'
+    if table == "splitters":
+        # The outlet feeds it, and it feeds a second reservoir instead of the tank.
+        text = text.replace(outlet, outlet.replace("basin", "splitter_1"), 1)
+        sump = "fractions = { sump = 0.7, basin = 0.3 }\n[reservoirs.sump]"
+        text = text.replace("fractions = { tank_1 = 0.7, basin = 0.3 }", sump)
+    if table == "delays":
+        text = text.replace(outlet, outlet.replace("basin", "channel_1"), 1)
+        text = text.replace('destination = "tank_1"\ntime', 'destination = "basin"\ntime')
+    (tmp_path / "plant.toml").write_text(text, encoding="utf-8")
+    name = re.match(r"\[\w+\.(\w+)\]", lines[0]).group(1)
+    assert name in {e.name for e in cl.load_process(tmp_path / "plant.toml").elements}
+
+
+@pytest.mark.parametrize("name", ["quadruple-tank", "eight-tanks"])
+def test_a_copy_differs_in_its_name_only(command, tmp_path, name):
+    assert command("new", "mine", "--from", name)[0] == 0
+    copied = (tmp_path / "mine.toml").read_text(encoding="utf-8").splitlines()
+    original = catalogue_file(name).read_text(encoding="utf-8").splitlines()
+    pairs = zip(copied, original, strict=True)
+    assert [pair for pair in pairs if len(set(pair)) > 1] == [('name = "mine"', f'name = "{name}"')]
+    assert cl.load_process(tmp_path / "mine.toml").name == "mine"
+
+
+def test_nothing_is_written_over(command, tmp_path):
+    (tmp_path / "mine.toml").write_text("precious", encoding="utf-8")
+    refused(command("new", "mine"), "mine.toml", "another name")
+    refused(command("new", "mine", "--from", "quadruple-tank"), "mine.toml")
+    assert (tmp_path / "mine.toml").read_text(encoding="utf-8") == "precious"
+
+
+@pytest.mark.parametrize("name", ["my tanks", "../mine", "a/b", "", "1st", "mine.toml", "ä"])
+def test_a_name_that_is_no_name_is_refused(command, tmp_path, name):
+    refused(command("new", name), "NAME", "letters, digits and single hyphens")
+    assert names(tmp_path) == []
+
+
+def test_a_name_with_spaces_is_pointed_to_the_title(command, tmp_path):
+    refused(command("new", "my two tanks"), '"my-two-tanks"', "title")
+    text = catalogue_file("quadruple-tank").read_text(encoding="utf-8")
+    text = text.replace('name = "quadruple-tank"', 'name = "Quadruple tank"')
+    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    refused(command("analyse", "a.toml"), "a.toml, line", '"Quadruple-tank"', "title")
+
+
+def test_a_copy_of_what_is_not_there_is_refused(command, tmp_path):
+    refused(command("new", "mine", "--from", "quadruple-tonk"), "--from", "quadruple-tank")
+    assert names(tmp_path) == []

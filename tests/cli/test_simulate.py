@@ -1,0 +1,157 @@
+"""``clepsydra simulate``: what it prints and writes, and what it refuses."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas
+import pytest
+
+from clepsydra.cli import main
+from clepsydra.loop.simulation import simulate
+
+
+@pytest.fixture
+def command(capsys, tmp_path, monkeypatch):
+    """Return a function: arguments → (exit status, standard output, standard error)."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        try:
+            main(["simulate", *arguments])
+            status = 0
+        except SystemExit as ending:
+            status = 0 if ending.code is None else int(ending.code)
+        captured = capsys.readouterr()
+        return status, captured.out, captured.err
+
+    return run
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_help_loads_nothing_numeric():
+    code = (
+        "import sys\n"
+        "from clepsydra.cli import main\n"
+        "try:\n    main(['simulate', '--help'])\n"
+        "except SystemExit:\n    print(*sorted(sys.modules), file=sys.stderr)\n"
+    )
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=60
+    )
+    loaded = {name.partition(".")[0] for name in done.stderr.split()}
+    assert "typer" in loaded
+    assert not loaded & {"numpy", "casadi", "scipy", "matplotlib", "pandas", "pyarrow", "pint"}
+    for option in ("--input", "--profile", "--duration", "--start", "--state", "--solver"):
+        assert option in done.stdout
+
+
+def test_a_step_is_told_and_written(command, tmp_path):
+    status, output, _ = command("quadruple-tank", "--input", "pump_1=3.5V@60s")
+    assert status == 0
+    assert all(len(line) <= 100 for line in output.splitlines())
+    words = " ".join(output.split())
+    assert "Starts at rest and runs for 12 min with pump_1 to 3.5 V at 60 s; no events." in words
+    assert "Step halving estimates the largest error" in words and "balance of liquid" in words
+    assert names(tmp_path) == [
+        "quadruple-tank-simulation.html",
+        "quadruple-tank-simulation.parquet",
+    ]
+    page = (tmp_path / "quadruple-tank-simulation.html").read_text("utf-8")
+    assert page.rstrip().endswith("</html>") and "pump_1 to 3.5 V at 60 s" in page
+    table = pandas.read_parquet(tmp_path / "quadruple-tank-simulation.parquet")
+    assert (table["pump_1"][59], table["pump_1"][60], len(table)) == (3.0, 3.5, 721)
+
+
+def test_json_is_what_the_function_returns(command, tmp_path):
+    status, output, _ = command(
+        "quadruple-tank", "--json", "--input", "pump_1=3.5V@60s",
+        "--input", "pump_1=4V@1.5min..2min",
+        "--duration", "5 min", "--state", "tank_1.level=5cm", "--format", "csv",
+    )  # fmt: skip
+    assert status == 0
+    found = json.loads(output)
+    run = simulate(
+        "quadruple-tank", {"pump_1": ["3.5 V @ 60 s", "4 V @ 90 s..120 s"]}, duration="300 s",
+        state={"tank_1.level": "5 cm"},
+    )  # fmt: skip
+    assert found["signals"]["tank_1.level"]["start"] == 0.05
+    for signal in run.signals:
+        entry = found["signals"][signal.name]
+        assert entry["end"] == run.values[signal.name][-1] and entry["unit"] == signal.unit
+        assert entry["largest"]["value"] == run.values[signal.name].max()
+    assert found["error_estimate"] == run.error_estimate
+    assert found["changes"][1] == {
+        "signal": "pump_1", "value": 4.0, "unit": "V", "start": 90.0, "stop": 120.0,
+    }  # fmt: skip
+    assert names(tmp_path) == ["quadruple-tank-simulation.csv", "quadruple-tank-simulation.html"]
+
+
+def test_without_input_it_says_that_nothing_moves(command):
+    status, output, _ = command("quadruple-tank")
+    assert status == 0
+    words = " ".join(output.split())
+    assert "runs for 10 min without any change" in words
+    assert "Nothing moves: give an input, for example --input 'pump_1=VALUE@TIME' (in V)." in words
+
+
+def test_a_file_gives_the_same_as_words(command, tmp_path):
+    (tmp_path / "steps.csv").write_text("time [min];pump_1 [V]\n0;3\n1;3.5\n2;3.2\n")
+    of_file = command("quadruple-tank", "--json", "--profile", "steps.csv", "--duration", "5 min")
+    of_words = command(
+        "quadruple-tank", "--json", "--duration", "300 s",
+        "--input", "pump_1=3V", "--input", "pump_1=3.5V@60s", "--input", "pump_1=3.2V@120s",
+    )  # fmt: skip
+    assert of_file[0] == of_words[0] == 0
+    assert json.loads(of_file[1])["signals"] == json.loads(of_words[1])["signals"]
+
+
+def test_events_are_listed_with_their_times(command):
+    status, output, _ = command(
+        "laboratory-four-tanks", "--input", "pump_1=90%@5s", "--duration", "1 min", "--json"
+    )
+    assert status == 0
+    events = json.loads(output)["events"]
+    assert events and all(5.0 < event["time"] <= 60.0 for event in events)
+    assert events == sorted(events, key=lambda event: event["time"])
+    output = command("laboratory-four-tanks", "--input", "pump_1=90%@5s", "--duration", "1 min")[1]
+    assert events[0]["words"] in " ".join(output.split())
+
+
+BAD = {
+    "signal": (["--input", "pmup_1=3V"], "perhaps 'pump_1' was meant"),
+    "no value": (["--input", "pump_1"], "a signal, '=' and its value"),
+    "range": (["--input", "pump_1=30V"], "--input pump_1=30V: got '30 V'"),
+    "late": (["--input", "pump_1=4V@10min", "--duration", "5 min"], "within the duration of 5 min"),
+    "order": (["--input", "pump_1=4V@9s", "--input", "pump_1=3V@5s"], "a time from 9 s on"),
+    "duration": (["--duration", "long"], "duration: got 'long'"),
+    "state": (["--state", "tank_1=5cm"], "--state: got 'tank_1', expected a state of"),
+    "state without value": (["--state", "tank_1.level"], "a state, '=' and its value"),
+    "twice": (["--state", "tank_1.level=5cm", "--state", "tank_1.level=6cm"], "each state once"),
+    "state out of range": (["--state", "tank_1.level=25cm"], "from 0 to 20 cm, the range of"),
+    "no file": (["--profile", "none.csv"], "none.csv: got 'no such file or directory'"),
+    "bad file": (["--profile", "bad.csv"], "bad.csv, line 2, column 'pump_1': got 'x'"),
+    "both": (["--profile", "good.csv", "--input", "pump_1=3V"], "that good.csv does not give"),
+    "long file": (["--profile", "good.csv", "--duration", "5 s"], "good.csv, line 3, column"),
+    "folder": (["-o", "none"], "--output: got 'none', expected a folder that exists"),
+    "start": (["--start", "full"], "'full'"),
+    "solver": (["--solver", "euler"], "'euler'"),
+    "format": (["--format", "xls"], "'xls'"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_mistakes_are_messages_and_leave_nothing(command, tmp_path, case):
+    (tmp_path / "bad.csv").write_text("time [s],pump_1 [V]\n0,x\n")
+    (tmp_path / "good.csv").write_text("time [s],pump_1 [V]\n0,3\n10,3.5\n")
+    arguments, words = BAD[case]
+    status, output, errors = command("quadruple-tank", *arguments)
+    assert (status, output) == (2, "")
+    assert words in " ".join(errors.split()) and "Traceback" not in errors
+    assert names(tmp_path) == ["bad.csv", "good.csv"]

@@ -1,0 +1,173 @@
+"""Controllability, observability, Gramians and Hankel singular values."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from models_by_hand import late_feedback, rational
+from scipy.integrate import quad_vec
+from scipy.linalg import expm
+
+from clepsydra.base.errors import InputError
+from clepsydra.linear.controllability import (
+    controllability_margins,
+    observability_margins,
+    words_on_reach,
+)
+from clepsydra.linear.distance_to_uncontrollability import distance_to_uncontrollability
+from clepsydra.linear.gramians import controllability_gramian, observability_gramian
+from clepsydra.linear.hankel_singular_values import hankel_singular_values
+from clepsydra.linear.response import evaluate_transfer
+from clepsydra.linear.sensitivity import largest_gain
+from clepsydra.linear.stable_part import stable_part
+
+
+def test_gramian_is_the_integral(random_system):
+    system = random_system(4, 3, 2, 2)
+
+    def moving(t):
+        reached = expm(system.A * t) @ system.B
+        return reached @ reached.T
+
+    integral, _ = quad_vec(moving, 0.0, 60.0, epsrel=1e-11)
+    np.testing.assert_allclose(
+        controllability_gramian(system.A, system.B), integral, rtol=1e-8, atol=1e-9
+    )
+    np.testing.assert_allclose(
+        observability_gramian(system.A, system.C),
+        controllability_gramian(system.A.T, system.C.T), rtol=1e-14,
+    )  # fmt: skip
+
+
+def test_hankel_singular_value_of_one_tank_and_of_two():
+    """1/((s + 1)(s + 2)): σ from P Q by hand, σ1 - σ2 = the cross Gramian's trace 1/4."""
+    found = hankel_singular_values(rational([[-1.0, 0.0], [1.0, -2.0]], [[1.0], [0.0]],
+                                            [[0.0, 1.0]], 0.0))  # fmt: skip
+    # For one input and output ±σ are the eigenvalues of the cross Gramian; G(0) = 2 Σ ±σ.
+    assert 2 * (found.values[0] - found.values[1]) == pytest.approx(0.5, rel=1e-12)
+    # det P Q: P = [[1/2, 1/6], [1/6, 1/12]], Q = [[1/12, 1/12], [1/12, 1/4]].
+    assert np.prod(found.values) == pytest.approx(np.sqrt((1 / 24 - 1 / 36) * (1 / 72)), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_hankel_singular_values_by_the_eigenvalues(seed, random_system):
+    system = random_system(seed, 5, 2, 3)
+    model = rational(system.A, system.B, system.C, system.D)
+    P = controllability_gramian(system.A, system.B)
+    Q = observability_gramian(system.A, system.C)
+    expected = np.sqrt(np.sort(np.linalg.eigvals(P @ Q).real)[::-1])
+    np.testing.assert_allclose(hankel_singular_values(model).values, expected, rtol=1e-6)
+    # The largest gain over frequency lies between the largest value and twice their sum.
+    values = hankel_singular_values(model).values
+    peak = largest_gain(model.A, model.B, model.C, model.D).peak
+    assert values[0] <= peak <= 2 * values.sum()
+
+
+def test_integrators_and_unstable_modes_are_split_off(random_system):
+    system = random_system(7, 3, 1, 1)
+    stable = rational(system.A, system.B, system.C, system.D)
+    rest = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.4]])
+    mixing = np.random.default_rng(3).standard_normal((6, 6))
+    A = np.block([[system.A, np.zeros((3, 3))], [np.zeros((3, 3)), rest]])
+    B, C = np.vstack([system.B, np.ones((3, 1))]), np.hstack([system.C, np.ones((1, 3))])
+    inverse = np.linalg.inv(mixing)
+    found = hankel_singular_values(rational(mixing @ A @ inverse, mixing @ B, C @ inverse, 0.0))
+    np.testing.assert_allclose(found.values, hankel_singular_values(stable).values, rtol=1e-7)
+    np.testing.assert_allclose(found.split_off, [0.4, 0.0, 0.0], atol=1e-9)
+
+
+def test_stable_part_and_the_rest_make_the_whole():
+    A = np.array([[-1.0, 2.0], [0.0, 0.5]])
+    model = rational(A, [[1.0], [3.0]], [[1.0, 1.0]], 0.0)
+    part = stable_part(model)
+    s = np.array([1.0 + 1j, 3j])
+    whole = evaluate_transfer(model.A, model.B, model.C, model.D, s)
+    mine = evaluate_transfer(part.A, part.B, part.C, model.D, s)
+    # What is left has its pole at 0.5 alone: (s - 0.5) times it is one number.
+    left = (whole - mine)[:, 0, 0] * (s - 0.5)
+    assert left[0] == pytest.approx(left[1], rel=1e-12)
+
+
+def test_margin_of_a_mode_is_zero_where_it_is_cut_off(random_system):
+    system = random_system(3, 4, 1, 1)
+    rates, left = np.linalg.eig(system.A.T)
+    real = int(np.argmin(np.abs(rates.imag)))
+    assert rates[real].imag == 0.0  # the seed has a real pole
+    q = left[:, real].real
+    B = system.B - np.outer(q, q @ system.B) / (q @ q)  # out of reach of the mode q
+    found = controllability_margins(rational(system.A, B, system.C, 0.0))
+    for mode in found:
+        cut = bool(abs(mode.pole - rates[real]) < 1e-9)
+        assert (mode.margin < 1e-12) is cut
+        assert (mode.share < 1e-12) is cut
+        test = np.hstack([system.A - mode.pole * np.eye(4), B])
+        assert mode.margin == pytest.approx(np.linalg.svd(test)[1][-1], abs=1e-14)
+
+
+def test_observability_is_dual(random_system):
+    system = random_system(5, 4, 2, 2)
+    shown = observability_margins(rational(system.A, system.B, system.C, system.D))
+    reached = controllability_margins(rational(system.A.T, system.C.T, system.B.T, system.D))
+    np.testing.assert_allclose(
+        [mode.margin for mode in shown], [mode.margin for mode in reached], rtol=1e-10
+    )
+
+
+def test_a_slow_tank_behind_a_fast_valve_is_well_reached():
+    model = rational([[-10.0, 0.0], [0.02, -0.01]], [[10.0], [0.0]], np.eye(2), np.zeros((2, 1)))
+    assert min(mode.share for mode in controllability_margins(model)) > 0.3
+    assert words_on_reach(model) == []
+
+
+def test_words():
+    model = rational(np.diag([-0.02, -0.01]), [[1e-3], [0.0]], [[1.0, 1.0]], 0.0)
+    words = words_on_reach(model)
+    assert words[0] == "No input moves the mode at -0.01 rad/s (mainly x1)."
+    twins = rational(np.diag([-1.0, -1.0001]), [[1.0], [1.0]], np.eye(2), np.zeros((2, 1)))
+    assert any(word.startswith("The inputs hardly reach") for word in words_on_reach(twins))
+    swing = rational([[0.0, 2.0], [-0.5, -0.1]], [[0.0], [1.0]], [[0.0, 0.0]], 0.0)
+    assert words_on_reach(swing) == [
+        "No output shows the mode at -0.05 ± 0.999j rad/s (mainly x0)."
+    ]
+
+
+def test_distance_of_a_pair_with_a_known_one():
+    """A = 0: σ_min([-sI, B]) is smallest at s = 0, where it is σ_n(B) for as many inputs."""
+    B = np.diag([3.0, 0.2])
+    found = distance_to_uncontrollability(np.zeros((2, 2)), B)
+    assert found.value == pytest.approx(0.2, rel=1e-9)
+    assert found.at_least <= found.value
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_distance_by_brute_force(seed, random_system):
+    system = random_system(seed, 4, 1, 1)
+    found = distance_to_uncontrollability(system.A, system.B)
+    real, imaginary = np.meshgrid(np.linspace(-6, 3, 361), np.linspace(0, 4, 161))
+    points = (real + 1j * imaginary).ravel()
+    tests = np.concatenate(
+        [system.A - points[:, None, None] * np.eye(4), np.tile(system.B, (len(points), 1, 1))],
+        axis=2,
+    )
+    lowest = np.linalg.svd(tests, compute_uv=False)[:, -1].min()
+    assert found.value <= lowest
+    assert lowest - found.value < 0.025 * np.sqrt(0.5) + 1e-9  # half a cell's diagonal
+    assert 0.98 * found.value <= found.at_least <= found.value
+    at_root = np.hstack([system.A - found.root * np.eye(4), system.B])
+    assert np.linalg.svd(at_root)[1][-1] == pytest.approx(found.value, rel=1e-12)
+    margins = controllability_margins(rational(system.A, system.B, system.C, 0.0))
+    assert found.value <= min(mode.margin for mode in margins) * (1 + 1e-12)
+
+
+def test_distance_of_an_uncontrollable_pair():
+    found = distance_to_uncontrollability(np.diag([-1.0, -2.0]), np.array([[1.0], [0.0]]))
+    assert found.value == 0.0
+    assert found.root == pytest.approx(-2.0)
+
+
+@pytest.mark.parametrize(
+    "function", [controllability_margins, observability_margins, hankel_singular_values]
+)
+def test_dead_time_is_refused(function):
+    with pytest.raises(InputError, match="without_dead_time"):
+        function(late_feedback(1.0, 0.5))

@@ -1,0 +1,143 @@
+"""Zeros and poles with their directions, singular values, and signals in their ranges."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from models_by_hand import late_feedback, pure_delay, rational
+
+from clepsydra.base.errors import InputError
+from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.linear.interconnection import series
+from clepsydra.linear.linearise import linearise
+from clepsydra.linear.pole_directions import pole_directions
+from clepsydra.linear.poles import poles
+from clepsydra.linear.ranges import in_ranges
+from clepsydra.linear.response import evaluate_transfer, frequency_response
+from clepsydra.linear.singular_values import condition_numbers, singular_values
+from clepsydra.linear.zero_directions import zero_directions
+from clepsydra.linear.zeros import zeros
+
+
+def plant(johansson):
+    return linearise(find_equilibrium(johansson.process)).select(["level_1", "level_2"])
+
+
+def test_zero_directions_of_the_quadruple_tank(johansson):
+    """G(z) u = 0 and yᴴ G(z) = 0; from Johansson (13): y1/y2 = -g21(z)/g11(z) and so on."""
+    model = plant(johansson)
+    found = zero_directions(model)
+    np.testing.assert_allclose([item.zero for item in found], johansson.zeros(
+        johansson.levels(johansson.voltage)), rtol=1e-9)  # fmt: skip
+    for zero, inputs, outputs in found:
+        gain = evaluate_transfer(model.A, model.B, model.C, model.D, np.array([zero]))[0]
+        size = np.linalg.norm(gain, 2)
+        assert np.linalg.norm(gain @ inputs) < 1e-9 * size
+        assert np.linalg.norm(outputs.conj() @ gain) < 1e-9 * size
+        assert np.linalg.norm(inputs) == pytest.approx(1.0) == np.linalg.norm(outputs)
+        expected = -gain[1, 0] / gain[0, 0]
+        assert outputs[0].conj() / outputs[1].conj() == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_zero_directions_of_random_models(seed, random_system):
+    system = random_system(seed, 5, 2, 2, direct=bool(seed % 2))
+    model = rational(system.A, 1e-4 * system.B, 1e3 * system.C, 0.1 * system.D)
+    found = zero_directions(model)
+    assert len(found) == (5 if seed % 2 else 3)
+    for zero, inputs, outputs in found:
+        gain = evaluate_transfer(model.A, model.B, model.C, model.D, np.array([zero]))[0]
+        assert np.linalg.norm(gain @ inputs) < 1e-8 * np.linalg.norm(gain)
+        assert np.linalg.norm(outputs.conj() @ gain) < 1e-8 * np.linalg.norm(gain)
+
+
+def test_a_zero_that_is_a_pole_as_well():
+    """diag((s - 1)/(s + 1), (s + 1)/(s + 2)...): the zero at -1 is a pole of the other channel."""
+    A, B = np.diag([-1.0, -2.0]), np.diag([-2.0, -1.0])
+    found = zero_directions(rational(A, B, np.eye(2), np.eye(2)))
+    assert [round(item.zero.real, 9) for item in found] == [1.0, -1.0]
+    np.testing.assert_allclose(found[0].input_direction, [1.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(found[1].input_direction, [0.0, 1.0], atol=1e-9)
+    np.testing.assert_allclose(found[1].output_direction, [0.0, 1.0], atol=1e-9)
+
+
+def test_a_zero_that_stands_twice_has_two_directions():
+    A, B = -2.0 * np.eye(2), -3.0 * np.eye(2)
+    found = zero_directions(rational(A, B, np.eye(2), np.eye(2)))
+    assert [round(item.zero.real, 9) for item in found] == [1.0, 1.0]
+    assert abs(np.vdot(found[0].input_direction, found[1].input_direction)) < 1e-9
+
+
+def test_pole_directions(random_system):
+    system = random_system(2, 4, 2, 3)
+    model = rational(system.A, system.B, system.C, system.D)
+    found = pole_directions(model)
+    np.testing.assert_allclose([item.pole for item in found], poles(model))
+    for pole, mode, inputs, outputs in found:
+        np.testing.assert_allclose(system.A @ mode, pole * mode, atol=1e-10)
+        # Near the pole G is its residue: of rank one, with these directions.
+        gain = evaluate_transfer(model.A, model.B, model.C, model.D, np.array([pole + 1e-7]))[0]
+        left, _, right = np.linalg.svd(gain)
+        assert abs(np.vdot(left[:, 0], outputs)) == pytest.approx(1.0, abs=1e-6)
+        assert abs(np.vdot(right[0].conj(), inputs)) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_directions_of_hidden_modes_are_zero():
+    found = pole_directions(rational(np.diag([-1.0, -2.0]), [[1.0], [0.0]], [[0.0, 1.0]], 0.0))
+    np.testing.assert_array_equal(found[0].output_direction, [0.0])
+    np.testing.assert_array_equal(found[1].input_direction, [0.0])
+    assert found[0].input_direction == found[1].output_direction == 1.0
+
+
+@pytest.mark.parametrize("function", [zero_directions, pole_directions])
+def test_dead_time_is_refused(function):
+    with pytest.raises(InputError, match="without_dead_time"):
+        function(late_feedback(1.0, 0.5))
+
+
+def test_singular_values_and_condition_number(johansson):
+    model = series(pure_delay(3.0, 5.0), plant(johansson))
+    omegas = np.geomspace(1e-4, 1.0, 7)
+    found, numbers = singular_values(model, omegas), condition_numbers(model, omegas)
+    for gain, sizes, number in zip(frequency_response(model, omegas), found, numbers, strict=True):
+        squares = np.linalg.eigvalsh(gain.conj().T @ gain)[::-1]
+        np.testing.assert_allclose(sizes, np.sqrt(squares), rtol=1e-7)
+        assert number == pytest.approx(np.linalg.cond(gain), rel=1e-9)
+    # A dead time in each input turns the phase only.
+    plain = singular_values(plant(johansson), omegas)
+    np.testing.assert_allclose(found, plain, rtol=1e-10)
+
+
+def test_condition_number_of_a_singular_model():
+    model = rational(-np.eye(1), [[1.0, 2.0]], [[1.0], [3.0]], np.zeros((2, 2)))
+    assert condition_numbers(model, 0.1)[0] == np.inf
+
+
+def test_in_ranges(minimum):
+    model = plant(minimum)
+    share = in_ranges(model)
+    # Tanks of 0.2 m, pumps and sensors of 10 V, inflows of 2e-5 m³/s.
+    np.testing.assert_allclose(share.A, model.A, rtol=1e-14)
+    np.testing.assert_allclose(share.B, model.B * 10 / 0.2, rtol=1e-14)
+    np.testing.assert_allclose(share.E, model.E * 2e-5 / 0.2, rtol=1e-14)
+    np.testing.assert_allclose(share.C, model.C * 0.2 / 10, rtol=1e-14)
+    assert share.point is None
+    np.testing.assert_allclose(zeros(share), zeros(model), rtol=1e-9)
+
+
+def test_in_ranges_with_dead_time():
+    model = series(late_feedback(2.0, 0.4), pure_delay(1.0))
+    share = in_ranges(model, {"h": 0.5, "u": 4.0, "delayed_0": 8.0})
+    omegas = np.geomspace(0.1, 5.0, 5)
+    np.testing.assert_allclose(
+        frequency_response(share, omegas), frequency_response(model, omegas) * 4 / 8, rtol=1e-12
+    )
+
+
+def test_in_ranges_without_a_range():
+    with pytest.raises(InputError, match="ranges, h: got None"):
+        in_ranges(late_feedback(1.0, 1.0))
+    with pytest.raises(InputError, match="a signal of the model"):
+        in_ranges(late_feedback(1.0, 1.0), {"q": 1.0})
+    with pytest.raises(InputError, match="above zero"):
+        in_ranges(late_feedback(1.0, 1.0), {"h": 0.0, "u": 1.0, "y": 1.0})

@@ -1,0 +1,102 @@
+"""The page of an analysis: what it shows, and that its pictures show the right numbers."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
+from clepsydra.report.analysis_page import analysis_page_text, write_analysis_page
+from clepsydra.report.analysis_tables import dead_time_grid, hankel_grid, reach_grid
+from clepsydra.report.bode import bode_figure
+from clepsydra.report.nyquist import nyquist_figure
+from clepsydra.report.singular_value_picture import directionality_figure
+from clepsydra.report.step_picture import step_figure
+
+LATE = Path(__file__).parents[1] / "dead-time.toml"
+
+
+@pytest.fixture(scope="module")
+def late():
+    return analyse(load_process(LATE))
+
+
+@pytest.mark.parametrize(
+    "name", ["quadruple-tank", "averaging-tank", "equalisation-tank", "wet-well", str(LATE)]
+)
+def test_every_process_has_a_page(name):
+    text = analysis_page_text(analyse(load_process(name)))
+    assert text.count("<svg") == 6
+    identifiers = re.findall(r'\bid="([^"]+)"', text)
+    assert len(identifiers) == len(set(identifiers))
+    assert "<script" not in text
+    assert "http" not in re.sub(r'xmlns(:xlink)?="[^"]*"', "", text)
+
+
+def test_two_pages_of_one_analysis_are_equal(late):
+    assert analysis_page_text(late) == analysis_page_text(late)
+
+
+def line(axes):
+    """Return the curve with the most points."""
+    return max(axes.lines, key=lambda entry: len(entry.get_xdata()))
+
+
+def test_bode_phase_counts_the_dead_time(late):
+    magnitude, phase = bode_figure(late).axes
+    curve = line(phase)
+    omegas, angles = curve.get_xdata(), np.radians(curve.get_ydata())
+    expected = -5.0 * omegas + sum(np.arctan2(-omegas, -pole.real) for pole in late.poles)
+    assert angles == pytest.approx(expected, abs=1e-8)
+    assert omegas[-1] * 5.0 > 2 * np.pi  # far enough to be seen
+    assert magnitude.get_ylabel() == "cm per l/min"
+    # At the lowest frequency the gain is the static one, in cm per l/min.
+    gain = line(magnitude).get_ydata()[0]
+    assert gain == pytest.approx(100 / 6e4 * late.static_gain[0, 0], rel=1e-2)
+
+
+def test_the_step_stays_at_zero_for_the_dead_time(late):
+    axes = step_figure(late).axes[0]
+    curve = line(axes)
+    seconds = 60.0 if "min" in axes.get_xlabel() else 1.0
+    times, values = curve.get_xdata() * seconds, curve.get_ydata()
+    assert np.all(values[times <= 5.0] == 0.0)
+    assert np.all(values[times > 5.01] > 0.0)
+    assert len(step_figure(late).axes[0].child_axes) == 1
+    step = 0.1 * 8e-3 / 60
+    # After five time constants 1 - e^-5 and what the second lag still holds back.
+    assert values[-1] == pytest.approx(100 * step * late.static_gain[0, 0], rel=0.02)
+
+
+def test_nyquist_starts_at_the_static_gain_in_ranges(late):
+    curve = line(nyquist_figure(late).axes[0])
+    curves = [entry for entry in nyquist_figure(late).axes[0].lines if len(entry.get_xdata()) > 200]
+    starts = [entry.get_xdata()[0] for entry in curves]
+    share = late.static_gain[0, 0] * (8e-3 / 60) / 0.5
+    assert min(abs(start / share - 1) for start in starts) < 1e-2
+    assert len(curve.get_xdata()) > 100
+
+
+def test_one_channel_has_singular_values_alone(late):
+    assert [axes.get_ylabel() for axes in directionality_figure(late).axes] == [
+        "singular values [% per %]"
+    ]
+
+
+def test_tables(late):
+    assert dead_time_grid(late).rows == (("level_2", "5.00 s"),)
+    assert [row[1] for row in reach_grid(late).rows] == ["tank_2.level", "tank_1.level"]
+    assert len(hankel_grid(late).rows) >= 2
+
+
+def test_an_integrator_is_named_among_the_hankel_values():
+    grid = hankel_grid(analyse(load_process("averaging-tank")))
+    assert "none for the pole at 0 rad/s" in grid.rows[-1][1]
+
+
+def test_what_is_no_analysis_is_refused(tmp_path):
+    with pytest.raises(InputError, match="an Analysis"):
+        write_analysis_page("quadruple-tank", tmp_path / "a.html")

@@ -1,0 +1,193 @@
+"""The report of an open-loop simulation."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from clepsydra.loop.open_loop_plan import plan_simulation
+from clepsydra.loop.profile import read_assignment
+from clepsydra.process.reader import load_process
+from clepsydra.report.colours import INK, signal_colours
+from clepsydra.report.panels import all_panels
+from clepsydra.report.plot import plot
+from clepsydra.report.simulation_page import simulation_text, write_simulation_page
+from clepsydra.report.simulation_tables import (
+    balances_grid,
+    change_words,
+    event_counts_grid,
+    events_grid,
+    trajectories_grid,
+    trust_sentence,
+)
+
+
+def planned(name, *texts, **options):
+    process = load_process(name)
+    changes = [read_assignment(text, process, "--input") for text in texts]
+    plan = plan_simulation(process, changes, **options)
+    return plan, plan.run()
+
+
+@pytest.fixture(scope="module")
+def step():
+    return planned("quadruple-tank", "pump_1=3.5V@60s", "inflow_1=2 cm^3/s@2min")
+
+
+@pytest.fixture(scope="module")
+def trips():
+    return planned("laboratory-four-tanks", "pump_1=90%@5s", duration="60 s")
+
+
+def test_panels_are_states_inputs_and_disturbances_that_act(step):
+    _, run = step
+    names = [panel.signal.name for panel in all_panels(run)]
+    assert names == [
+        "tank_1.level", "tank_2.level", "tank_3.level", "tank_4.level", "pump_1", "pump_2",
+        "inflow_1",
+    ]  # fmt: skip
+
+
+def test_states_that_are_no_levels_have_no_rim():
+    _, run = planned("averaging-tank", duration="5 s")
+    kinds = {panel.signal.name: panel.kind for panel in all_panels(run)}
+    assert (kinds["tank.level"], kinds["tank.impurity"]) == ("level", "state")
+    words = [text.get_text() for axes in plot(run).axes for text in axes.texts]
+    assert sum(text.startswith("rim") for text in words) == 1
+
+
+def test_one_colour_a_signal_and_shared_time(step):
+    _, run = step
+    figure, colours = plot(run), signal_colours(run.process)
+    assert len(figure.axes) == 7  # no strip: there is no scenario
+    for axes, panel in zip(figure.axes, all_panels(run), strict=True):
+        line = max(axes.lines, key=lambda entry: len(entry.get_xdata()))
+        assert line.get_color() == colours[panel.signal.name]
+        assert np.allclose(line.get_xdata(), run.time / 60)
+    assert figure.axes[-1].get_xlabel() == "time [min]"
+    assert {axes.get_xlim()[1] for axes in figure.axes} == {run.time[-1] / 60}
+
+
+def hairlines(axes):
+    collections = [c for c in axes.collections if len(c.get_segments())]
+    return [float(s[0, 0]) for c in collections for s in c.get_segments()]
+
+
+def test_events_are_hairlines_where_they_happen(trips):
+    _, run = trips
+    assert run.happenings
+    times = [event.time for event in run.happenings]
+    for axes in plot(run).axes:
+        assert np.allclose(sorted(set(hairlines(axes))), sorted(set(times)), rtol=0, atol=0.06)
+    numbers = [text.get_text() for text in plot(run).axes[0].texts]
+    assert numbers[0] == "1" and numbers == sorted(numbers, key=int)
+
+
+def test_without_events_there_are_no_hairlines(step):
+    assert not any(hairlines(axes) for axes in plot(step[1]).axes)
+
+
+def test_events_do_not_change_the_range_of_a_panel(trips):
+    _, run = trips
+    axes = plot(run).axes[1]
+    bottom, top = axes.get_ylim()
+    low, high = (100 * f(run.values["tank_1.level"]) for f in (np.min, np.max))
+    assert bottom >= -0.31 and top <= 30.31 and bottom < low <= high < top
+
+
+def test_a_pump_at_its_limit_is_marked_with_the_time():
+    _, run = planned("quadruple-tank", "pump_1=10V@20s", "pump_1=3V@50s", duration="60 s")
+    axes = plot(run).axes[4]
+    words = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert "at a limit for 30 s" in words
+    assert any(patch.get_facecolor()[:3] == pytest.approx(rgb(INK)) for patch in axes.patches)
+
+
+def rgb(colour):
+    return tuple(int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
+
+
+def test_the_page_says_all_of_it(trips):
+    plan, run = trips
+    page = simulation_text(plan, run)
+    assert "with pump_1 to 90 % at 5 s" in page and trust_sentence(run) in page
+    for event in run.happenings[:5]:
+        assert event.words in page
+    assert page.count("<svg") == 2
+    for name in ("tank_1.level", "level_1", "pump_1"):
+        assert f"</i>{name}</th>" in page
+
+
+def test_two_pages_of_one_simulation_are_equal_and_load_nothing(step, tmp_path):
+    plan, run = step
+    page = simulation_text(plan, run)
+    write_simulation_page(plan, plan.run(), tmp_path / "page.html")
+    assert (tmp_path / "page.html").read_text("utf-8") == page
+    assert "<script" not in page
+    assert not re.search(r"(?:src|href)=\"(?!#)", page)
+
+
+def test_words_of_the_user_are_escaped(tmp_path):
+    from clepsydra.process.catalogue_names import catalogue_file
+
+    text = catalogue_file("quadruple-tank").read_text("utf-8")
+    path = tmp_path / "a.toml"
+    path.write_text(re.sub(r'^title = ".*"$', 'title = "<b>x</b>"', text, flags=re.M), "utf-8")
+    page = simulation_text(*planned(path, duration="10 s"))
+    assert "<b>x" not in page and "&lt;b&gt;x" in page
+
+
+def test_tables_hold_the_numbers_of_the_run(step):
+    _, run = step
+    rows = {row[0]: row[1:] for row in trajectories_grid(run).rows}
+    level = 100 * run.values["tank_1.level"]
+    assert rows["tank_1.level"][0] == f"{level[0]:.2f} cm"
+    assert rows["tank_1.level"][1] == f"{level[-1]:.2f} cm"
+    assert rows["tank_3.level"][2:] == ("–", "–")
+    assert rows["pump_1"][3] == "3.500 V at 60 s"
+    assert "inflow_1" in rows and "inflow_2" not in rows
+    (balance,) = run.balances
+    assert balances_grid(run).rows[0][1] == f"{balance.entered:.4f} m³"
+
+
+def test_many_events_are_counted(trips):
+    _, run = trips
+    counts = event_counts_grid(run).rows
+    assert sum(int(row[1]) for row in counts) == sum(event.times for event in run.happenings)
+    assert events_grid(run, 0).rows == (
+        ("…", "", f"and {len(run.happenings)} more, the last at {counts_last(run)}"),
+    )
+
+
+def counts_last(run):
+    from clepsydra.loop.duration import time_text
+
+    return time_text(run.happenings[-1].time)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("pump_1=3.2V", "pump_1 to 3.2 V from the start"),
+        ("pump_1=3.5V@60s", "pump_1 to 3.5 V at 60 s"),
+        ("pump_1=4V@60s..10min", "pump_1 to 4 V from 60 s to 10 min"),
+        ("inflow_1=2e-6 m^3/s@1h", "inflow_1 to 2 cm³/s at 60 min"),
+    ],
+)
+def test_changes_in_words(text, words):
+    process = load_process("quadruple-tank")
+    assert change_words(process, read_assignment(text, process, "--input")) == words
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (2e-7, "largest error of a state at 2.0e−5 % of its range; the balance"),
+        (3e-5, "at 0.0030 % of its range, more than the 1.00e−4 % that was aimed at; the balance"),
+        (float("nan"), "The simulation broke down: a state became not a number; the balance"),
+        (None, "Integrated by the reference solver to a relative tolerance of 1e−10; the balance"),
+    ],
+)
+def test_how_sure_it_is(step, error, words):
+    assert words in trust_sentence(replace(step[1], error_estimate=error))

@@ -1,0 +1,273 @@
+"""The page on process files: its keys, its defaults and its examples are those of the reader."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.process import reader
+from clepsydra.process.element import Element
+from clepsydra.process.kinds import KINDS
+from clepsydra.process.reader import load_process
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "docs" / "process-files.md").read_text(encoding="utf-8")
+SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL))
+BLOCKS = re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+WHOLE = [block for block in BLOCKS if "name" in tomllib.loads(block)]
+PARTS = [block for block in BLOCKS if block not in WHOLE]
+
+#: A small plant into which the examples are put; an example takes the place of tables that it has.
+PLANT = """
+[components.salt]
+range = ["0 g/l", "50 g/l"]
+
+[reservoirs.basin]
+
+[tanks.tank_1]
+area = "28 cm^2"
+height = "20 cm"
+
+[tanks.tank_2]
+area = "28 cm^2"
+height = "20 cm"
+
+[orifices.outlet_1]
+source = "tank_1"
+destination = "basin"
+area = "0.071 cm^2"
+
+[orifices.outlet_2]
+source = "tank_2"
+destination = "channel_1"
+area = "0.071 cm^2"
+
+[delays.channel_1]
+destination = "tank_1"
+time = "10 s"
+
+[pumps.pump_1]
+source = "basin"
+destination = "tank_1"
+gain = "3.33 cm^3/(s V)"
+range = ["0 V", "10 V"]
+nominal = "2 V"
+
+[pumps.pump_2]
+source = "basin"
+destination = "splitter_1"
+gain = "3.33 cm^3/(s V)"
+range = ["0 V", "10 V"]
+nominal = "1 V"
+
+[splitters.splitter_1]
+fractions = { tank_1 = 0.5, tank_2 = 0.5 }
+
+[flows.feed]
+destination = "tank_1"
+range = ["0 cm^3/s", "5 cm^3/s"]
+nominal = "0 cm^3/s"
+concentration = { salt = "10 g/l" }
+
+[sensors.level_1]
+tank = "tank_1"
+range = ["0 cm", "20 cm"]
+"""
+
+
+def tables(text: str) -> dict[str, str]:
+    """Return the tables of a TOML text, each by its name."""
+    return {part.split("]")[0]: f"[{part}" for part in re.split(r"^\[", text, flags=re.M)[1:]}
+
+
+def load(part: str, folder: Path) -> dict[str, Element]:
+    """Put an example into the plant, read it, and return its elements by name."""
+    own = tables(part)
+    controlled = re.findall(r"^\[sensors\.(\w+)\]", part, re.M) or ["level_1"]
+    kept = [text for name, text in tables(PLANT).items() if name not in own]
+    path = folder / "plant.toml"
+    path.write_text(
+        f'name = "plant"\nsampling_period = "1 s"\ncontrolled = ["{controlled[0]}"]\n'
+        + "\n".join([*kept, *own.values()]),
+        encoding="utf-8",
+    )
+    return {element.name: element for element in load_process(path).elements}
+
+
+def title(kind: type[Element]) -> str:
+    return kind.kind[0].upper() + kind.kind[1:]
+
+
+def rows(section: str) -> dict[str, str]:
+    """Return each key that the section describes, with its default."""
+    found = re.findall(r"^\| `(\w+)` \|.*\| (.+?) \|$", SECTIONS[section], re.MULTILINE)
+    assert len(found) == len(dict(found)), section
+    return dict(found)
+
+
+def examples(section: str) -> list[str]:
+    return re.findall(r"^```toml\n(.*?)^```", SECTIONS[section], re.MULTILINE | re.DOTALL)
+
+
+def with_key(part: str, table: str, line: str) -> str:
+    """Return an example with one more line at the head of one of its tables."""
+    return part.replace(f"[{table}]\n", f"[{table}]\n{line}\n", 1)
+
+
+def names_of(part: str, kind: type[Element]) -> list[str]:
+    return list(tomllib.loads(part).get(kind.table, {}))
+
+
+REQUIRED = [
+    (kind, key)
+    for kind in KINDS
+    for key, default in rows(title(kind)).items()
+    if default.startswith("required")
+]
+DEFAULTS = [
+    (kind, key, default[1:-1])
+    for kind in KINDS
+    for key, default in rows(title(kind)).items()
+    if re.fullmatch("`[^`]+`", default)
+]
+
+
+def test_the_page_has_two_whole_processes_and_many_parts() -> None:
+    assert len(WHOLE) == 2
+    assert len(PARTS) >= 20
+
+
+def test_the_general_keys_are_those_of_the_reader() -> None:
+    assert set(rows("General keys")) == set(reader._GENERAL_KEYS)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.kind)
+def test_the_keys_of_a_section_are_those_of_its_kind(kind: type[Element]) -> None:
+    assert set(rows(title(kind))) == set(kind.keys)
+
+
+@pytest.mark.parametrize("block", WHOLE, ids=lambda block: tomllib.loads(block)["name"])
+def test_a_whole_process_loads_and_rests_in_every_variant(block: str, tmp_path: Path) -> None:
+    path = tmp_path / "plant.toml"
+    path.write_text(block, encoding="utf-8")
+    variants = [None, *tomllib.loads(block).get("variants", {})]
+    if len(variants) > 1:
+        variants.append(variants[2:])
+    for variant in variants:
+        point = find_equilibrium(load_process(path, variant))
+        assert all(value > 0.0 for value in point.state)
+
+
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: part.split("]")[0][1:])
+def test_a_part_loads_in_a_small_plant(part: str, tmp_path: Path) -> None:
+    elements = load(part, tmp_path)
+    for table, content in tomllib.loads(part).items():
+        if table != "components":
+            assert set(content) <= set(elements)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.kind)
+def test_the_first_example_of_a_kind_has_just_what_is_required(kind: type[Element]) -> None:
+    content = tomllib.loads(examples(title(kind))[0])
+    (given,) = content[kind.table].values()
+    assert set(given) == {key for of, key in REQUIRED if of is kind}
+
+
+@pytest.mark.parametrize(("kind", "key"), REQUIRED)
+def test_what_is_required_cannot_be_left_out(kind: type[Element], key: str, tmp_path: Path) -> None:
+    first = examples(title(kind))[0]
+    without = re.sub(rf"^{key} = .*\n", "", first, flags=re.MULTILINE)
+    assert without != first
+    with pytest.raises(InputError, match=key):
+        load(without, tmp_path)
+
+
+@pytest.mark.parametrize(("kind", "key", "value"), DEFAULTS)
+def test_a_default_is_what_a_missing_key_means(
+    kind: type[Element], key: str, value: str, tmp_path: Path
+) -> None:
+    """A key with its default, in the place of whatever an example has, is the same as no key."""
+    tried = 0
+    for part in examples(title(kind)):
+        without = re.sub(rf"^{key} = .*\n", "", part, flags=re.MULTILINE)
+        for name in names_of(part, kind):
+            explicit = with_key(without, f"{kind.table}.{name}", f"{key} = {value}")
+            try:
+                found = load(explicit, tmp_path)[name]
+            except InputError:
+                continue  # the key belongs to another shape, law or signal
+            assert found == load(without, tmp_path)[name]
+            tried += 1
+    assert tried
+
+
+def test_the_default_of_gravity(tmp_path: Path) -> None:
+    value = rows("General keys")["gravity"].strip("`")
+    path = tmp_path / "plant.toml"
+    found = []
+    for line in ("", f"gravity = {value}\n"):
+        path.write_text(line + WHOLE[0], encoding="utf-8")
+        found.append(load_process(path).signal("gravity").initial)
+    assert found[0] == found[1]
+
+
+def test_what_the_page_links_to_exists() -> None:
+    links = re.findall(r"\]\((?!https?:)([^)]+)\)", PAGE)
+    assert links
+    for link in links:
+        file, _, section = link.partition("#")
+        assert (
+            (ROOT / "docs" / file).exists()
+            if file
+            else section.replace("-", " ") in {name.lower() for name in SECTIONS}
+        )
+
+
+def test_signals_that_the_page_names_exist(tmp_path: Path) -> None:
+    """Every `element.quantity` on the page is a signal or an event of one of its examples."""
+    known = {"feed.salt"}
+    for number, part in enumerate([*PARTS, *PLANTS_OF_SIGNALS]):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        load(part, folder)
+        process = load_process(folder / "plant.toml")
+        motion = process.motion
+        for signals in (
+            process.state, process.parameters, process.disturbances, motion.contents,
+            motion.totals, motion.memories, motion.delays,
+        ):  # fmt: skip
+            known |= {signal.name for signal in signals}
+        known |= {name for name, _ in motion.events}
+    stems = r"(?:tank|pump|valve|level|channel)_1|feed"
+    named = set(re.findall(rf"`((?:{stems})\.\w+)`", PAGE))
+    assert len(named) > 15
+    assert named <= known
+
+
+#: What the page names but none of its examples has.
+PLANTS_OF_SIGNALS = [
+    """
+[tanks.tank_1]
+shape = "sphere"
+diameter = "50 cm"
+weir = "1 cm"
+
+[pumps.pump_1]
+source = "tank_2"
+destination = "tank_1"
+gain = "3.33 cm^3/(s V)"
+range = ["0 V", "10 V"]
+nominal = "2 V"
+lag = "1 s"
+trip_above = { tank_1 = "15 cm" }
+hysteresis = "1 cm"
+
+[sensors.level_1]
+tank = "tank_1"
+range = ["0 cm", "20 cm"]
+lag = "1 s"
+"""
+]
