@@ -17,6 +17,7 @@ from clepsydra.report.response_axes import (
     ratio_text,
     shown_frequencies,
     title,
+    without_effect,
 )
 
 if TYPE_CHECKING:
@@ -51,6 +52,7 @@ def bode_figure(analysis: Analysis) -> Figure:
     model, process = analysis.model, analysis.operating_point.process
     colours, omegas = signal_colours(process), shown_frequencies(analysis)
     gains = frequency_response(model, omegas)
+    silent = without_effect(analysis, gains)
     rows, columns = 2 * len(model.outputs), len(model.inputs)
     corners = np.unique(np.abs(analysis.poles[np.abs(analysis.poles) > 0.0]).round(12))
     with picture(rows, columns, _HEIGHT, sharex=True) as drawn:
@@ -66,7 +68,7 @@ def bode_figure(analysis: Analysis) -> Figure:
                     for corner in corners:
                         axes.axvline(corner, color=MUTED, linewidth=0.5, linestyle=":")
                 sizes = np.abs(values)
-                if not sizes.max(initial=0.0) > 0.0:
+                if silent[place, column]:
                     for axes in (above, below):
                         axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center")
                         axes.set_yticks([])

@@ -26,6 +26,9 @@ _BEYOND = 30.0
 # And not more than this many turns of the phase by the longest dead time.
 _TURNS = 2.0
 _LETTERS_AN_INCH = 13
+# A channel below this share of the strongest, both in ranges, is rounding.
+_ROUNDING = 1e-12
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def shown_frequencies(analysis: Analysis) -> np.ndarray:
@@ -52,6 +55,44 @@ def shown_frequencies(analysis: Analysis) -> np.ndarray:
         high = min(high, max(2.0 * np.pi * _TURNS / delays.times.max(), 3.0 * rates.min()))
     chosen: np.ndarray = grid[(grid >= low) & (grid <= high)]
     return chosen
+
+
+def without_effect(analysis: Analysis, gains: np.ndarray) -> np.ndarray:
+    """Return which channels [q, m] are nothing but rounding beside the strongest one.
+
+    Parameters
+    ----------
+    analysis : Analysis
+    gains : ndarray [l, q, m]
+        Frequency responses, SI.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> without_effect(analysis, np.array([[[1.0, 1e-17], [0.5, 1.0]]])).tolist()
+    [[False, True], [False, False]]
+    """
+    model, process = analysis.model, analysis.operating_point.process
+    spans = [
+        np.array([s.span if np.isfinite(s.span) else 1.0 for s in map(process.signal, names)])
+        for names in (model.outputs, model.inputs)
+    ]
+    shares = np.abs(gains).max(axis=0) / spans[0][:, None] * spans[1]
+    return np.asarray(shares <= _ROUNDING * shares.max(initial=0.0))
+
+
+def power_of_ten(value: float, _: object = None) -> str:
+    """Return a tick of a logarithmic axis with either sign as text.
+
+    >>> power_of_ten(-0.01), power_of_ten(0.0), power_of_ten(1.0)
+    ('−10⁻²', '0', '10⁰')
+    """
+    if value == 0.0:
+        return "0"
+    exponent = str(round(np.log10(abs(value)))).translate(_SUPERSCRIPTS)
+    return f"{'−' if value < 0.0 else ''}10{exponent}"
 
 
 def gain_factor(output: Signal, manipulated: Signal) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from clepsydra.linear.analysis import Analysis
 from clepsydra.report.colours import INK, LIMIT, MUTED
-from clepsydra.report.response_axes import picture
+from clepsydra.report.response_axes import picture, power_of_ten
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,6 +51,8 @@ def roots_figure(analysis: Analysis) -> Figure:
         if fastest > _SPREAD * slowest:
             axes.set_xscale("symlog", linthresh=slowest, linscale=0.7)
             axes.set_yscale("symlog", linthresh=slowest, linscale=0.7)
+            axes.xaxis.set_major_formatter(power_of_ten)
+            axes.yaxis.set_major_formatter(power_of_ten)
         axes.axvspan(0.0, right, facecolor=LIMIT, alpha=0.6, lw=0)
         axes.axhline(0.0, color=MUTED, linewidth=0.6)
         axes.axvline(0.0, color=MUTED, linewidth=0.6)
