@@ -22,6 +22,7 @@ __getattr__, __dir__, __all__ = lazy_names(
         "LinearModel": "clepsydra.linear.linear_model",
         "Loop": "clepsydra.loop.loop",
         "OperatingPoint": "clepsydra.linear.operating_point",
+        "Outlet": "clepsydra.process.outlet",
         "Process": "clepsydra.process.process",
         "Run": "clepsydra.loop.run",
         "Scenario": "clepsydra.loop.scenario",

@@ -57,6 +57,20 @@ def test_the_flow_is_that_of_the_formula() -> None:
         assert rate == pytest.approx(3.0 * 0.2e-3 + 1e-4 - flow(level), rel=1e-12)
 
 
+def test_an_outlet_in_ten_lines_is_the_same_weir() -> None:
+    whole = load_process("weir-tank.toml")
+    short = re.findall(r"```python\n(.*?)```", PAGE, re.S)[1]
+    assert len([line for line in short.splitlines() if line]) <= 10
+    write(short)
+    process = load_process("weir-tank.toml")
+    assert process.signal("weir_1.tip").initial == 0.2
+    for level in (0.05, 0.2, 0.201, 0.23, 0.4):
+        rate = float(process.dynamics([level], [3.0], [1e-4], process.parameter_values))
+        assert rate == pytest.approx(3.0 * 0.2e-3 + 1e-4 - flow(level), rel=1e-12)
+    assert [s.name for s in process.state] == [s.name for s in whole.state]
+    assert cl.run_study("weir-tank.toml").ranking
+
+
 def test_the_operating_point_and_its_time_constant() -> None:
     analysis = cl.analyse(load_process("weir-tank.toml"))
     above = (1e-3 / flow(1.2)) ** 0.4  # flow(1.2) is the flow at one metre above the tip
