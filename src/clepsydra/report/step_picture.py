@@ -128,4 +128,5 @@ def _duration(analysis: Analysis) -> float:
     late = 0.0 if delays is None else float(delays.times.sum())
     if not times:
         times = [late or 20.0 * analysis.operating_point.process.sampling_period]
-    return _SLOWEST_TIMES * max(times) + late
+    # Equal tanks in series rise for the sum of their lags, which no single one shows.
+    return max(_SLOWEST_TIMES * max(times), 2.0 * sum(times)) + late
