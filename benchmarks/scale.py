@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from benchmarks.experiments import Disagreement
 from benchmarks.measure import Spread, Way, interleave, on_one_core
 from clepsydra.engine.kernel import Job, Kernel
 from clepsydra.engine.object_cache import ObjectCache
@@ -31,10 +32,6 @@ _COMPARED = 10
 #: Largest relative differences: from the same RK4 steps in NumPy, and from CVODES, whose steps
 #: are smaller.
 SAME_STEPS, OTHER_STEPS = 1e-12, 1e-6
-
-
-class WrongResult(RuntimeError):
-    """A kernel and another solution differ, so the kernel's times mean nothing."""
 
 
 @dataclass(frozen=True)
@@ -249,7 +246,7 @@ def _compare(kernel: Kernel, point: OperatingPoint, expected: np.ndarray, bound:
 
     Raises
     ------
-    WrongResult
+    Disagreement
         Further than the bound.
     """
     process = point.process
@@ -264,5 +261,7 @@ def _compare(kernel: Kernel, point: OperatingPoint, expected: np.ndarray, bound:
     here = np.array([found.state(name)[0] for name in names])
     difference = float(np.max(np.abs(here - final) / np.abs(final).max()))
     if not difference <= bound:
-        raise WrongResult(f"{process.name}: off the solution it is compared with: {difference:.1e}")
+        raise Disagreement(
+            f"{process.name} differs from the solution it is compared with by {difference:.1e}"
+        )
     return difference

@@ -12,7 +12,6 @@ import pandas
 import pytest
 
 import clepsydra
-from clepsydra.cli import main
 from clepsydra.cli.output import print_json
 
 NAMES = ["quadruple-tank", "quadruple-tank-nonminimum-phase"]
@@ -29,23 +28,6 @@ HEAVY = {
     "pint",
     "jinja2",
 }
-
-
-@pytest.fixture
-def command(capsys, tmp_path, monkeypatch):
-    """Return a function: arguments → (exit status, standard output, standard error)."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments: str) -> tuple[int, str, str]:
-        try:
-            main(list(arguments))
-            status = 0
-        except SystemExit as ending:
-            status = 0 if ending.code is None else int(ending.code)
-        captured = capsys.readouterr()
-        return status, captured.out, captured.err
-
-    return run
 
 
 def names(folder: Path) -> list[str]:

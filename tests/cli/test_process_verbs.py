@@ -12,29 +12,11 @@ from xml.etree import ElementTree
 import pytest
 
 import clepsydra as cl
-from clepsydra.cli import main
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.kinds import KINDS
 from clepsydra.process.reader import _GENERAL_KEYS
 
 TEMPLATE = (resources.files("clepsydra.cli") / "new_process.toml").read_text(encoding="utf-8")
-
-
-@pytest.fixture
-def command(capsys, tmp_path, monkeypatch):
-    """Return a function: arguments → (exit status, standard output, standard error)."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        try:
-            main(list(arguments))
-            status = 0
-        except SystemExit as ending:
-            status = 0 if ending.code is None else int(ending.code)
-        captured = capsys.readouterr()
-        return status, captured.out, captured.err
-
-    return run
 
 
 def names(folder):

@@ -9,25 +9,13 @@ from pathlib import Path
 import pandas
 import pytest
 
-from clepsydra.cli import main
 from clepsydra.loop.simulation import simulate
 
 
 @pytest.fixture
-def command(capsys, tmp_path, monkeypatch):
-    """Return a function: arguments → (exit status, standard output, standard error)."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments: str) -> tuple[int, str, str]:
-        try:
-            main(["simulate", *arguments])
-            status = 0
-        except SystemExit as ending:
-            status = 0 if ending.code is None else int(ending.code)
-        captured = capsys.readouterr()
-        return status, captured.out, captured.err
-
-    return run
+def simulated(command):
+    """Return a function: arguments of the verb → (exit status, standard output, errors)."""
+    return lambda *arguments: command("simulate", *arguments)
 
 
 def names(folder: Path) -> list[str]:
@@ -52,8 +40,8 @@ def test_help_loads_nothing_numeric():
         assert option in done.stdout
 
 
-def test_a_step_is_told_and_written(command, tmp_path):
-    status, output, _ = command("quadruple-tank", "--input", "pump_1=3.5V@60s")
+def test_a_step_is_told_and_written(simulated, tmp_path):
+    status, output, _ = simulated("quadruple-tank", "--input", "pump_1=3.5V@60s")
     assert status == 0
     assert all(len(line) <= 100 for line in output.splitlines())
     words = " ".join(output.split())
@@ -69,8 +57,8 @@ def test_a_step_is_told_and_written(command, tmp_path):
     assert (table["pump_1"][59], table["pump_1"][60], len(table)) == (3.0, 3.5, 721)
 
 
-def test_json_is_what_the_function_returns(command, tmp_path):
-    status, output, _ = command(
+def test_json_is_what_the_function_returns(simulated, tmp_path):
+    status, output, _ = simulated(
         "quadruple-tank", "--json", "--input", "pump_1=3.5V@60s",
         "--input", "pump_1=4V@1.5min..2min",
         "--duration", "5 min", "--state", "tank_1.level=5cm", "--format", "csv",
@@ -93,18 +81,18 @@ def test_json_is_what_the_function_returns(command, tmp_path):
     assert names(tmp_path) == ["quadruple-tank-simulation.csv", "quadruple-tank-simulation.html"]
 
 
-def test_without_input_it_says_that_nothing_moves(command):
-    status, output, _ = command("quadruple-tank")
+def test_without_input_it_says_that_nothing_moves(simulated):
+    status, output, _ = simulated("quadruple-tank")
     assert status == 0
     words = " ".join(output.split())
     assert "runs for 10 min without any change" in words
     assert "Nothing moves: give an input, for example --input 'pump_1=VALUE@TIME' (in V)." in words
 
 
-def test_a_file_gives_the_same_as_words(command, tmp_path):
+def test_a_file_gives_the_same_as_words(simulated, tmp_path):
     (tmp_path / "steps.csv").write_text("time [min];pump_1 [V]\n0;3\n1;3.5\n2;3.2\n")
-    of_file = command("quadruple-tank", "--json", "--profile", "steps.csv", "--duration", "5 min")
-    of_words = command(
+    of_file = simulated("quadruple-tank", "--json", "--profile", "steps.csv", "--duration", "5 min")
+    of_words = simulated(
         "quadruple-tank", "--json", "--duration", "300 s",
         "--input", "pump_1=3V", "--input", "pump_1=3.5V@60s", "--input", "pump_1=3.2V@120s",
     )  # fmt: skip
@@ -112,15 +100,17 @@ def test_a_file_gives_the_same_as_words(command, tmp_path):
     assert json.loads(of_file[1])["signals"] == json.loads(of_words[1])["signals"]
 
 
-def test_events_are_listed_with_their_times(command):
-    status, output, _ = command(
+def test_events_are_listed_with_their_times(simulated):
+    status, output, _ = simulated(
         "laboratory-four-tanks", "--input", "pump_1=90%@5s", "--duration", "1 min", "--json"
     )
     assert status == 0
     events = json.loads(output)["events"]
     assert events and all(5.0 < event["time"] <= 60.0 for event in events)
     assert events == sorted(events, key=lambda event: event["time"])
-    output = command("laboratory-four-tanks", "--input", "pump_1=90%@5s", "--duration", "1 min")[1]
+    output = simulated("laboratory-four-tanks", "--input", "pump_1=90%@5s", "--duration", "1 min")[
+        1
+    ]
     assert events[0]["words"] in " ".join(output.split())
 
 
@@ -147,11 +137,11 @@ BAD = {
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_mistakes_are_messages_and_leave_nothing(command, tmp_path, case):
+def test_mistakes_are_messages_and_leave_nothing(simulated, tmp_path, case):
     (tmp_path / "bad.csv").write_text("time [s],pump_1 [V]\n0,x\n")
     (tmp_path / "good.csv").write_text("time [s],pump_1 [V]\n0,3\n10,3.5\n")
     arguments, words = BAD[case]
-    status, output, errors = command("quadruple-tank", *arguments)
+    status, output, errors = simulated("quadruple-tank", *arguments)
     assert (status, output) == (2, "")
     assert words in " ".join(errors.split()) and "Traceback" not in errors
     assert names(tmp_path) == ["bad.csv", "good.csv"]

@@ -29,14 +29,16 @@ def test_gramian_is_the_integral(random_system):
         reached = expm(system.A * t) @ system.B
         return reached @ reached.T
 
-    integral, _ = quad_vec(moving, 0.0, 60.0, epsrel=1e-11)
-    np.testing.assert_allclose(
-        controllability_gramian(system.A, system.B), integral, rtol=1e-8, atol=1e-9
-    )
-    np.testing.assert_allclose(
-        observability_gramian(system.A, system.C),
-        controllability_gramian(system.A.T, system.C.T), rtol=1e-14,
-    )  # fmt: skip
+    def showing(t):
+        shown = system.C @ expm(system.A * t)
+        return shown.T @ shown
+
+    for gramian, integrand in (
+        (controllability_gramian(system.A, system.B), moving),
+        (observability_gramian(system.A, system.C), showing),
+    ):
+        integral, _ = quad_vec(integrand, 0.0, 60.0, epsrel=1e-11)
+        np.testing.assert_allclose(gramian, integral, rtol=1e-8, atol=1e-9)
 
 
 def test_hankel_singular_value_of_one_tank_and_of_two():
@@ -117,6 +119,36 @@ def test_a_slow_tank_behind_a_fast_valve_is_well_reached():
     model = rational([[-10.0, 0.0], [0.02, -0.01]], [[10.0], [0.0]], np.eye(2), np.zeros((2, 1)))
     assert min(mode.share for mode in controllability_margins(model)) > 0.3
     assert words_on_reach(model) == []
+
+
+def test_a_row_of_rounding_is_not_reached():
+    """A level whose inflow and outflow cancel but for rounding, moved and shown by nothing."""
+    model = rational(np.diag([-0.02, 1e-19]), [[1.0], [0.0]], [[1.0, 0.0]], 0.0)
+    for margins in (controllability_margins(model), observability_margins(model)):
+        assert [mode.state for mode in margins] == ["x1", "x0"]
+        assert margins[0].share < 1e-12
+        assert margins[1].share > 0.1
+    assert words_on_reach(model) == [
+        "No input moves the mode at 0 rad/s (mainly x1).",
+        "No output shows the mode at 0 rad/s (mainly x1).",
+    ]
+
+
+def test_main_state_has_the_mode_whatever_the_units():
+    """x0 drains into x1 alone, so the pole of each tank is that of its own outflow."""
+    for unit in (0.01, 1.0, 100.0):  # of x0 beside that of x1
+        # A pump from the lower tank to the upper one: the volume in both stays, x1's to drift.
+        circulating = rational(
+            [[-1.0, 0.0], [unit, 0.0]], [[1.0], [-unit]], np.eye(2), np.zeros((2, 1))
+        )
+        assert words_on_reach(circulating) == ["No input moves the mode at 0 rad/s (mainly x1)."]
+        # The upper tank has no pump, but moves the lower one.
+        model = rational([[-1.0, 0.0], [unit, -0.5]], [[0.0], [1.0]], np.eye(2), np.zeros((2, 1)))
+        assert "No input moves the mode at -1 rad/s (mainly x0)." in words_on_reach(model)
+        assert [mode.state for mode in observability_margins(model)] == ["x1", "x0"]
+    # Equal tanks in series, of which the upper has no pump.
+    equal = rational([[-1.0, 0.0], [1.0, -1.0]], [[0.0], [1.0]], np.eye(2), np.zeros((2, 1)))
+    assert {mode.state for mode in controllability_margins(equal)} == {"x0"}
 
 
 def test_words():

@@ -39,6 +39,29 @@ tank = "tank"
 range = ["0 cm", "30 cm"]
 """
 
+LATE = """
+controlled = ["level"]
+manipulated = ["feed"]
+[reservoirs.drain]
+[delays.channel]
+destination = "tank"
+time = "10 min"
+[tanks.tank]
+area = "1 m^2"
+height = "4 m"
+[linear_outlets.outlet]
+source = "tank"
+destination = "drain"
+coefficient = "0.02 m^2/s"
+[flows.feed]
+destination = "channel"
+range = ["0 l/s", "80 l/s"]
+nominal = "20 l/s"
+[sensors.level]
+tank = "tank"
+range = ["0 m", "4 m"]
+"""
+
 
 @pytest.fixture
 def plant(tmp_path):
@@ -106,6 +129,23 @@ def test_the_default_duration_is_six_of_the_slowest_time_constants_after_the_las
     assert plan_simulation(process).duration == 600.0
     change = read_assignment("pump_1=3.2V@5min", process, "--input")
     assert plan_simulation(process, [change]).duration == 900.0
+
+
+def test_many_equal_tanks_are_given_the_time_that_the_last_of_them_takes():
+    """The gamma distribution of order 8 is at 26 % after six time constants of one tank."""
+    process = load_process("eight-tanks")
+    run = simulate(process, {"feed": "1.01 l/min @ 0 s"})
+    level = run.values["tank_8.level"]
+    rest = find_equilibrium(
+        process, inputs={"feed": float(run.values["feed"][0])}, disturbances={}
+    ).as_dict()["tank_8.level"]
+    assert abs(level[-1] - rest) < 0.02 * abs(level[0] - rest)
+
+
+def test_the_default_duration_waits_for_dead_times(start):
+    """A tank of 50 s behind a channel of ten minutes: 600 s and six times 50 s, so 15 min."""
+    point = start(LATE, 1.0)
+    assert plan_simulation(point.process).duration == 900.0
 
 
 def test_a_duration_between_samples_is_rounded_up():

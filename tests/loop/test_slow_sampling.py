@@ -84,7 +84,7 @@ def test_the_step_keeps_its_share_of_the_fastest_time_constant_up_to_the_limit()
 @pytest.mark.parametrize(("times", "substeps"), [(0.04, 64), (900.0, 9000), (400.0, 8000)])
 def test_refinement_ends_at_64_times_the_steps_or_at_the_limit(times, substeps, monkeypatch):
     """With a tolerance that no run can meet."""
-    monkeypatch.setattr(loop_module, "_TOLERANCE", 0.0)
+    monkeypatch.setattr(loop_module, "TOLERANCE", 0.0)
     fastest = fast_mode(analysed(NAMES[0], 1.0).model)
     analysis = analysed(NAMES[0], times / fastest)
     scenario = default_scenario(analysis.model)

@@ -13,6 +13,7 @@ from clepsydra.report.analysis_page import analysis_page_text, write_analysis_pa
 from clepsydra.report.analysis_tables import dead_time_grid, hankel_grid, reach_grid
 from clepsydra.report.bode import bode_figure
 from clepsydra.report.nyquist import nyquist_figure
+from clepsydra.report.roots_picture import roots_figure
 from clepsydra.report.singular_value_picture import directionality_figure
 from clepsydra.report.step_picture import step_figure
 
@@ -78,6 +79,39 @@ def test_nyquist_starts_at_the_static_gain_in_ranges(late):
     share = late.static_gain[0, 0] * (8e-3 / 60) / 0.5
     assert min(abs(start / share - 1) for start in starts) < 1e-2
     assert len(curve.get_xdata()) > 100
+
+
+@pytest.fixture(scope="module")
+def averaging():
+    return analyse(load_process("averaging-tank:all-inputs"))
+
+
+@pytest.mark.parametrize("draw", [step_figure, nyquist_figure])
+def test_a_channel_without_effect_says_so(averaging, draw):
+    # Equation (24) at rest: what flows in is as strong as what is there, so only its own
+    # strength moves the concentration, and strength moves no volume.
+    silent = [
+        "no effect" in [entry.get_text() for entry in axes.texts] for axes in draw(averaging).axes
+    ]
+    assert averaging.model.inputs == ("inflow", "outflow", "inflow.impurity")
+    assert averaging.model.outputs == ("concentration", "volume")
+    assert silent == [True, True, False, False, False, True]
+
+
+@pytest.mark.parametrize("draw", [step_figure, nyquist_figure, bode_figure])
+def test_a_narrow_panel_still_names_its_input(averaging, draw):
+    titles = [axes.get_title(loc="left") for axes in draw(averaging).axes]
+    named = [words for words in titles if words]
+    assert len(set(named)) == len(named) == 6
+    assert "inflow" in named[0] and "outflow" in named[1]
+    assert max(len(row) for words in named for row in words.splitlines()) <= 24
+
+
+def test_only_what_is_there_is_in_the_legend_of_roots(averaging):
+    for analysis in (averaging, analyse(load_process("quadruple-tank"))):
+        legend = roots_figure(analysis).axes[0].get_legend()
+        words = [entry.get_text() for entry in legend.get_texts()]
+        assert words == ["pole", "zero"][: 1 + (analysis.zeros.size > 0)]
 
 
 def test_one_channel_has_singular_values_alone(late):

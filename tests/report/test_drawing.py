@@ -383,6 +383,19 @@ def test_a_delay_says_how_long_it_is():
     assert "<title>transport delay channel, τ = 60 s</title>" in drawing
 
 
+def test_a_concentration_in_a_tank_has_its_whole_name_and_its_value():
+    process = load_process("averaging-tank")
+    root = ElementTree.fromstring(process_drawing(process, find_equilibrium(process)))
+    words = {
+        element.text: float(element.get("y", ""))
+        for element in root.iter()
+        if element.tag.endswith("text") and element.text
+    }
+    values = [float(e.get("y", "")) for e in root.iter() if e.text == "5.00 kmol/m³"]
+    assert words["tank"] < words["2.00 m"] < words["50.0 %"] < words["impurity"]
+    assert words["impurity"] + 16.0 in values
+
+
 def test_a_plant_without_an_operating_point_is_drawn_without_values():
     process = load_process(FILES["valves"])
     drawing = process_drawing(process, None)

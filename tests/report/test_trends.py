@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from clepsydra.loop.simulation import simulate
 from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.report.colours import INK, signal_colours
 from clepsydra.report.panels import all_panels, controlled_panels
@@ -52,6 +53,16 @@ def test_the_right_axis_shows_percent_of_the_tank(figure, run):
     (percent,) = axes.child_axes
     figure.draw_without_rendering()
     assert np.allclose(np.array(percent.get_ylim()), np.array(axes.get_ylim()) * 5)
+
+
+def test_a_level_beyond_the_rim_is_not_cut_off():
+    # 0.05 m³/s more than flows out, on 1 m², from 2 m: 5.5 m after 70 s, in a tank of 4 m.
+    flood = simulate("averaging-tank", inputs={"inflow": "0.25 m^3/s @ 10 s"}, duration="80 s")
+    axes = trend_figure(flood, all_panels(flood)).axes[0]
+    assert flood.values["tank.level"][-1] == pytest.approx(5.5)
+    assert axes.get_ylim()[1] > 5.5
+    (rim,) = [line for line in axes.lines if list(line.get_ydata()) == [4.0, 4.0]]
+    assert rim.get_linewidth() < 1.0
 
 
 def test_manipulated_variables_are_held_between_samples_and_show_their_whole_range(figure, run):

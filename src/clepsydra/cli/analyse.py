@@ -24,22 +24,18 @@ def analyse(
     ] = None,
 ) -> None:
     """Show operating point, poles, zeros, static gain, RGA and pairing of a process."""
-    from clepsydra.base.errors import InputError
+    from clepsydra.cli.output import check_ending, print_json
     from clepsydra.linear.analysis import analyse as analyse_process
     from clepsydra.process.reader import load_process
 
-    if file is not None and (file.suffix.lower() not in (".html", ".htm") or file.is_dir()):
-        raise InputError(
-            "--output", str(file), "the name of a file that ends in .html", "rename it"
-        )
+    if file is not None:
+        check_ending(file, ".html", ".htm")
     analysis = analyse_process(load_process(process))
     if file is not None:
         from clepsydra.report.analysis_page import write_analysis_page
 
         write_analysis_page(analysis, file)
     if as_json:
-        from clepsydra.cli.output import print_json
-
         written = {} if file is None else {"page": str(file)}
         print_json({**analysis.as_dict(), **written})
         return

@@ -20,18 +20,16 @@ def draw(
     ] = None,
 ) -> None:
     """Draw a process with the values of its operating point; write SVG."""
-    from clepsydra.base.errors import InputError
     from clepsydra.base.files import whole_file
+    from clepsydra.cli.output import check_ending, output_file
     from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
     from clepsydra.process.reader import load_process
     from clepsydra.report.drawing import process_drawing
 
-    if file is not None and (file.suffix.lower() != ".svg" or file.is_dir()):
-        raise InputError("--output", str(file), "the name of a file that ends in .svg", "rename it")
+    if file is not None:
+        check_ending(file, ".svg")
     plant = load_process(process)
-    target = Path(f"{plant.file_stem}.svg") if file is None else file
-    if target.is_dir():
-        raise InputError("--output", str(target), "the name of a file", "move that folder away")
+    target = output_file(Path(f"{plant.file_stem}.svg") if file is None else file)
     try:
         point = find_equilibrium(plant)
     except NoEquilibrium as error:

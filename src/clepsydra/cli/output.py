@@ -23,6 +23,14 @@ def output_file(path: Path) -> Path:
     return path
 
 
+def check_ending(path: Path, *endings: str) -> None:
+    """Refuse the path of a file to be written that ends otherwise, or that of a folder."""
+    if path.suffix.lower() not in endings or path.is_dir():
+        raise InputError(
+            "--output", str(path), f"the name of a file that ends in {endings[0]}", "rename it"
+        )
+
+
 def print_json(document: dict[str, Any]) -> None:
     """Print one JSON document; numbers that JSON has no form for become null."""
     print(json.dumps(_plain(document), indent=2, allow_nan=False))

@@ -64,7 +64,7 @@ def simulate(
         typer.Option(
             metavar="TIME",
             help="As in '20 min'; if left out, six times the slowest time constant after the last "
-            "change.",
+            "change, longer for tanks in series and dead times.",
         ),
     ] = None,
     start: Annotated[Start, typer.Option(help="At rest, or with empty tanks.")] = Start.rest,

@@ -13,7 +13,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.entries import Entry, signal_of
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Block, Conditional, Loop, Program
+from clepsydra.program.program import Block, Loop, Operation, Program
 
 
 def digest(program: Program) -> str:
@@ -24,7 +24,6 @@ def digest(program: Program) -> str:
 
     Examples
     --------
-    >>> from clepsydra.program.program import Operation
     >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
     >>> program = Program("law", (), (Signal("x"),), (), (Signal("y"),), double)
     >>> named = Program("law", (), (Signal("x"),), (), (Signal("y"),), double, {1: "twice"})
@@ -47,18 +46,17 @@ def _lines(program: Program) -> Iterator[str]:
 def _block_lines(block: Block) -> Iterator[str]:
     yield f"arguments {block.arguments}"
     for statement in block.statements:
+        if isinstance(statement, Operation):
+            constant = float(statement.constant).hex()
+            yield f"{statement.target} {statement.code} {statement.arguments} {constant}"
+            continue
         if isinstance(statement, Loop):
             yield f"loop {statement.name!r} {statement.targets} {statement.count}"
             yield f"tables {statement.tables!r}"
-            yield f"over {statement.carried} {statement.invariants}"
-            yield from _block_lines(statement.body)
-        elif isinstance(statement, Conditional):
-            yield f"conditional {statement.name!r} {statement.targets} {statement.condition}"
-            yield f"over {statement.carried} {statement.invariants}"
-            yield from _block_lines(statement.body)
         else:
-            constant = float(statement.constant).hex()
-            yield f"{statement.target} {statement.code} {statement.arguments} {constant}"
+            yield f"conditional {statement.name!r} {statement.targets} {statement.condition}"
+        yield f"over {statement.carried} {statement.invariants}"
+        yield from _block_lines(statement.body)
     yield f"results {block.results}"
 
 
@@ -152,7 +150,6 @@ def check_printable(program: Program) -> None:
 
     Examples
     --------
-    >>> from clepsydra.program.program import Operation
     >>> fused = Block(1, (Operation(1, "multiply", (0, 0), fused=True),), (1,))
     >>> try:
     ...     check_printable(Program("law", (), (Signal("u"),), (), (Signal("y"),), fused))

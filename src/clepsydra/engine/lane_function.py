@@ -69,10 +69,6 @@ class LaneFunction(VectorText):
         """Append a / b."""
         return self.assign(f"fdiv {self.real} {a}, {b}")
 
-    def negative(self, a: str) -> str:
-        """Append −a."""
-        return self.assign(f"fneg {self.real} {a}")
-
     def fused(self, a: str, b: str, c: str) -> str:
         """Append a·b + c with one rounding; without the instruction, the C library's fma."""
         return self.intrinsic("fma", [a, b, c])
@@ -95,10 +91,6 @@ class LaneFunction(VectorText):
                 return terms[0]
             power = self.multiply(power, power)
 
-    def compare(self, predicate: str, a: str, b: str) -> str:
-        """Append a comparison by LLVM's predicate: olt, ole, ogt, oeq, une, …"""
-        return self.assign(f"fcmp {predicate} {self.real} {a}, {b}")
-
     def both(self, a: str, b: str) -> str:
         """Append the truth value a and b."""
         return self.assign(f"and {self.truth} {a}, {b}")
@@ -106,10 +98,6 @@ class LaneFunction(VectorText):
     def either(self, a: str, b: str) -> str:
         """Append the truth value a or b."""
         return self.assign(f"or {self.truth} {a}, {b}")
-
-    def choose(self, condition: str, a: str, b: str) -> str:
-        """Append condition ? a : b."""
-        return self.assign(f"select {self.truth} {condition}, {self.real} {a}, {self.real} {b}")
 
     def limit(self, x: str, low: float, high: float) -> str:
         """Append x limited to [low, high]; not-a-number stays what it is."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from clepsydra.engine.vector_rings import RingPrinter
 from clepsydra.engine.vector_statements import StatementPrinter
 from clepsydra.engine.vector_text import VectorText
+from clepsydra.engine.vector_turns import TurnPrinter
 from clepsydra.engine.workspace import POINTER, StoredValues, Workspace
 from clepsydra.program.program import (
     Block,
@@ -97,7 +98,7 @@ class PartsPrinter:
         self._fuse = fuse
         self._rings = rings
         self._printer = StatementPrinter(text, block, {}, fuse=fuse, rings=rings)
-        absorbed = (_product(s, self._printer.products) for s in block.statements)
+        absorbed = map(self._printer.product_in, block.statements)
         self._dropped = {value for value in absorbed if value is not None} | set(constants)
 
     def reads(self, statements: Iterable[Statement]) -> set[int]:
@@ -106,7 +107,7 @@ class PartsPrinter:
             value
             for statement in statements
             if self._dropped.isdisjoint(written_by(statement))
-            for value in self._read_by(statement)
+            for value in self._printer.read_by(statement)
             if value not in self.values.constants
         }
 
@@ -153,13 +154,6 @@ class PartsPrinter:
         inside = writes if is_part else frozenset()
         return _Step(tuple(statements), reads - inside, writes, is_part)
 
-    def _read_by(self, statement: Statement) -> tuple[int, ...]:
-        product = _product(statement, self._printer.products)
-        if product is None:
-            return read_by(statement)
-        rest = (value for value in read_by(statement) if value != product)
-        return (*self._printer.products[product], *rest)
-
     def _part(self, step: _Step) -> None:
         """Print a function of its own and its call."""
         values = self.values
@@ -169,7 +163,7 @@ class PartsPrinter:
         local = dict(values.constants)
         self._printer.text, self._printer.values = text, local
         for statement in step.statements:
-            for value in self._read_by(statement):
+            for value in self._printer.read_by(statement):
                 if value not in local:
                     local[value] = values.load(text, value)
             self._printer.statement(statement)
@@ -212,10 +206,7 @@ class PartsPrinter:
         label = text.new_label("when")
         for argument, value in enumerate(conditional.carried + conditional.invariants):
             inner.values.share(argument, self.values, value)
-        needed = self.values[conditional.condition]
-        if text.lanes > 1:
-            together = text.assign(f"bitcast {text.truth} {needed} to i{text.lanes}")
-            needed = text.assign(f"icmp ne i{text.lanes} {together}, 0")
+        needed = text.in_any_lane(self.values[conditional.condition])
         text.line(f"br i1 {needed}, label %{label}, label %{label}.not")
         text.begin(label)
         body = conditional.body
@@ -247,10 +238,7 @@ class PartsPrinter:
         chosen = self.values.load(text, condition)
         for target, result, start in choices:
             after, before = inner.load(text, result), self.values.load(text, start)
-            value = text.assign(
-                f"select {text.truth} {chosen}, {text.real} {after}, {text.real} {before}"
-            )
-            self.values.store(text, target, value)
+            self.values.store(text, target, text.choose(chosen, after, before))
         self._call(text, name)
 
     def _loop(self, loop: Loop) -> None:
@@ -266,44 +254,21 @@ class PartsPrinter:
         inner.values.take_together([*rows, *carried, *oldest])
         inner.values.take_together(following)
         inner.values.assign(carried, self.values, loop.carried)
-        label, before = text.new_label("loop"), text.label
-        text.line(f"br label %{label}")
-        text.begin(label)
-        text.line(f"%{label}.i = phi i64 [ 0, %{before} ], [ %{label}.next, %{label}.end ]")
-        rings = [self._rings.number(ring) for ring in loop.rings]
-        for ring in (f"%ring{number}" for number in rings):
-            text.line(f"{ring}.turn = phi i64 [ {ring}, %{before} ], [ {ring}.next, %{label}.end ]")
-        for argument, table in zip(rows, loop.tables, strict=True):
-            symbol = f"@{label}.table{argument}"
-            text.table(symbol, table)
-            inner.values[argument] = text.load_spread(symbol, f"%{label}.i")
-        places = [self._rings.place(number, f"%ring{number}.turn") for number in rings]
+        turns = TurnPrinter(text, loop, self._rings)
+        turns.begin()
+        for argument, row in zip(rows, turns.rows(), strict=True):
+            inner.values[argument] = row
+        places = turns.places()
         for argument, place in zip(oldest, places, strict=True):
             inner.values[argument] = text.load(place)
         inner.statements(body.statements, set(body.results))
         for value, place in zip(body.results[len(carried) :], places, strict=True):
             text.store(inner.values[value], place)
         inner.values.follow(carried, following)
-        text.line(f"br label %{label}.end")
-        text.begin(f"{label}.end")
-        for number in rings:
-            self._rings.advance(number, f"%ring{number}.turn")
-        text.line(f"%{label}.next = add i64 %{label}.i, 1")
-        text.line(f"%{label}.more = icmp slt i64 %{label}.next, {loop.count}")
-        text.line(f"br i1 %{label}.more, label %{label}, label %{label}.done")
-        text.begin(f"{label}.done")
+        turns.end()
         self.values.assign(loop.targets, inner.values, carried)
         inner.values.give([*rows, *carried, *oldest])
         inner.values.give(set(body.results) - set(range(body.arguments)))
-
-
-def _product(statement: Statement, products: dict[int, tuple[int, ...]]) -> int | None:
-    """Return the product that the printer fuses into a statement, if any."""
-    if not isinstance(statement, Operation) or not statement.fused:
-        return None
-    if statement.code not in ("add", "subtract"):
-        return None
-    return next((value for value in statement.arguments if value in products), None)
 
 
 def _length(statement: Statement) -> int:

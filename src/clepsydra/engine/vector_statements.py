@@ -5,7 +5,16 @@ from __future__ import annotations
 from clepsydra.engine.elementary_functions import elementary_function
 from clepsydra.engine.vector_rings import RingPrinter
 from clepsydra.engine.vector_text import VectorText
-from clepsydra.program.program import LIBRARY, Block, Conditional, Loop, Operation, Statement
+from clepsydra.engine.vector_turns import TurnPrinter
+from clepsydra.program.program import (
+    LIBRARY,
+    Block,
+    Conditional,
+    Loop,
+    Operation,
+    Statement,
+    read_by,
+)
 
 _ARITHMETIC = {
     "add": "fadd",
@@ -68,7 +77,7 @@ class StatementPrinter:
         label = text.new_label("when")
         condition = self.values[conditional.condition]
         carried = [self.values[value] for value in conditional.carried]
-        needed = self._any(condition)
+        needed = text.in_any_lane(condition)
         text.line(f"br i1 {needed}, label %{label}, label %{label}.done")
         text.begin(label)
         results = self._body(
@@ -76,7 +85,7 @@ class StatementPrinter:
         )
         if text.lanes > 1:
             results = [
-                self._select(condition, result, start)
+                text.choose(condition, result, start)
                 for result, start in zip(results, carried, strict=True)
             ]
         inside = text.label
@@ -91,27 +100,27 @@ class StatementPrinter:
         text, code = self.text, operation.code
         if code == "constant":
             return text.literal(operation.constant)
-        fused = self._fused(operation)
-        if fused is not None:
-            return fused
+        product = self.product_in(operation)
+        if product is not None:
+            return self._fused(operation, product)
         given = [self.values[argument] for argument in operation.arguments]
         if code in _ARITHMETIC:
             return text.assign(f"{_ARITHMETIC[code]} {text.real} {given[0]}, {given[1]}")
         if code in _COMPARE:
-            return self._compare(_COMPARE[code], given)
+            return text.compare(_COMPARE[code], *given)
         if code == "negate":
-            return text.assign(f"fneg {text.real} {given[0]}")
+            return text.negative(given[0])
         if code in _INTRINSIC:
             return text.intrinsic(_INTRINSIC[code], given)
         if code in ("minimum", "maximum"):
-            condition = self._compare("olt" if code == "minimum" else "ogt", given)
-            return self._select(condition, given[0], given[1])
+            condition = text.compare("olt" if code == "minimum" else "ogt", *given)
+            return text.choose(condition, given[0], given[1])
         if code == "select":
-            return self._select(*given)
+            return text.choose(*given)
         if code == "number":
-            return self._select(given[0], text.literal(1.0), text.literal(0.0))
+            return text.choose(given[0], text.literal(1.0), text.literal(0.0))
         if code == "truth":
-            return self._compare("une", [given[0], text.literal(0.0)])
+            return text.compare("une", given[0], text.literal(0.0))
         if code == "not":
             return text.assign(f"xor {text.truth} {given[0]}, {text.all_true()}")
         if code in ("and", "or"):
@@ -120,81 +129,54 @@ class StatementPrinter:
             return elementary_function(text, code, given)
         raise ValueError(f"the engine has no form for operation {code!r}")
 
-    def _compare(self, predicate: str, given: list[str]) -> str:
-        text = self.text
-        return text.assign(f"fcmp {predicate} {text.real} {given[0]}, {given[1]}")
+    def read_by(self, statement: Statement) -> tuple[int, ...]:
+        """Return the values that a printed statement reads: of a fused product, its factors."""
+        product = self.product_in(statement)
+        if product is None:
+            return read_by(statement)
+        rest = (value for value in read_by(statement) if value != product)
+        return (*self.products[product], *rest)
 
-    def _select(self, condition: str, first: str, second: str) -> str:
-        text = self.text
-        return text.assign(
-            f"select {text.truth} {condition}, {text.real} {first}, {text.real} {second}"
-        )
-
-    def _fused(self, operation: Operation) -> str | None:
-        """Print a·b ± c as one fused multiply-add where the law allows it."""
-        if not operation.fused or operation.code not in ("add", "subtract"):
+    def product_in(self, statement: Statement) -> int | None:
+        """Return the product that is fused into a statement, if any."""
+        if not isinstance(statement, Operation) or not statement.fused:
             return None
-        left, right = operation.arguments
-        minus = operation.code == "subtract"
-        if left in self.products:
-            one, two = (self.values[v] for v in self.products[left])
-            rest = self.values[right]
-            if minus:
-                rest = self.text.assign(f"fneg {self.text.real} {rest}")
-            return self.text.intrinsic("fma", [one, two, rest])
-        if right in self.products:
-            one, two = (self.values[v] for v in self.products[right])
-            if minus:
-                one = self.text.assign(f"fneg {self.text.real} {one}")
-            return self.text.intrinsic("fma", [one, two, self.values[left]])
-        return None
+        if statement.code not in ("add", "subtract"):
+            return None
+        return next((value for value in statement.arguments if value in self.products), None)
 
-    def _any(self, condition: str) -> str:
-        """Return whether a truth value is true in any lane."""
-        text = self.text
-        if text.lanes == 1:
-            return condition
-        together = text.assign(f"bitcast {text.truth} {condition} to i{text.lanes}")
-        return text.assign(f"icmp ne i{text.lanes} {together}, 0")
+    def _fused(self, operation: Operation, product: int) -> str:
+        """Print a·b ± c as one fused multiply-add."""
+        text, (left, right) = self.text, operation.arguments
+        one, two = (self.values[factor] for factor in self.products[product])
+        rest = self.values[right if product == left else left]
+        if operation.code == "subtract":
+            if product == left:
+                rest = text.negative(rest)
+            else:
+                one = text.negative(one)
+        return text.intrinsic("fma", [one, two, rest])
 
     def _loop(self, loop: Loop) -> None:
         text = self.text
-        label = text.new_label("loop")
-        before = text.label
-        text.line(f"br label %{label}")
-        text.begin(label)
-        text.line(f"%{label}.i = phi i64 [ 0, %{before} ], [ %{label}.next, %{label}.end ]")
+        turns = TurnPrinter(text, loop, self.rings)
+        label, before = turns.label, turns.before
         carried = [f"%{label}.c{i}" for i in range(len(loop.carried))]
         gaps = [text.gap() for _ in carried]
-        rings = [self.rings.number(ring) for ring in loop.rings]
-        for ring in (f"%ring{number}" for number in rings):
-            text.line(f"{ring}.turn = phi i64 [ {ring}, %{before} ], [ {ring}.next, %{label}.end ]")
-        rows = []
-        for number, table in enumerate(loop.tables):
-            symbol = f"@{label}.table{number}"
-            text.table(symbol, table)
-            rows.append(text.load_spread(symbol, f"%{label}.i"))
-        places = [self.rings.place(number, f"%ring{number}.turn") for number in rings]
+        turns.begin()
+        rows, places = list(turns.rows()), turns.places()
         invariants = [self.values[value] for value in loop.invariants]
         results = self._body(loop.body, rows + carried + list(map(text.load, places)) + invariants)
-        written = results[len(carried) :]
+        following, written = results[: len(carried)], results[len(carried) :]
         for value, place in zip(written, places, strict=True):
             text.store(value, place)
-        text.line(f"br label %{label}.end")
-        text.begin(f"{label}.end")
-        for number in rings:
-            self.rings.advance(number, f"%ring{number}.turn")
-        text.line(f"%{label}.next = add i64 %{label}.i, 1")
-        text.line(f"%{label}.more = icmp slt i64 %{label}.next, {loop.count}")
-        text.line(f"br i1 %{label}.more, label %{label}, label %{label}.done")
-        following = results[: len(carried)]
+        turns.end()
         for gap, name, start, result in zip(gaps, carried, loop.carried, following, strict=True):
             text.fill(
                 gap,
                 f"{name} = phi {text.real} [ {self.values[start]}, %{before} ], "
                 f"[ {result}, %{label}.end ]",
             )
-        text.begin(f"{label}.done")
         self.values.update(zip(loop.targets, following, strict=True))
 
 

@@ -102,6 +102,25 @@ class VectorText:
         """Return the truth value that is true in every lane."""
         return "true" if self.lanes == 1 else "<" + ", ".join(["i1 true"] * self.lanes) + ">"
 
+    def negative(self, a: str) -> str:
+        """Append −a."""
+        return self.assign(f"fneg {self.real} {a}")
+
+    def compare(self, predicate: str, a: str, b: str) -> str:
+        """Append a comparison by LLVM's predicate: olt, ole, ogt, oeq, une, …"""
+        return self.assign(f"fcmp {predicate} {self.real} {a}, {b}")
+
+    def choose(self, condition: str, a: str, b: str) -> str:
+        """Append condition ? a : b."""
+        return self.assign(f"select {self.truth} {condition}, {self.real} {a}, {self.real} {b}")
+
+    def in_any_lane(self, condition: str) -> str:
+        """Return whether a truth value is true in any lane."""
+        if self.lanes == 1:
+            return condition
+        together = self.assign(f"bitcast {self.truth} {condition} to i{self.lanes}")
+        return self.assign(f"icmp ne i{self.lanes} {together}, 0")
+
     def table(self, symbol: str, entries: tuple[float, ...]) -> None:
         """Define a constant array."""
         content = ", ".join(f"double {bits(entry)}" for entry in entries)

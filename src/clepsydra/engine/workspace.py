@@ -141,7 +141,7 @@ class StoredValues(dict[int, str]):
             return self.constants[value]
         name = text.load(POINTER, self.rows[value])
         if value in self._truths:
-            name = text.assign(f"fcmp une {text.real} {name}, {text.literal(0.0)}")
+            name = text.compare("une", name, text.literal(0.0))
         return name
 
     def store(self, text: VectorText, value: int, name: str) -> None:
@@ -149,10 +149,7 @@ class StoredValues(dict[int, str]):
         if value not in self.rows:
             return
         if value in self._truths:
-            name = text.assign(
-                f"select {text.truth} {name}, {text.real} {text.literal(1.0)}, "
-                f"{text.real} {text.literal(0.0)}"
-            )
+            name = text.choose(name, text.literal(1.0), text.literal(0.0))
         text.store(name, POINTER, self.rows[value])
 
     def fill(self, base: str, entries: Iterable[tuple[int, int]]) -> None:

@@ -14,6 +14,10 @@ from clepsydra.linear.poles import poles
 NOT_AT_ALL = 1e-10
 # So much more weight has it to be an eigenvector than to be out of reach.
 _EIGENVECTOR = 1e6
+# Below this share of A a row of A - p I is the rounding of p.
+_ROUNDING = 1e-12
+# Below this share of A a singular value of A - p I counts as zero, and a part in a mode as none.
+_NOTHING = 1e-9
 
 
 class ModeMargin(NamedTuple):
@@ -30,7 +34,10 @@ class ModeMargin(NamedTuple):
         The same with every row (or column) first divided by its length [1]: zero where the mode
         is cut off, of the order of one where it is well reached, whatever the speeds.
     state : str
-        The state that has the largest part in the mode.
+        The state that has the largest part in the mode: |q_i t_i| with the left and the right
+        eigenvector q and t, whatever the units of the states (Perez-Arriaga, Verghese and
+        Schweppe, Selective modal analysis with applications to electric power systems, IEEE
+        Transactions on Power Apparatus and Systems 101(9), 1982, 3117-3125).
 
     Examples
     --------
@@ -115,23 +122,32 @@ def observability_margins(model: LinearModel) -> list[ModeMargin]:
 
 def _margins(A: np.ndarray, B: np.ndarray, model: LinearModel) -> list[ModeMargin]:
     refuse_delays(model.delays, "controllability and observability margins")
+    size = (float(np.linalg.norm(A, 2)) if A.size else 0.0) or 1.0
     found = []
     for pole in poles(model):
-        test = np.hstack([A - pole * np.eye(len(A)), B])
+        shifted = A - pole * np.eye(len(A))
+        test = np.hstack([shifted, B])
         lengths = np.linalg.norm(test, axis=1, keepdims=True)
-        share = np.linalg.svd(test / np.where(lengths > 0.0, lengths, 1.0), compute_uv=False)[-1]
+        # Divided by its own length, a row of nothing but rounding would look well reached.
+        balanced = test / np.where(lengths > _ROUNDING * size, lengths, size)
+        share = np.linalg.svd(balanced, compute_uv=False)[-1]
         margin = np.linalg.svd(test, compute_uv=False)[-1]
-        state = model.states[_main_state(test[:, : len(A)], B)]
+        state = model.states[_main_state(shifted, B)]
         found.append(ModeMargin(complex(pole), float(margin), float(share), state))
     return found
 
 
 def _main_state(shifted: np.ndarray, B: np.ndarray) -> int:
-    """Return the largest entry of the left eigenvector; of several, of that least along B."""
-    weighted = np.hstack(
-        [_EIGENVECTOR * shifted / (np.linalg.norm(shifted) or 1.0), B / (np.linalg.norm(B) or 1.0)]
-    )
-    return int(np.argmax(np.abs(np.linalg.svd(weighted)[0][:, -1])))
+    """Return the state with the largest part in a mode; of several modes, in that least along B."""
+    size = np.linalg.norm(shifted) or 1.0
+    weighted = np.hstack([_EIGENVECTOR * shifted / size, B / (np.linalg.norm(B) or 1.0)])
+    left = np.abs(np.linalg.svd(weighted)[0][:, -1])
+    _, sizes, rows = np.linalg.svd(shifted)
+    sizes[-1] = 0.0  # p is an eigenvalue, but for rounding
+    parts = left * np.linalg.norm(rows[sizes <= _NOTHING * size], axis=0)
+    # Two equal modes in series have no state in common: what drives the others is meant.
+    chosen = parts if parts.max() > _NOTHING else left
+    return int(np.argmax(chosen > (1.0 - _NOTHING) * chosen.max()))
 
 
 def words_on_reach(model: LinearModel, weak: float = 0.01) -> list[str]:

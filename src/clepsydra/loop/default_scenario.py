@@ -14,6 +14,7 @@ from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import origin_radius, time_constants
 from clepsydra.linear.zeros import zeros
+from clepsydra.loop.residence_times import residence_times, width_of_range
 from clepsydra.loop.scenario import Scenario, Segment, SegmentKind
 from clepsydra.process.process import Process
 
@@ -200,7 +201,7 @@ def _moves_at_rest(
     """
     states = len(model.states)
     matrix = np.block([[model.A, model.B], [model.C, model.D]])
-    scale = np.array([_scale(process.signal(name)) for name in model.states + model.inputs])
+    scale = np.array([width_of_range(process.signal(name)) for name in model.states + model.inputs])
     wanted = np.zeros(len(matrix))
     wanted[states + column] = 1.0
     matrix = matrix * scale
@@ -227,33 +228,17 @@ def _slowest(process: Process, model: LinearModel) -> float:
     origin = origin_radius(model.A)
     times += [2.0 / zero.real for zero in zeros(model) if zero.real > origin]
     if np.all(np.isfinite(constants)):
-        times += list(_residence_times(process, model))
+        times += list(residence_times(model))
     else:
         # s G(s) near the origin: the rate of each output for a constant input.
         s = 1e-6 / max(times)
         states = np.eye(len(model.states))
         rates = np.abs(s * model.C @ np.linalg.solve(s * states - model.A, model.B))
-        fastest = rates @ [_scale(process.signal(name)) for name in model.inputs]
+        fastest = rates @ [width_of_range(process.signal(name)) for name in model.inputs]
         spans = np.array([_span(process, process.signal(name)) for name in model.outputs])
         integrating = fastest * max(times) > 1e-3 * spans
         times += list(spans[integrating] / fastest[integrating])
     return float(max(times))
-
-
-def _residence_times(process: Process, model: LinearModel) -> np.ndarray:
-    """Return the mean time that a change takes to each output from its strongest input [s].
-
-    -G'(0)/G(0), the sum of the lags of the channel: for n equal tanks in series it is n times
-    the time constant of one, which no single time constant shows.
-    """
-    once = np.linalg.solve(model.A, model.B)
-    gains, moments = -model.C @ once, -model.C @ np.linalg.solve(model.A, once)
-    strengths = np.abs(gains) * [_scale(process.signal(name)) for name in model.inputs]
-    rows, columns = np.arange(len(gains)), np.argmax(strengths, axis=1)
-    gain = gains[rows, columns]
-    moment = moments[rows, columns]
-    found = np.abs(np.divide(moment, gain, out=np.zeros_like(moment), where=gain != 0.0))
-    return np.asarray(found)
 
 
 def _room(value: float, low: float, high: float, move: float) -> tuple[float, float]:
@@ -279,12 +264,6 @@ def _span(process: Process, signal: Signal) -> float:
             "give the sensor a range",
         )
     return span
-
-
-def _scale(signal: Signal) -> float:
-    """Return the width of a range, or 1 where it has none."""
-    span = signal.span
-    return span if math.isfinite(span) and span > 0.0 else 1.0
 
 
 def _one_digit_below(value: float) -> float:

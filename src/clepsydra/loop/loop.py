@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
 
 import numpy as np
 
@@ -24,16 +23,12 @@ from clepsydra.loop.closed_loop import (
 )
 from clepsydra.loop.motion_block import motion_at_rest, recorded_signals, spilt_totals
 from clepsydra.loop.reference_motion import ReferenceMotion
-from clepsydra.loop.refinement import refined
+from clepsydra.loop.refinement import TOLERANCE, refined
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
+from clepsydra.loop.solver import Solver, check_solver
 from clepsydra.loop.step_size import check_substeps, substeps_for
 from clepsydra.process.process import Process
-
-Solver = Literal["kernel", "reference"]
-
-#: The error that a run may have, as a fraction of the state's range, before its step is halved.
-_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -113,10 +108,7 @@ class Loop:
             solver is unknown, or the number of steps is not from 1 to 10,000.
         """
         self._check(scenario)
-        if solver not in get_args(Solver):
-            raise InputError(
-                "solver", solver, f"one of {', '.join(get_args(Solver))}", "correct the name"
-            )
+        check_solver(solver)
         count = self.substeps if substeps is None else substeps
         check_substeps(count, self.process)
         if solver == "reference":
@@ -135,7 +127,7 @@ class Loop:
             self.process,
             lambda count: self.run(scenario, substeps=count),
             self.substeps,
-            _TOLERANCE,
+            TOLERANCE,
         )
         return replace(run, error_estimate=estimate)
 

@@ -14,9 +14,9 @@ from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.balance import Balance, balances
 from clepsydra.loop.happenings import Happening, happenings
-from clepsydra.loop.loop import Solver
 from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
 from clepsydra.loop.reference_motion import ReferenceMotion
+from clepsydra.loop.solver import Solver, check_solver
 from clepsydra.loop.step_size import check_substeps
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
@@ -101,8 +101,10 @@ def simulate(
     Raises
     ------
     InputError
-        A profile or a state is of no such signal, or their lengths differ.
+        A profile or a state is of no such signal, or their lengths differ; the solver is
+        unknown.
     """
+    check_solver(solver)
     check_substeps(substeps, point.process)
     run = _OpenLoop(point, profiles, substeps, state or {})
     return run.by_reference() if solver == "reference" else run.by_kernel()
@@ -130,6 +132,7 @@ class _OpenLoop:
         }
         totals = tuple(signal.name for signal in process.motion.totals)
         self.motion = MotionBlock(process.motion, process.sampling_period, substeps, totals)
+        self.recorded = self.motion.state[len(process.motion.contents) :]
         self.start = point.state.copy()
         for place, signal in enumerate(process.state):
             self.start[place] = state.get(signal.name, self.start[place])
@@ -143,7 +146,7 @@ class _OpenLoop:
             s.name: float(v) for s, v in zip(process.motion.contents, self.contents, strict=True)
         }
         kernel = Kernel(self._program())
-        given = {**{name: np.append(values, values[-1]) for name, values in self.profiles.items()}}
+        given = {name: np.append(values, values[-1]) for name, values in self.profiles.items()}
         result = kernel.run(self.samples + 1, inputs=given, state=rest | contents)
         values = {s.name: result.output(s.name)[0] for s in kernel.program.outputs}
         return self._collect(values, self.substeps)
@@ -208,28 +211,20 @@ class _OpenLoop:
         following = self.motion.move(
             builder, [value[s.name] for s in state], [*outside, *parameters]
         )
-        recorded = state[len(motion.contents) :]
-        kept = [s for s in motion.contents if s.name not in {x.name for x in process.state}]
         block = builder.finish(
-            [
-                *following,
-                *shown,
-                *measured,
-                *(value[s.name] for s in (*recorded, *kept)),
-            ]
+            [*following, *shown, *measured, *(value[s.name] for s in self.recorded)]
         )
         return Program(
             f"{process.name}, open loop",
             state,
             self.outside,
             process.parameters,
-            (*process.state, *process.measurements, *recorded, *kept),
+            (*process.state, *process.measurements, *self.recorded),
             block,
         )
 
     def _collect(self, values: dict[str, np.ndarray], substeps: int) -> Simulation:
         process, motion = self.process, self.process.motion
-        recorded = self.motion.state[len(motion.contents) :]
         for name, profile in self.profiles.items():
             values[name] = np.append(profile, profile[-1])
         balanced = [s.name for s in motion.totals if s.name.startswith("balance.")]
@@ -239,7 +234,7 @@ class _OpenLoop:
             *process.state,
             *process.measurements,
             *self.outside,
-            *(s for s in recorded if s.name not in balanced),
+            *(s for s in self.recorded if s.name not in balanced),
         )
         return Simulation(
             process=process,

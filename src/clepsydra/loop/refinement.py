@@ -10,6 +10,8 @@ import numpy as np
 from clepsydra.loop.step_size import MOST_SUBSTEPS, delay_substeps
 from clepsydra.process.process import Process
 
+#: The error that a run may have, as a fraction of a state's range, before its step is halved.
+TOLERANCE = 1e-6
 _LARGEST_REFINEMENT = 64
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from clepsydra.base.arguments import require_type
-from clepsydra.loop.loop import Solver
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import Start, plan_simulation, read_state
 from clepsydra.loop.profile import read_change
+from clepsydra.loop.solver import Solver
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 
@@ -33,7 +33,8 @@ def simulate(
         "4 V @ 60 s..120 s" for a ramp, or a list of these in order of time. Signals that are not
         named stay at their values at rest.
     duration : str, optional
-        "20 min"; if left out, six times the slowest time constant after the last change.
+        "20 min"; if left out, long enough that what the last change does has ended: six times
+        the slowest time constant after it, longer for equal tanks in series and for dead times.
     start : {"rest", "empty"}
     state : mapping, optional
         States that start elsewhere, "tank_1.level" to "5 cm".

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.process.hybrid import Event
+from clepsydra.process.hybrid import Event, switch_memory
 from clepsydra.program.step_law import Symbols
 
 
@@ -24,13 +24,8 @@ def stem_memories(element: str) -> tuple[Signal, Signal]:
     """
     return (
         Signal(f"{element}.stem", low=0.0, high=1.0, description=f"stem of {element}"),
-        Signal(
-            f"{element}.begins",
-            kind="boolean",
-            low=0.0,
-            high=1.0,
-            initial=1.0,
-            description=f"stem of {element} stands where its actuator does",
+        switch_memory(
+            f"{element}.begins", 1.0, f"stem of {element} stands where its actuator does"
         ),
     )
 
@@ -55,7 +50,7 @@ class Backlash:
 
     >>> symbols = {"valve.stem": ca.SX(0.49), "valve.begins": ca.SX(0)}
     >>> symbols["valve.backlash"] = ca.SX(0.02)
-    >>> float(Backlash(0.02).stem("valve", ca.SX(0.47), ca.SX(0.47), symbols))
+    >>> float(Backlash(0.02).stem("valve", ca.SX(0.47), symbols))
     0.48
     """
 
@@ -69,8 +64,8 @@ class Backlash:
         """Return the place of the stem."""
         return stem_memories(element)
 
-    def stem(self, element: str, position: ca.SX, asked: ca.SX, symbols: Symbols) -> ca.SX:
-        """Return where the stem is while the actuator is at a position on its way to another."""
+    def stem(self, element: str, position: ca.SX, symbols: Symbols) -> ca.SX:
+        """Return where the stem is while the actuator is at a position."""
         half = symbols[f"{element}.backlash"] / 2
         kept = ca.fmin(ca.fmax(symbols[f"{element}.stem"], position - half), position + half)
         return ca.if_else(symbols[f"{element}.begins"] > 0.5, position, kept)
@@ -80,12 +75,3 @@ class Backlash:
     ) -> tuple[Event, ...]:
         """Return nothing: play needs no moment to be found."""
         return ()
-
-    def updates(
-        self, element: str, position: ca.SX, asked: ca.SX, symbols: Symbols
-    ) -> dict[str, ca.SX]:
-        """Return the place of the stem at the end of a step."""
-        return {
-            f"{element}.stem": self.stem(element, position, asked, symbols),
-            f"{element}.begins": ca.SX(0),
-        }

@@ -10,6 +10,7 @@ import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.process.component import Component
+from clepsydra.process.disturbance_range import read_disturbance_range
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def read_concentrations(table: TableReader) -> dict[str, GivenConcentration]:
     Raises
     ------
     InputError
-        A component is unknown, a value is negative or out of range.
+        A component is unknown, a value is negative, or it or a step is out of range.
 
     Examples
     --------
@@ -91,11 +92,7 @@ def read_concentrations(table: TableReader) -> dict[str, GivenConcentration]:
             given[name] = GivenConcentration(value)
             continue
         signal = inner.table(name, what, remedy, keys=("range", "nominal", "step"))
-        low, high = signal.range("range", unit, at_least=0.0)
-        nominal = signal.quantity(
-            "nominal", unit, what, "choose a value within the range", at_least=low, at_most=high
-        )
-        step = signal.quantity("step", unit, what, "give the size of a load step", default=0.0)
+        low, high, nominal, step = read_disturbance_range(signal, unit, "concentration")
         given[name] = GivenConcentration(nominal, low, high, step)
     return given
 
@@ -124,6 +121,17 @@ def concentration_signals(
         for name, value in given.items()
         if value.low is not None and value.high is not None
     )
+
+
+def concentration_steps(element: str, given: Mapping[str, GivenConcentration]) -> dict[str, float]:
+    """Return the size of the load step of each given concentration that has one, by signal.
+
+    Examples
+    --------
+    >>> concentration_steps("feed", {"salt": GivenConcentration(5.0, 0.0, 10.0, 2.0)})
+    {'feed.salt': 2.0}
+    """
+    return {f"{element}.{name}": value.step for name, value in given.items() if value.step}
 
 
 def concentration_values(

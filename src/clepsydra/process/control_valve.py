@@ -19,7 +19,7 @@ from clepsydra.process.manipulated_signal import read_manipulated_signal
 from clepsydra.process.orifice import LAMINAR
 from clepsydra.process.root_law import falling_root, signed_root
 from clepsydra.process.stiction import Stiction
-from clepsydra.process.suction import suction_events, suction_memory
+from clepsydra.process.suction import drawn, suction_events, suction_memory
 from clepsydra.process.valve_characteristic import CHARACTERISTICS, opened
 from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.program.step_law import Symbols
@@ -83,7 +83,7 @@ class ControlValve(Element):
     friction : Backlash or Stiction or None
         Between actuator and stem.
     source_vessel : Vessel or None
-        Height of the tank that it draws from [m]; None for a reservoir.
+        Shape of the tank that it draws from; None for a reservoir.
 
     Examples
     --------
@@ -275,7 +275,7 @@ class ControlValve(Element):
         if self._breaks_off:
             # What comes back through a submerged valve may still come.
             rest = ca.fmin(driving, 0) if self.submerged else 0
-            driving = ca.if_else(symbols[f"{self.name}.draws"] > 0.5, driving, rest)
+            driving = drawn(self.name, driving, symbols, rest)
         return (
             Flow(
                 self.source,
@@ -309,7 +309,10 @@ class ControlValve(Element):
         """Return where the stem stands at the end of a step."""
         if self.friction is None:
             return {}
-        return self.friction.updates(self.name, *self._actuator(symbols), symbols)
+        return {
+            f"{self.name}.stem": self._stem(symbols),
+            f"{self.name}.begins": ca.SX(0),
+        }
 
     @property
     def _position(self) -> str:
@@ -339,10 +342,10 @@ class ControlValve(Element):
         return (symbols[self._position] if self.stroke_time else asked), asked
 
     def _stem(self, symbols: Symbols) -> ca.SX:
-        position, asked = self._actuator(symbols)
+        position, _ = self._actuator(symbols)
         if self.friction is None:
             return position
-        return self.friction.stem(self.name, position, asked, symbols)
+        return self.friction.stem(self.name, position, symbols)
 
 
 def _read_friction(table: TableReader) -> Backlash | Stiction | None:

@@ -135,17 +135,22 @@ class _Join:
         self.delays: tuple[Delay, ...] = tuple(d for e in elements for d in e.delays())
         self.parameters = (*self._all("parameters"), gravity)
         self.inputs, self.disturbances = self._roles(manipulated)
-        self.totals = (
-            *self._all("totals"),
-            *(
-                Signal(f"{total}.{name}", unit)
-                for total in (ENTERED, LEFT, *((DELAYED,) if self.delays else ()))
-                for name, unit in self._conserved()
-            ),
+        self.balances = tuple(
+            Signal(f"{total}.{name}", unit)
+            for total in (ENTERED, LEFT, *((DELAYED,) if self.delays else ()))
+            for name, unit in self._conserved()
         )
+        self.totals = (*self._all("totals"), *self.balances)
 
     def _all(self, what: str) -> tuple[Signal, ...]:
         return tuple(signal for element in self.elements for signal in getattr(element, what)())
+
+    def _merged(self, what: str, *arguments: Any) -> dict[str, Any]:
+        """Return what a method of every element says by name, in one dictionary."""
+        merged: dict[str, Any] = {}
+        for element in self.elements:
+            merged |= getattr(element, what)(*arguments)
+        return merged
 
     def _conserved(self) -> list[tuple[str, str]]:
         return [("liquid", "m^3"), *((c.name, c.amount_unit) for c in self.components)]
@@ -179,30 +184,17 @@ class _Join:
             **_named(self.parameters, p),
         }
         states = _named(self.state, x)
-        to_contents = self._converted("to_contents", self.contents, held | states)
+        to_contents = _stacked(self.contents, self._merged("to_contents", held | states))
         in_contents = held | _named(self.contents, c)
-        shown = {
-            name: value
-            for element in self.elements
-            for name, value in element.to_states(in_contents).items()
-        }
-        to_state = ca.vertcat(*(shown[signal.name] for signal in self.state))
+        shown = self._merged("to_states", in_contents)
+        to_state = _stacked(self.state, shown)
         moving = self._evaluate(
             in_contents | shown | _named(self.memories, m), _named(self.delays, z)
         )
         at_first = {s.name: ca.SX(s.initial) for s in self.memories}
         steady = self._evaluate(held | states | at_first, None)
-        readings = {
-            name: value
-            for element in self.elements
-            for name, value in element.readings(held | states).items()
-        }
         events = [event for e in self.elements for event in e.events(moving.symbols)]
-        updates = {
-            name: value
-            for element in self.elements
-            for name, value in element.updates(moving.symbols).items()
-        }
+        updates = _named(self.memories, m) | self._merged("updates", moving.symbols)
         arguments, names = [c, z, m, u, d, p], ["c", "z", "m", "u", "d", "p"]
         fired = ca.SX.sym("fired", len(events))
         stored = self._stored(in_contents | shown)
@@ -220,44 +212,31 @@ class _Join:
                 "guards", arguments, [ca.vertcat(*(ca.SX(e.guard) for e in events))], names, ["g"]
             ),
             resets=ca.Function("resets", [fired, *arguments], [self._reset(events, fired, m)]),
-            updates=ca.Function(
-                "updates",
-                arguments,
-                [ca.vertcat(*(updates.get(s.name, m[i]) for i, s in enumerate(self.memories)))],
-            ),
+            updates=ca.Function("updates", arguments, [_stacked(self.memories, updates)]),
             stored=ca.Function("stored", [c, p], [stored], ["c", "p"], ["stored"]),
             stored_names=tuple(name for name, _ in self._conserved()),
         )  # fmt: skip
         dynamics = self._state_rates(steady.rates, x, to_contents)
-        reading = ca.vertcat(*(readings[signal.name] for signal in self.measurements))
+        reading = _stacked(self.measurements, self._merged("readings", held | states))
         return JoinedEquations(
             self.state,
             self.inputs,
             self.disturbances,
             self.measurements,
             self.parameters,
-            {k: v for element in self.elements for k, v in element.measured_states().items()},
+            self._merged("measured_states"),
             ca.Function("dynamics", [x, u, d, p], [ca.cse(dynamics)], ["x", "u", "d", "p"], ["dx"]),
             ca.Function("measure", [x, p], [reading], ["x", "p"], ["y"]),
             self._display(),
-            {k: v for element in self.elements for k, v in element.noises().items()},
+            self._merged("noises"),
             motion,
         )
 
     def _display(self) -> ca.Function:
         y = ca.SX.sym("y", len(self.measurements))
-        given = _named(self.measurements, y)
-        displayed = {k: v for e in self.elements for k, v in e.displayed(given).items()}
-        shown = ca.vertcat(*(displayed[signal.name] for signal in self.measurements))
+        displayed = self._merged("displayed", _named(self.measurements, y))
+        shown = _stacked(self.measurements, displayed)
         return ca.Function("display", [y], [shown], ["y"], ["shown"])
-
-    def _converted(
-        self, way: str, signals: Sequence[Signal], symbols: Mapping[str, ca.SX]
-    ) -> ca.SX:
-        values: dict[str, Any] = {}
-        for element in self.elements:
-            values |= getattr(element, way)(symbols)
-        return ca.vertcat(*(values[signal.name] for signal in signals))
 
     def _evaluate(
         self, given: Mapping[str, ca.SX], delayed: Mapping[str, ca.SX] | None
@@ -283,9 +262,9 @@ class _Join:
                 name = f"{DELAYED}.{delay.conserves}"
                 rates[name] += sent[delay.name] - symbols[delay.name]
         return _Evaluated(
-            ca.cse(ca.vertcat(*(rates[signal.name] for signal in self.contents))),
-            ca.vertcat(*(sent[delay.name] for delay in self.delays)),
-            ca.vertcat(*(rates[signal.name] for signal in self.totals)),
+            ca.cse(_stacked(self.contents, rates)),
+            _stacked(self.delays, sent),
+            _stacked(self.totals, rates),
             symbols,
         )
 
@@ -293,8 +272,7 @@ class _Join:
         self, symbols: dict[str, ca.SX], *, pass_at_once: bool
     ) -> tuple[list[Flow], dict[str, ca.SX]]:
         """Return every flow with what it carries, and what enters the delays."""
-        x = ca.vertcat(*(symbols[signal.name] for signal in self.state))
-        x = ca.vertcat(*ca.symvar(x))
+        x = ca.vertcat(*ca.symvar(_stacked(self.state, symbols)))
         arriving: dict[str, list[Flow]] = {}
         flows: list[Flow] = []
         sent: dict[str, ca.SX] = {}
@@ -325,7 +303,7 @@ class _Join:
 
     def _crossing(self, flows: Sequence[Flow]) -> dict[str, ca.SX]:
         """Return what enters and leaves the plant, liquid first and then each component."""
-        crossing = {signal.name: ca.SX(0) for signal in self.totals if "balance" in signal.name}
+        crossing = {signal.name: ca.SX(0) for signal in self.balances}
         for flow in flows:
             amounts = {"liquid": flow.rate, **(flow.fluxes or {})}
             for total, end in ((ENTERED, flow.source), (LEFT, flow.destination)):
@@ -339,11 +317,11 @@ class _Join:
         return not name or self.by_name[name].endless
 
     def _reset(self, events: Sequence[Event], fired: ca.SX, m: ca.SX) -> ca.SX:
-        values = {signal.name: m[i] for i, signal in enumerate(self.memories)}
+        values = _named(self.memories, m)
         for number, event in enumerate(events):
             for name, value in event.resets.items():
                 values[name] = ca.if_else(fired[number], value, values[name])
-        return ca.vertcat(*(values[signal.name] for signal in self.memories))
+        return _stacked(self.memories, values)
 
     def _stored(self, symbols: Mapping[str, ca.SX]) -> ca.SX:
         names = [name for name, _ in self._conserved()]
@@ -373,3 +351,7 @@ class _Join:
 
 def _named(signals: Iterable[Signal | Delay], vector: ca.SX) -> dict[str, ca.SX]:
     return {signal.name: vector[index] for index, signal in enumerate(signals)}
+
+
+def _stacked(signals: Iterable[Signal | Delay], values: Mapping[str, Any]) -> ca.SX:
+    return ca.vertcat(*(values[signal.name] for signal in signals))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -47,7 +47,7 @@ class Flow:
     driver: ca.SX
     element: str = ""
     reversible: bool = False
-    fluxes: Mapping[str, ca.SX] | None = field(default=None)
+    fluxes: Mapping[str, ca.SX] | None = None
 
     @property
     def rate(self) -> ca.SX:

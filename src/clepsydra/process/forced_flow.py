@@ -12,9 +12,11 @@ from clepsydra.base.signal import Signal
 from clepsydra.process.concentrations import (
     GivenConcentration,
     concentration_signals,
+    concentration_steps,
     concentration_values,
     read_concentrations,
 )
+from clepsydra.process.disturbance_range import read_disturbance_range
 from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Event
@@ -46,6 +48,8 @@ class ForcedFlow(Element):
         Size of the load step of the default scenario [m³/s].
     given : mapping
         Component to its concentration, in liquid from outside.
+    source_vessel : Vessel or None
+        Shape of the tank that it draws from; None where it comes from elsewhere.
 
     Examples
     --------
@@ -73,25 +77,7 @@ class ForcedFlow(Element):
     @classmethod
     def read(cls, name: str, table: TableReader) -> Self:
         """Make the flow from its table of a process file."""
-        low, high = table.range("range", "m^3/s", at_least=0.0)
-        nominal = table.quantity(
-            "nominal",
-            "m^3/s",
-            "a flow",
-            "choose a flow within the range",
-            at_least=low,
-            at_most=high,
-        )
-        step = table.quantity(
-            "step", "m^3/s", "a flow", "give the size of a typical load step", default=0.0
-        )
-        if not low <= nominal + step <= high:
-            raise table.refused(
-                "step",
-                table.written("step"),
-                "a step that stays within the range",
-                "make the step smaller or the range wider",
-            )
+        given = read_disturbance_range(table, "m^3/s", "flow")
         ends = {
             key: table.name(key, "the name of a tank") if table.has(key) else ""
             for key in ("source", "destination")
@@ -114,10 +100,7 @@ class ForcedFlow(Element):
             name,
             ends["source"],
             ends["destination"],
-            low=low,
-            high=high,
-            nominal=nominal,
-            step=step,
+            **given._asdict(),
             given=read_concentrations(table),
             source_vessel=table.vessel_of(ends["source"]),
             components=table.components,
@@ -150,10 +133,8 @@ class ForcedFlow(Element):
 
     def load_steps(self) -> dict[str, float]:
         """Return the sizes of its load steps by signal."""
-        varying = {
-            f"{self.name}.{component}": given.step for component, given in self.given.items()
-        }
-        return {name: size for name, size in {self.name: self.step, **varying}.items() if size}
+        own = {self.name: self.step} if self.step else {}
+        return own | concentration_steps(self.name, self.given)
 
     def memories(self) -> tuple[Signal, ...]:
         """Return whether it draws liquid, where it comes out of a tank."""

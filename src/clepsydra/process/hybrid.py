@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from clepsydra.base.signal import Signal
+
 
 @dataclass(frozen=True)
 class Delay:
@@ -64,3 +66,14 @@ class Event:
     words: str
     guard: ca.SX
     resets: Mapping[str, ca.SX | float]
+
+
+def switch_memory(name: str, initial: float, description: str) -> Signal:
+    """Return a memory that is 0 or 1.
+
+    Examples
+    --------
+    >>> switch_memory("pump_1.tripped", 0.0, "pump_1 has tripped").high
+    1.0
+    """
+    return Signal(name, kind="boolean", low=0.0, high=1.0, initial=initial, description=description)

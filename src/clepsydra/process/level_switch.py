@@ -10,7 +10,7 @@ import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
-from clepsydra.process.hybrid import Event
+from clepsydra.process.hybrid import Event, switch_memory
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ class LevelTrips:
 
     def memory(self, element: str) -> Signal:
         """Return the memory that is 1 while the pump is switched off."""
-        return _boolean(f"{element}.tripped", 0.0, f"{element} has tripped")
+        return switch_memory(f"{element}.tripped", 0.0, f"{element} has tripped")
 
     def events(self, element: str, symbols: Symbols) -> tuple[Event, ...]:
         """Return one trip for each limit, and the release when all levels are back."""
@@ -140,7 +140,9 @@ class LevelStarter:
 
     def memory(self, element: str) -> Signal:
         """Return the memory that is 1 while the pump runs."""
-        return _boolean(f"{element}.runs", float(self.running), f"{element} runs by its switch")
+        return switch_memory(
+            f"{element}.runs", float(self.running), f"{element} runs by its switch"
+        )
 
     def events(self, element: str, symbols: Symbols) -> tuple[Event, ...]:
         """Return its start and its stop."""
@@ -206,10 +208,10 @@ def read_trips(table: TableReader) -> LevelTrips | None:
                     f"a level far enough below that of trip_above for {limit.tank}",
                     "leave more than two hystereses between the two levels",
                 )
-        rim = table.height_of(limit.tank)
         room = limit.level
         if not limit.above:
-            room = math.inf if rim is None else rim - limit.level
+            vessel = table.vessel_of(limit.tank)
+            room = math.inf if vessel is None else vessel.height - limit.level
         if room <= hysteresis:
             raise table.refused(
                 "hysteresis",
@@ -285,7 +287,3 @@ def _limits(table: TableReader, key: str) -> tuple[LevelLimit, ...]:
         unit = inner.display_units(tank).get(tank, "m")
         limits.append(LevelLimit(tank, level, key.endswith("above"), unit))
     return tuple(limits)
-
-
-def _boolean(name: str, initial: float, description: str) -> Signal:
-    return Signal(name, kind="boolean", low=0.0, high=1.0, initial=initial, description=description)

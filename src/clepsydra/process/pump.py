@@ -77,7 +77,7 @@ class Pump(Element):
     noise : float
         Standard deviation of the flow, relative to it [1].
     source_vessel : Vessel or None
-        Height of the tank that it draws from [m]; None for a reservoir.
+        Shape of the tank that it draws from; None for a reservoir.
 
     Examples
     --------

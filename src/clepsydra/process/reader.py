@@ -196,7 +196,8 @@ def _check_complete(general: TableReader, elements: Sequence[Element]) -> None:
     for present, table, expected in (
         (any(element.states() for element in elements), "tanks", "at least one tank"),
         (
-            general.has("manipulated") or any(element.inputs() for element in elements),
+            any(element.inputs() for element in elements)
+            or (general.has("manipulated") and any(e.disturbances() for e in elements)),
             "pumps",
             "at least one pump, or a flow that is manipulated",
         ),
@@ -235,18 +236,14 @@ def _manipulated(general: TableReader, elements: Sequence[Element]) -> tuple[str
     if not general.has("manipulated"):
         return None
     known = [s.name for e in elements for s in (*e.inputs(), *e.disturbances())]
-    names = general.names(
-        "manipulated", "a list of pumps, valves or flows", f'write as in ["{known[0]}"]'
+    return _names_among(
+        known,
+        general,
+        "manipulated",
+        expected="a list of pumps, valves or flows",
+        remedy=f'write as in ["{known[0]}"]',
+        each="the name of a signal from outside",
     )
-    for name in names:
-        if name not in known:
-            raise general.refused(
-                "manipulated",
-                name[:60],
-                "the name of a signal from outside",
-                suggestion(name, known, f"choose from {', '.join(known)}"),
-            )
-    return names
 
 
 def _controlled(
@@ -254,16 +251,14 @@ def _controlled(
 ) -> tuple[str, ...]:
     """Read the measurements that follow setpoints."""
     known = [signal.name for signal in measurements]
-    expected = "a list of sensors"
-    names = general.names("controlled", expected, f'write as in controlled = ["{known[0]}"]')
-    for name in names:
-        if name not in known:
-            raise general.refused(
-                "controlled",
-                name[:60],
-                "the name of a sensor",
-                suggestion(name, known, f"choose from {', '.join(known)}"),
-            )
+    names = _names_among(
+        known,
+        general,
+        "controlled",
+        expected="a list of sensors",
+        remedy=f'write as in controlled = ["{known[0]}"]',
+        each="the name of a sensor",
+    )
     if len(names) > inputs:
         raise general.refused(
             "controlled",
@@ -271,4 +266,23 @@ def _controlled(
             f"at most as many as there are pumps, {inputs}",
             "leave the others uncontrolled, or add a pump",
         )
+    return names
+
+
+def _names_among(
+    known: Sequence[str],
+    general: TableReader,
+    key: str,
+    *,
+    expected: str,
+    remedy: str,
+    each: str,
+) -> tuple[str, ...]:
+    """Read a list of names, each of which must be known."""
+    names = general.names(key, expected, remedy)
+    for name in names:
+        if name not in known:
+            raise general.refused(
+                key, name[:60], each, suggestion(name, known, f"choose from {', '.join(known)}")
+            )
     return names

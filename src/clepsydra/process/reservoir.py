@@ -12,6 +12,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.process.concentrations import (
     GivenConcentration,
     concentration_signals,
+    concentration_steps,
     concentration_values,
     read_concentrations,
 )
@@ -60,6 +61,10 @@ class Reservoir(Element):
     def disturbances(self) -> tuple[Signal, ...]:
         """Return the concentrations that vary."""
         return concentration_signals(self.name, self.given, self.components)
+
+    def load_steps(self) -> dict[str, float]:
+        """Return the sizes of the load steps of its concentrations by signal."""
+        return concentration_steps(self.name, self.given)
 
     def concentrations(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return what is drawn from it carries."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import casadi as ca
 
 from clepsydra.base.signal import Signal
+from clepsydra.process.component import Component
 from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.sensor_reading import gain_unit, read_measured, read_scale, read_share
@@ -295,7 +296,7 @@ class Sensor(Element):
         return f"concentration of {self.measured} in {self.tank}"
 
 
-def _quantity_unit(measured: str, components: Sequence) -> str:
+def _quantity_unit(measured: str, components: Sequence[Component]) -> str:
     """Return the SI unit of a quantity."""
     if measured in _UNITS:
         return _UNITS[measured]

@@ -68,8 +68,8 @@ class Stiction:
             ),
         )  # fmt: skip
 
-    def stem(self, element: str, position: ca.SX, asked: ca.SX, symbols: Symbols) -> ca.SX:
-        """Return where the stem is while the actuator is at a position on its way to another."""
+    def stem(self, element: str, position: ca.SX, symbols: Symbols) -> ca.SX:
+        """Return where the stem is while the actuator is at a position."""
         moves = symbols[f"{element}.moves"]
         _, kinetic = self._frictions(element, symbols)
         follows = position - moves * kinetic
@@ -103,15 +103,6 @@ class Stiction:
                 },
             ),
         )
-
-    def updates(
-        self, element: str, position: ca.SX, asked: ca.SX, symbols: Symbols
-    ) -> dict[str, ca.SX]:
-        """Return the place of the stem at the end of a step."""
-        return {
-            f"{element}.stem": self.stem(element, position, asked, symbols),
-            f"{element}.begins": ca.SX(0),
-        }
 
     @staticmethod
     def _frictions(element: str, symbols: Symbols) -> tuple[ca.SX, ca.SX]:

@@ -7,7 +7,7 @@ from typing import Any
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.process.hybrid import Event
+from clepsydra.process.hybrid import Event, switch_memory
 from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.program.step_law import Symbols
 
@@ -23,14 +23,7 @@ def suction_memory(element: str) -> Signal:
     >>> suction_memory("pump_1").name
     'pump_1.draws'
     """
-    return Signal(
-        f"{element}.draws",
-        kind="boolean",
-        low=0.0,
-        high=1.0,
-        initial=1.0,
-        description=f"{element} draws liquid",
-    )
+    return switch_memory(f"{element}.draws", 1.0, f"{element} draws liquid")
 
 
 def suction_events(element: str, tank: str, vessel: Vessel, symbols: Symbols) -> tuple[Event, ...]:
@@ -77,12 +70,12 @@ def suction_events(element: str, tank: str, vessel: Vessel, symbols: Symbols) ->
     )
 
 
-def drawn(element: str, flow: Any, symbols: Symbols) -> ca.SX:
-    """Return a flow while there is suction, and 0 after the tank ran empty.
+def drawn(element: str, flow: Any, symbols: Symbols, rest: Any = 0) -> ca.SX:
+    """Return a flow while there is suction, and the rest of it after the tank ran empty.
 
     Examples
     --------
     >>> drawn("pump", ca.SX(2.0), {"pump.draws": ca.SX(0)})
     SX(0)
     """
-    return ca.if_else(symbols[f"{element}.draws"] > 0.5, flow, 0)
+    return ca.if_else(symbols[f"{element}.draws"] > 0.5, flow, rest)

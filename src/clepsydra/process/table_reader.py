@@ -115,11 +115,6 @@ class TableReader:
         self._require(key, expected, remedy)
         return TableReader(self._document, (*self._path, key), keys, components=self.components)
 
-    def height_of(self, tank: str) -> float | None:
-        """Return the height of a tank [m]; None where no tank has that name."""
-        vessel = self.vessel_of(tank)
-        return None if vessel is None else vessel.height
-
     def vessel_of(self, tank: str) -> Vessel | None:
         """Return the shape of a tank; None where no tank has that name."""
         return self._vessels.get(tank)

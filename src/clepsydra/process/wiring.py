@@ -59,8 +59,9 @@ def check_wiring(elements: Sequence[Element], place: Place) -> None:
                 + (f"a {twin.kind}" if twin else "the acceleration of gravity"),
             )
         by_name[element.name.lower()] = element
+    named = {element.name: element for element in elements}
     for element in elements:
-        _check_connections(element, {other.name: other for other in elements}, place)
+        _check_connections(element, named, place)
     _check_touched(elements, place)
     _check_identifiers(elements, place)
     try:
@@ -162,10 +163,11 @@ def _check_identifiers(elements: Sequence[Element], place: Place) -> None:
     """
     owners: dict[str, Element] = {}
     for element in elements:
+        states = element.states()
         groups = (
-            element.states(), element.inputs(), element.disturbances(), element.memories(),
+            states, element.inputs(), element.disturbances(), element.memories(),
             element.totals(), element.measurements(), element.parameters(),
-            tuple(signal for signal in element.contents() if signal not in element.states()),
+            tuple(signal for signal in element.contents() if signal not in states),
         )  # fmt: skip
         own: set[str] = set()
         for signal in [signal for group in groups for signal in group]:

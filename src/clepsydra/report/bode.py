@@ -12,9 +12,11 @@ from clepsydra.report.colours import MUTED, signal_colours
 from clepsydra.report.quantities import short_text
 from clepsydra.report.response_axes import (
     gain_factor,
+    in_shares,
     mark_frequencies,
     picture,
     ratio_text,
+    say_no_effect,
     shown_frequencies,
     title,
     without_effect,
@@ -52,7 +54,7 @@ def bode_figure(analysis: Analysis) -> Figure:
     model, process = analysis.model, analysis.operating_point.process
     colours, omegas = signal_colours(process), shown_frequencies(analysis)
     gains = frequency_response(model, omegas)
-    silent = without_effect(analysis, gains)
+    silent = without_effect(in_shares(analysis, gains))
     rows, columns = 2 * len(model.outputs), len(model.inputs)
     corners = np.unique(np.abs(analysis.poles[np.abs(analysis.poles) > 0.0]).round(12))
     with picture(rows, columns, _HEIGHT, sharex=True) as drawn:
@@ -61,18 +63,17 @@ def bode_figure(analysis: Analysis) -> Figure:
                 above, below = drawn.axes[2 * place : 2 * place + 2, column]
                 signals = process.signal(output), process.signal(name)
                 values = gains[:, place, column] * gain_factor(*signals)
-                title(above, f"{output} by {name}", columns)
+                title(above, output, f"by {name}", columns)
                 above.set_ylabel(ratio_text(*signals))
                 below.set_ylabel("phase [°]")
                 for axes in (above, below):
                     for corner in corners:
                         axes.axvline(corner, color=MUTED, linewidth=0.5, linestyle=":")
-                sizes = np.abs(values)
                 if silent[place, column]:
                     for axes in (above, below):
-                        axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center")
-                        axes.set_yticks([])
+                        say_no_effect(axes)
                     continue
+                sizes = np.abs(values)
                 style = {"color": colours[output], "linewidth": 1.4}
                 above.loglog(omegas, sizes, **style)
                 above.set_ylim(bottom=max(sizes.min(), _FLOOR * sizes.max()) / 2.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
+from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
@@ -31,6 +32,8 @@ _STYLE = (
 )
 #: Letters that the name beside a pump, a flow or a splitter may have, and one in or at a tank.
 _LABEL, _NARROW = 24, 14
+#: Letters that a line inside a tank may have, and where the lowest may stand below its rim [px].
+_INSIDE, _LOWEST = 19, TANK_HEIGHT - 6.0
 #: A page narrower than this scrolls sideways, so that words stay readable: least width [px], and
 #: least share of the width of the drawing.
 _LEAST_WIDTH, _LEAST_SHARE = 560.0, 0.6
@@ -194,15 +197,18 @@ class _Drawing:
                 lines = [self._value(level.name), f"{number_text(percent)} %"]
                 height = quantity_text(level, level.high)
                 title = f"{name}: level {lines[0]}, {number_text(percent)} % of {height}"
+        lines.insert(0, fitted(name, _NARROW))
+        surface = TANK_HEIGHT * (1.0 - (share or 0.0))
         others = [signal for signal in own if signal is not level and self.values]
-        for signal in others[: 2 if lines else 4]:
-            value = self._value(signal.name)
-            short = fitted(signal.name.split(".", 1)[1], max(3, 18 - len(value)))
-            lines.append(f"{short} {value}")
+        others = others[: 2 if level is not None else 4]
+        whole = [words for signal in others for words in self._in_lines(signal)]
+        if _clear_of(surface, len(lines) + len(whole))[-1] < _LOWEST:
+            lines += whole
+        else:
+            lines += [self._in_a_line(signal) for signal in others]
         colour = self.signals.get(f"{name}.level", MUTED)
         parts = [symbols.tank(x, y, outline, share, colour, title)]
-        lines.insert(0, fitted(name, _NARROW))
-        rows = _clear_of(TANK_HEIGHT * (1.0 - (share or 0.0)), len(lines))
+        rows = _clear_of(surface, len(lines))
         styles = ["name", "", *["small"] * len(lines)]
         for row, words, style in zip(rows, lines, styles, strict=False):
             parts.append(symbols.text(x, y + row, words, style=style))
@@ -211,6 +217,17 @@ class _Drawing:
             words = f"weir of {name}"
             parts.append(symbols.weir(x + side * outline.wall(0.0), y, side, words))
         return parts
+
+    def _in_lines(self, signal: Signal) -> list[str]:
+        """Return name and value of a state inside a tank, in two lines if one is too narrow."""
+        short, value = signal.name.split(".", 1)[1], self._value(signal.name)
+        words = f"{short} {value}"
+        return [words] if len(words) <= _INSIDE else [fitted(short, _INSIDE), value]
+
+    def _in_a_line(self, signal: Signal) -> str:
+        value = self._value(signal.name)
+        short = fitted(signal.name.split(".", 1)[1], max(3, _INSIDE - 1 - len(value)))
+        return f"{short} {value}"
 
     def _instruments_right(self, tank: str) -> bool:
         seats = [i.name for i in self.graph.instruments if i.seat == tank]
@@ -395,6 +412,6 @@ def _clear_of(surface: float, lines: int) -> list[float]:
                 y = surface + 16.0
             rows.append(y)
             y += 18.0 if place == 0 else 16.0
-        if rows[-1] < TANK_HEIGHT - 6.0:
+        if rows[-1] < _LOWEST:
             return rows
     return rows

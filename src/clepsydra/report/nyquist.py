@@ -10,7 +10,13 @@ from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.compared import compared
 from clepsydra.linear.response import frequency_response
 from clepsydra.report.colours import INK, MUTED, signal_colours
-from clepsydra.report.response_axes import picture, shown_frequencies, title
+from clepsydra.report.response_axes import (
+    picture,
+    say_no_effect,
+    shown_frequencies,
+    title,
+    without_effect,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,6 +52,7 @@ def nyquist_figure(analysis: Analysis) -> Figure:
     colours = signal_colours(analysis.operating_point.process)
     omegas = shown_frequencies(analysis)
     gains = frequency_response(model, omegas)
+    silent = without_effect(gains)
     rows, columns = len(model.outputs), len(model.inputs)
     decades = 10.0 ** np.arange(np.ceil(np.log10(omegas[0])), np.log10(omegas[-1]) + 1e-9)
     marked = frequency_response(model, decades) if len(decades) else gains[:0]
@@ -54,7 +61,16 @@ def nyquist_figure(analysis: Analysis) -> Figure:
             for column, name in enumerate(model.inputs):
                 axes = drawn.axes[place, column]
                 values, dots = gains[:, place, column], marked[:, place, column]
-                title(axes, f"{output} by {name}", columns)
+                title(axes, output, f"by {name}", columns)
+                if place == rows - 1:
+                    axes.set_xlabel("real part" + (" [% per %]" if shares else " [SI]"))
+                if column == 0:
+                    axes.set_ylabel("imaginary part")
+                if silent[place, column]:
+                    say_no_effect(axes)
+                    axes.set_xticks([])
+                    axes.set_box_aspect(1.0)
+                    continue
                 limit = _limit(values, bool(np.isinf(analysis.static_gain[place, column])))
                 angle = np.linspace(0.0, 2.0 * np.pi, 200)
                 circle = {"color": MUTED, "linewidth": 0.6, "linestyle": (0, (4, 3))}
@@ -77,10 +93,6 @@ def nyquist_figure(analysis: Analysis) -> Figure:
                 axes.set_xlim(-limit, limit)
                 axes.set_ylim(-limit, limit)
                 axes.set_aspect("equal")
-                if place == rows - 1:
-                    axes.set_xlabel("real part" + (" [% per %]" if shares else " [SI]"))
-                if column == 0:
-                    axes.set_ylabel("imaginary part")
     return drawn.figure
 
 

@@ -207,8 +207,9 @@ def _set_view(axes: Axes, panel: Panel, shown: np.ndarray, factor: float) -> Non
         if panel.kind == "input":
             bottom, top, margin = min(bottom, low), max(top, high), 0.06 * span
         elif panel.kind in ("level", "state"):
-            bottom = low if bottom < low + 0.1 * span else bottom
-            top = high if top > high - 0.1 * span else top
+            # A limit nearby is shown; what lies beyond one is never cut off.
+            bottom = min(bottom, low) if bottom < low + 0.1 * span else bottom
+            top = max(top, high) if top > high - 0.1 * span else top
     axes.set_ylim(bottom - margin, top + margin)
     words = ("rim", "floor") if panel.kind == "level" else ("upper limit", "lower limit")
     if panel.kind == "state":

@@ -57,30 +57,40 @@ def shown_frequencies(analysis: Analysis) -> np.ndarray:
     return chosen
 
 
-def without_effect(analysis: Analysis, gains: np.ndarray) -> np.ndarray:
-    """Return which channels [q, m] are nothing but rounding beside the strongest one.
-
-    Parameters
-    ----------
-    analysis : Analysis
-    gains : ndarray [l, q, m]
-        Frequency responses, SI.
+def in_shares(analysis: Analysis, gains: np.ndarray) -> np.ndarray:
+    """Return responses [l, q, m] in SI as shares of the ranges; without a range as they are.
 
     Examples
     --------
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> without_effect(analysis, np.array([[[1.0, 1e-17], [0.5, 1.0]]])).tolist()
-    [[False, True], [False, False]]
+    >>> analysis = analyse(load_process("quadruple-tank"))  # 0 to 10 V on both sides
+    >>> in_shares(analysis, np.ones((1, 2, 2))).tolist()
+    [[[1.0, 1.0], [1.0, 1.0]]]
     """
     model, process = analysis.model, analysis.operating_point.process
     spans = [
         np.array([s.span if np.isfinite(s.span) else 1.0 for s in map(process.signal, names)])
         for names in (model.outputs, model.inputs)
     ]
-    shares = np.abs(gains).max(axis=0) / spans[0][:, None] * spans[1]
-    return np.asarray(shares <= _ROUNDING * shares.max(initial=0.0))
+    return np.asarray(gains / spans[0][:, None] * spans[1])
+
+
+def without_effect(shares: np.ndarray) -> np.ndarray:
+    """Return which channels [q, m] are nothing but rounding beside the strongest one.
+
+    Parameters
+    ----------
+    shares : ndarray [l, q, m]
+        Frequency responses or step responses, in ranges.
+
+    Examples
+    --------
+    >>> without_effect(np.array([[[1.0, 1e-17], [0.5, 1.0]]])).tolist()
+    [[False, True], [False, False]]
+    """
+    largest = np.abs(shares).max(axis=0)
+    return np.asarray(largest <= _ROUNDING * largest.max(initial=0.0))
 
 
 def power_of_ten(value: float, _: object = None) -> str:
@@ -145,19 +155,37 @@ class _Picture:
         self.axes = axes
 
 
-def title(axes: Axes, words: str, columns: int) -> None:
-    """Write what axes show above them, shortened to their width.
+def title(axes: Axes, output: str, cause: str, columns: int) -> None:
+    """Write what axes show above them: in two lines, each shortened, where one is too narrow.
 
     Examples
     --------
     >>> from matplotlib.figure import Figure
     >>> axes = Figure().add_subplot()
-    >>> title(axes, "level_1 by pump_1", 1)
+    >>> title(axes, "level_1", "by pump_1", 1)
     >>> axes.get_title(loc="left")
     'level_1 by pump_1'
     """
     letters = max(int(WIDTH / columns * _LETTERS_AN_INCH) - 8, 12)
-    axes.set_title(fitted(words, letters), loc="left", fontsize=7.5)
+    words = f"{output} {cause}"
+    if len(words) > letters:
+        words = "\n".join(fitted(line, letters) for line in (output, cause))
+    axes.set_title(words, loc="left", fontsize=7.5)
+
+
+def say_no_effect(axes: Axes) -> None:
+    """Write into axes that the input does nothing to the output.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().add_subplot()
+    >>> say_no_effect(axes)
+    >>> axes.texts[0].get_text(), len(axes.get_yticks())
+    ('no effect', 0)
+    """
+    axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center")
+    axes.set_yticks([])
 
 
 def mark_frequencies(axes: Sequence[Axes] | np.ndarray, label: bool = True) -> None:

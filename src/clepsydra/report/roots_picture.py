@@ -58,10 +58,11 @@ def roots_figure(analysis: Analysis) -> Figure:
         axes.axvline(0.0, color=MUTED, linewidth=0.6)
         cross = {"marker": "x", "color": INK, "markersize": 7, "markeredgewidth": 1.4}
         axes.plot(poles.real, poles.imag, linestyle="none", label="pole", **cross)
-        circle = {"marker": "o", "color": "#D55E00", "markersize": 7, "markeredgewidth": 1.4}
-        axes.plot(
-            zeros.real, zeros.imag, linestyle="none", fillstyle="none", label="zero", **circle
-        )
+        if zeros.size:
+            circle = {"marker": "o", "color": "#D55E00", "markersize": 7, "markeredgewidth": 1.4}
+            axes.plot(
+                zeros.real, zeros.imag, linestyle="none", fillstyle="none", label="zero", **circle
+            )
         axes.set_xlim(left, right)
         axes.set_ylim(-high, high)
         axes.set_xlabel("real part [rad/s]")

@@ -12,10 +12,16 @@ from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.pade import without_dead_time
 from clepsydra.linear.roots import PADE_ORDER
 from clepsydra.linear.step_response import step_response
+from clepsydra.loop.duration import time_unit
 from clepsydra.report.colours import MUTED, signal_colours
 from clepsydra.report.quantities import display_factor, short_text, unit_text
-from clepsydra.report.response_axes import picture, title
-from clepsydra.report.trends import time_unit
+from clepsydra.report.response_axes import (
+    in_shares,
+    picture,
+    say_no_effect,
+    title,
+    without_effect,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,6 +66,7 @@ def step_figure(analysis: Analysis) -> Figure:
         values = step_response(model, times)
     except InputError:  # dead times without a common measure
         values = step_response(without_dead_time(model, PADE_ORDER), times)
+    silent = without_effect(in_shares(analysis, values))
     unit, seconds = time_unit(float(times[-1]))
     rows, columns = len(model.outputs), len(model.inputs)
     with picture(rows, columns, _HEIGHT, sharex=True) as drawn:
@@ -72,12 +79,13 @@ def step_figure(analysis: Analysis) -> Figure:
                 axes = drawn.axes[place, column]
                 shown = process.signal(output)
                 response = size * values[:, place, column] * display_factor(shown)
-                title(axes, f"{output} after {name} {step}", columns)
+                title(axes, output, f"after {name} {step}", columns)
+                axes.set_ylabel(unit_text(shown.shown_unit) or "–")
+                if silent[place, column]:
+                    say_no_effect(axes)
+                    continue
                 axes.axhline(0.0, color=MUTED, linewidth=0.5)
                 axes.plot(times / seconds, response, color=colours[output], linewidth=1.4)
-                axes.set_ylabel(unit_text(shown.shown_unit) or "–")
-                if not np.abs(response).max() > 1e-12 * display_factor(shown):
-                    axes.set_ylim(-1.0, 1.0)
                 late = analysis.dead_times[place, column]
                 if late > 0.0:
                     if late < _HARDLY_SEEN * times[-1]:

@@ -93,9 +93,6 @@ class Cone(Vessel):
         floor, rim = 0.5 * values["floor_diameter"], 0.5 * values["rim_diameter"]
         return (floor, rim) if self._widens else (rim, floor)
 
-    def _rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
-        return ca.SX(self.height)
-
     def _radius(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
         share = level / self.height
         return 0.5 * (values["floor_diameter"] * (1 - share) + values["rim_diameter"] * share)

@@ -84,9 +84,6 @@ class Prism(Vessel):
         """Return the level [m] at a volume [m³], also below nothing and above the capacity."""
         return volume * reciprocal(values["area"])
 
-    def _rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
-        return ca.SX(self.height)
-
     _area_within = area
     _volume_within = volume
     _level_within = level

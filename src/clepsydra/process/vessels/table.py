@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 import casadi as ca
 
-from clepsydra.base.units import from_si
 from clepsydra.process.vessels.vessel import SMALLEST_SHARE, Vessel, VesselParameter
 
 if TYPE_CHECKING:
@@ -139,9 +138,6 @@ class AreaTable(Vessel):
                 chosen[name] = ca.if_else(reached, number, chosen[name])
         return chosen
 
-    def _rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
-        return ca.SX(self.height)
-
     def _area_within(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
         segment = self._chosen("from_level", level)
         distance = segment["upward"] * (level - segment["level"])
@@ -162,4 +158,4 @@ class AreaTable(Vessel):
 
 
 def _shown(value: float, unit: str) -> str:
-    return f"{from_si(value, unit, unit):g} {unit}"
+    return f"{value:g} {unit}"

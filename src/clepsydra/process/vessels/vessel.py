@@ -92,10 +92,6 @@ class Vessel(ABC):
         """Return the numbers that become parameters of the process."""
 
     @abstractmethod
-    def _rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
-        """Return the level of the rim [m]."""
-
-    @abstractmethod
     def _area_within(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
         """Return the area [m²] at a level from the floor to the rim."""
 
@@ -110,6 +106,10 @@ class Vessel(ABC):
     def values(self) -> dict[str, ca.SX]:
         """Return the value of each parameter by key, as constants of CasADi."""
         return {parameter.key: ca.SX(parameter.value) for parameter in self.parameters()}
+
+    def _rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
+        """Return the level of the rim [m]; a shape overrides it where it follows a parameter."""
+        return ca.SX(self.height)
 
     @property
     def capacity(self) -> float:
