@@ -6,7 +6,7 @@ import casadi as ca
 import pytest
 
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.blocks.anti_windup import clamping, tracking_share
+from clepsydra.controllers.blocks.anti_windup import conditional_integration, tracking_share
 from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.status import STATUS_BITS, read_status, status_word
 from clepsydra.controllers.blocks.validity import is_number, is_time_step, value_or_zero
@@ -59,9 +59,11 @@ def test_a_limit_that_is_not_a_number_is_passed_over():
         (0.5, 7.0, 3.5),  # inside the limits
     ],
 )
-def test_clamping_leaves_out_only_what_pushes_further(increment, unlimited, expected):
+def test_conditional_integration_leaves_out_only_what_pushes_further(
+    increment, unlimited, expected
+):
     limited = min(max(unlimited, 0.0), 10.0)
-    assert evaluated(clamping, 3.0, increment, unlimited, limited) == expected
+    assert evaluated(conditional_integration, 3.0, increment, unlimited, limited) == expected
 
 
 def test_the_share_is_never_above_one_even_at_a_tracking_time_of_zero():
@@ -84,7 +86,7 @@ def test_every_status_word_reads_back():
         )
 
 
-@pytest.mark.parametrize("anti_windup", ["foo", "", None, ["clamping"]])
+@pytest.mark.parametrize("anti_windup", ["foo", "", None, ["conditional_integration"]])
 def test_a_law_with_an_unknown_anti_windup_is_refused(anti_windup):
     for make in (
         lambda: multiloop_pi_law(1, anti_windup),

@@ -149,7 +149,7 @@ def test_linear_model_of_lqi_has_the_textbook_matrices():
         state |= {f"integral_{i}": 0.0, f"last_output_{i}": 0.0}
     values |= {f"reference_measurement_{j}": 50.0 for j in (1, 2, 3)}  # far beyond the limits
     controller = Controller(
-        "LQI", "LQI", "by hand", lqi_law(3, 2, [1, 2], "clamping"), values, state,
+        "LQI", "LQI", "by hand", lqi_law(3, 2, [1, 2], "conditional_integration"), values, state,
         ("level_1", "level_2", "level_3"), ("level_1", "level_2"), ("pump_1", "pump_2"),
     )  # fmt: skip
     model = linear(controller)

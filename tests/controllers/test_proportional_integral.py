@@ -12,7 +12,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.proportional_integral import multiloop_pi_law
 
 MANUAL, AUTOMATIC, TRACKING = 0, 1, 2
-ANTI_WINDUPS = ["back_calculation", "clamping"]
+ANTI_WINDUPS = ["back_calculation", "conditional_integration"]
 
 
 def parameters(anti_windup, **changed):
@@ -196,7 +196,7 @@ def test_by_hand_the_output_moves_while_the_sensor_is_broken_and_automatic_takes
 
 
 def test_a_bad_sensor_holds_the_output_and_freezes_the_integral(driven):
-    law = one_loop(driven, "clamping", integral=4.0)
+    law = one_loop(driven, "conditional_integration", integral=4.0)
     before = law.scan(**inputs(measurement_1=4.0))["manipulated_1"]
     integral = law.state["integral_1"]
     for bad in (
@@ -220,8 +220,8 @@ def test_back_calculation_settles_where_the_excess_is_the_error_times_the_gain_r
         assert law.state["integral_1"] == pytest.approx(expected, rel=1e-12)
 
 
-def test_clamping_freezes_in_saturation_and_leaves_it_when_the_error_turns(driven):
-    law = one_loop(driven, "clamping", integral=9.0)
+def test_conditional_integration_freezes_in_saturation_and_leaves_it_when_the_error_turns(driven):
+    law = one_loop(driven, "conditional_integration", integral=9.0)
     for _ in range(50):
         law.scan(**inputs(measurement_1=4.0))
     # v = K e + I = 2 + 9 is beyond the limit at once, so nothing was added in 50 samples.
@@ -307,7 +307,7 @@ def test_parameters_changed_to_nonsense_at_run_time_hold_the_output(driven):
         found = law.scan(**inputs(measurement_1=4.5))
         assert 0.0 <= found["manipulated_1"] <= 10.0
         assert law.state["integral_1"] == integral
-    law = one_loop(driven, "clamping", high_limit_1=math.nan)
+    law = one_loop(driven, "conditional_integration", high_limit_1=math.nan)
     assert law.scan(**inputs())["manipulated_1"] == 4.0
 
 

@@ -217,7 +217,7 @@ def test_a_pairing_that_no_slowing_down_can_save_is_not_applicable(nonminimum_ph
 def test_initial_state_is_rest_at_the_operating_point(minimum_phase):
     tank = minimum_phase
     for design in (design_simc, design_phase_margin):
-        for anti_windup in ("back_calculation", "clamping"):
+        for anti_windup in ("back_calculation", "conditional_integration"):
             controller = design(tank.model, DIRECT, anti_windup=anti_windup)
             law, at = controller.law, tank.model.point.as_dict()
             given = {"time_step": 1.0}

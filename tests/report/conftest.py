@@ -112,7 +112,7 @@ def controller(name: str, gains: tuple[float, float], times: tuple[float, float]
 
 
 def simulate(process: Process, point: OperatingPoint, law: Controller, plan: Scenario) -> Run:
-    """Sampled PI with clamping on the nonlinear tanks, Euler steps of 0.2 s."""
+    """Sampled PI with conditional integration on the nonlinear tanks, Euler steps of 0.2 s."""
     gains = np.array([law.values[f"proportional_gain_{i}"] for i in (1, 2)])
     times = np.array([law.values[f"integral_time_{i}"] for i in (1, 2)])
     level, integral = point.state.copy(), point.inputs.copy()

@@ -54,7 +54,7 @@ class Controller:
 
     >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
     >>> by_hand = Controller(
-    ...     "PI, by hand", "multiloop PI", "Found on the plant.", multiloop_pi_law(1, "clamping"),
+    ...     "PI, by hand", "multiloop PI", "Found on the plant.", multiloop_pi_law(1, "conditional_integration"),
     ...     dict(proportional_gain_1=2.0, integral_time_1=40.0, setpoint_weight_1=1.0,
     ...          low_limit_1=0.0, high_limit_1=10.0),
     ...     dict(integral_1=3.0, last_output_1=3.0), ("level_1",), ("level_1",), ("pump_1",))

@@ -34,7 +34,7 @@ def lqi_law(
         v  = u° − F (y − y°) + I
         u  = min(high limit, max(low limit, v))
         I⁺ = I + Δt G (r − y_c) + min(Δt/Tt, 1) (u − v)      back-calculation
-        I⁺ = I + Δt G (r − y_c)  unless it pushes further into saturation      clamping
+        I⁺ = I + Δt G (r − y_c)  unless it pushes further into saturation      conditional integration
 
     The integrators stand behind the integral gain G, in the unit of their output, so that
     mode, anti-windup and hold act on each output by itself, as in a PI controller
@@ -49,7 +49,7 @@ def lqi_law(
         Number of manipulated variables.
     controlled : sequence of int
         For setpoint_1, setpoint_2, … the number (from 1) of its measurement.
-    anti_windup : {"back_calculation", "clamping"}
+    anti_windup : {"back_calculation", "conditional_integration"}
     measured, manipulated : sequence of Signal, optional
         The process signals: they lend their units and ranges.
 
@@ -77,7 +77,7 @@ def lqi_law(
     --------
     One sample with F = 2, G = 0.1, u° = 3, y° = 4 at a measurement of 4.5 and setpoint of 5:
 
-    >>> law = lqi_law(1, 1, [1], "clamping")
+    >>> law = lqi_law(1, 1, [1], "conditional_integration")
     >>> given = dict(setpoint_1=5, measurement_1=4.5, sensor_1=1, mode_1=1, time_step=1)
     >>> values = dict(reference_measurement_1=4, feedback_1_1=2, integral_gain_1_1=0.1,
     ...               bias_1=3, low_limit_1=0, high_limit_1=10)

@@ -64,7 +64,7 @@ class StepLawDerivatives:
     >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
     >>> values = dict(proportional_gain_1=2.0, integral_time_1=10.0, setpoint_weight_1=1.0,
     ...               low_limit_1=0.0, high_limit_1=10.0)
-    >>> derivatives = StepLawDerivatives(multiloop_pi_law(1, "clamping"))
+    >>> derivatives = StepLawDerivatives(multiloop_pi_law(1, "conditional_integration"))
     >>> model = derivatives.at(values, {}, {"time_step": 1.0})
     >>> float(model.B_setpoint[0, 0]), float(model.D_measurement[0, 0])
     (0.2, -2.0)

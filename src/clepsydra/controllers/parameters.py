@@ -41,7 +41,7 @@ def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> N
     Examples
     --------
     >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
-    >>> law = multiloop_pi_law(1, "clamping")
+    >>> law = multiloop_pi_law(1, "conditional_integration")
     >>> check_parameters(law, {parameter.name: 0.0 for parameter in law.parameters}, "PI")
     Traceback (most recent call last):
         ...

@@ -34,7 +34,7 @@ def multiloop_pi_law(
         v  = K (b r − y) + I
         u  = min(high limit, max(low limit, v))
         I⁺ = I + Δt K/Ti e + min(Δt/Tt, 1) (u − v)      back-calculation
-        I⁺ = I + Δt K/Ti e  unless it pushes further into saturation      clamping
+        I⁺ = I + Δt K/Ti e  unless it pushes further into saturation      conditional integration
 
     The integral I is in the unit of the output and holds the bias. What happens in the other
     modes and with unusable inputs is written in `blocks.output_stage.output_stage`.
@@ -43,7 +43,7 @@ def multiloop_pi_law(
     ----------
     loops : int
         Number of loops.
-    anti_windup : {"back_calculation", "clamping"}
+    anti_windup : {"back_calculation", "conditional_integration"}
     measured, manipulated : sequence of Signal, optional
         The process signals of loop 1, 2, …: they lend their units and ranges.
 
@@ -69,7 +69,7 @@ def multiloop_pi_law(
     --------
     One sample at an error of 1 with K = 2, Ti = 10 s, I = 5, inside wide limits:
 
-    >>> law = multiloop_pi_law(1, "clamping")
+    >>> law = multiloop_pi_law(1, "conditional_integration")
     >>> given = dict(setpoint_1=1, measurement_1=0, sensor_1=1, mode_1=1, time_step=1)
     >>> values = dict(proportional_gain_1=2, integral_time_1=10, setpoint_weight_1=1,
     ...               low_limit_1=0, high_limit_1=100)

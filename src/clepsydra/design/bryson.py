@@ -50,7 +50,7 @@ def design_lqi(
     maximum_moves : mapping, optional
         Input name to its largest acceptable deviation from the operating point [input unit];
         default the distance to the nearer limit.
-    anti_windup : {"back_calculation", "clamping"}
+    anti_windup : {"back_calculation", "conditional_integration"}
 
     Returns
     -------

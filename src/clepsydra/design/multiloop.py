@@ -60,7 +60,7 @@ class MultiloopPi:
     model : LinearModel
         Of a process at an operating point.
     pairing : sequence of (output, input)
-    anti_windup : {"back_calculation", "clamping"}
+    anti_windup : {"back_calculation", "conditional_integration"}
     method : str
         Of the design, for names and messages.
 
@@ -78,7 +78,7 @@ class MultiloopPi:
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> loops = MultiloopPi(analysis.model, analysis.pairing, "clamping", "by hand")
+    >>> loops = MultiloopPi(analysis.model, analysis.pairing, "conditional_integration", "by hand")
     >>> [(loop.pair, loop.resting_input) for loop in loops.loops]
     [('level_1 by pump_1', 3.0), ('level_2 by pump_2', 3.0)]
     """

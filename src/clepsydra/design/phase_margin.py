@@ -158,7 +158,7 @@ def design_phase_margin(
         Of each loop by itself [rad].
     crossover : float, optional
         Of all loops [rad/s].
-    anti_windup : {"back_calculation", "clamping"}
+    anti_windup : {"back_calculation", "conditional_integration"}
 
     Returns
     -------

@@ -62,7 +62,7 @@ def design_simc(
     model : LinearModel
         Of a process at an operating point.
     pairing : sequence of (output, input)
-    anti_windup : {"back_calculation", "clamping"}
+    anti_windup : {"back_calculation", "conditional_integration"}
     closed_loop_time_constant : float, optional
         τc of all loops [s].
 

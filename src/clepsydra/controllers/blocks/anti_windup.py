@@ -8,7 +8,7 @@ import casadi as ca
 
 from clepsydra.base.errors import InputError
 
-AntiWindup = Literal["back_calculation", "clamping"]
+AntiWindup = Literal["back_calculation", "conditional_integration"]
 
 
 def check_anti_windup(anti_windup: str) -> None:
@@ -24,7 +24,7 @@ def check_anti_windup(anti_windup: str) -> None:
     Traceback (most recent call last):
         ...
     clepsydra.base.errors.InputError: anti_windup: got 'none', expected one of back_calculation, \
-clamping; correct the name.
+conditional_integration; correct the name.
     """
     known = get_args(AntiWindup)
     if anti_windup not in known:
@@ -33,7 +33,9 @@ clamping; correct the name.
         )
 
 
-def clamping(integral: ca.SX, increment: ca.SX, unlimited: ca.SX, limited: ca.SX) -> ca.SX:
+def conditional_integration(
+    integral: ca.SX, increment: ca.SX, unlimited: ca.SX, limited: ca.SX
+) -> ca.SX:
     """Return the next integral by conditional integration.
 
     An increment that pushes further into saturation, (unlimited − limited)·increment > 0,
@@ -51,7 +53,7 @@ def clamping(integral: ca.SX, increment: ca.SX, unlimited: ca.SX, limited: ca.SX
     Examples
     --------
     >>> numbers = ca.DM(3.0), ca.DM(0.5), ca.DM(12.0), ca.DM(10.0)
-    >>> float(clamping(*numbers))
+    >>> float(conditional_integration(*numbers))
     3.0
     """
     pushes_further = (unlimited - limited) * increment > 0

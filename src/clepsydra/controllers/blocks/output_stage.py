@@ -10,7 +10,7 @@ import casadi as ca
 from clepsydra.controllers.blocks.anti_windup import (
     AntiWindup,
     back_calculation,
-    clamping,
+    conditional_integration,
     tracking_share,
 )
 from clepsydra.controllers.blocks.limits import limit
@@ -82,7 +82,7 @@ def output_stage(
         What the integral gains in this sample in automatic, in the unit of the output.
     signals_are_numbers, sensors_are_good : casadi.SX
         Whether the setpoints and measurements used are numbers, and their sensors sound.
-    anti_windup : {"back_calculation", "clamping"}
+    anti_windup : {"back_calculation", "conditional_integration"}
 
     Examples
     --------
@@ -94,7 +94,7 @@ def output_stage(
     >>> true = ca.DM(1)
     >>> stage = output_stage(symbols | {"time_step": true}, 1, proportional=ca.DM(5),
     ...                      increment=ca.DM(1), signals_are_numbers=true, sensors_are_good=true,
-    ...                      anti_windup="clamping")
+    ...                      anti_windup="conditional_integration")
     >>> float(stage.manipulated), float(stage.integral), float(ca.evalf(stage.status))
     (10.0, 7.0, 9.0)
     """
@@ -166,8 +166,8 @@ def _integrated(
 ) -> ca.SX:
     """Return the integral after a sample in automatic."""
     integral = symbols[f"integral_{number}"]
-    if anti_windup == "clamping":
-        return clamping(integral, increment, unlimited, limited)
+    if anti_windup == "conditional_integration":
+        return conditional_integration(integral, increment, unlimited, limited)
     share = tracking_share(symbols["time_step"], symbols[f"tracking_time_{number}"])
     return back_calculation(integral, increment, unlimited, limited, share)
 
