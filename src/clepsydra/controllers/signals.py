@@ -53,7 +53,7 @@ def measurement_inputs(measured: Sequence[Signal]) -> list[Signal]:
     inputs = []
     for number, signal in enumerate(measured, start=1):
         inputs += [
-            _like(signal, f"measurement_{number}", f"measured {signal.name}"),
+            like(signal, f"measurement_{number}", f"measured {signal.name}"),
             Signal(
                 f"sensor_{number}",
                 low=0.0,
@@ -75,7 +75,7 @@ def setpoint_inputs(controlled: Sequence[Signal]) -> list[Signal]:
     'setpoint_1'
     """
     return [
-        _like(signal, f"setpoint_{number}", f"setpoint of {signal.name}")
+        like(signal, f"setpoint_{number}", f"setpoint of {signal.name}")
         for number, signal in enumerate(controlled, start=1)
     ]
 
@@ -99,8 +99,8 @@ def output_inputs(manipulated: Sequence[Signal]) -> list[Signal]:
                 kind="integer",
                 description=f"mode of {signal.name}: 0 manual, 1 automatic, 2 tracking",
             ),
-            _like(signal, f"manual_{number}", f"value of {signal.name} in manual"),
-            _like(signal, f"tracking_{number}", f"value of {signal.name} in tracking"),
+            like(signal, f"manual_{number}", f"value of {signal.name} in manual"),
+            like(signal, f"tracking_{number}", f"value of {signal.name} in tracking"),
         ]
     return [
         *inputs,
@@ -114,6 +114,36 @@ def output_inputs(manipulated: Sequence[Signal]) -> list[Signal]:
     ]
 
 
+def limit_parameters(number: int, signal: Signal) -> list[Signal]:
+    """Return low_limit_i and high_limit_i, initially the range of the signal.
+
+    Examples
+    --------
+    >>> [(p.name, p.initial) for p in limit_parameters(1, Signal("pump_1", "V", low=0.0, high=10.0))]
+    [('low_limit_1', 0.0), ('high_limit_1', 10.0)]
+    """
+    low = signal.low if math.isfinite(signal.low) else 0.0
+    high = signal.high if math.isfinite(signal.high) else 100.0
+    return [
+        gain(f"low_limit_{number}", signal.unit, low, f"low limit of {signal.name}"),
+        gain(f"high_limit_{number}", signal.unit, high, f"high limit of {signal.name}"),
+    ]
+
+
+def tracking_time(number: int) -> Signal:
+    """Return tracking_time_i of back-calculation.
+
+    Examples
+    --------
+    >>> tracking_time(1).unit
+    's'
+    """
+    return duration(
+        f"tracking_time_{number}",
+        "time in which back-calculation takes the integral out of saturation",
+    )
+
+
 def output_parameters(number: int, signal: Signal, anti_windup: AntiWindup) -> list[Signal]:
     """Return low_limit_i and high_limit_i, and tracking_time_i for back-calculation.
 
@@ -122,20 +152,37 @@ def output_parameters(number: int, signal: Signal, anti_windup: AntiWindup) -> l
     >>> [p.name for p in output_parameters(1, Signal("pump_1", "V"), "back_calculation")]
     ['low_limit_1', 'high_limit_1', 'tracking_time_1']
     """
-    low = signal.low if math.isfinite(signal.low) else 0.0
-    high = signal.high if math.isfinite(signal.high) else 100.0
-    parameters = [
-        gain(f"low_limit_{number}", signal.unit, low, f"low limit of {signal.name}"),
-        gain(f"high_limit_{number}", signal.unit, high, f"high limit of {signal.name}"),
-    ]
+    parameters = limit_parameters(number, signal)
     if anti_windup == "back_calculation":
-        parameters.append(
-            duration(
-                f"tracking_time_{number}",
-                "time in which back-calculation takes the integral out of saturation",
-            )
-        )
+        parameters.append(tracking_time(number))
     return parameters
+
+
+def integral_state(number: int, signal: Signal) -> Signal:
+    """Return integral_i.
+
+    Examples
+    --------
+    >>> integral_state(1, Signal("pump_1", "V")).unit
+    'V'
+    """
+    return Signal(f"integral_{number}", signal.unit, description=f"integral part of {signal.name}")
+
+
+def last_output(number: int, signal: Signal) -> Signal:
+    """Return last_output_i.
+
+    Examples
+    --------
+    >>> last_output(1, Signal("pump_1", "V", initial=3.0)).initial
+    3.0
+    """
+    return Signal(
+        f"last_output_{number}",
+        signal.unit,
+        initial=signal.initial,
+        description=f"{signal.name} in the last sample",
+    )
 
 
 def output_state(number: int, signal: Signal) -> list[Signal]:
@@ -146,15 +193,7 @@ def output_state(number: int, signal: Signal) -> list[Signal]:
     >>> [state.name for state in output_state(1, Signal("pump_1", "V"))]
     ['integral_1', 'last_output_1']
     """
-    return [
-        Signal(f"integral_{number}", signal.unit, description=f"integral part of {signal.name}"),
-        Signal(
-            f"last_output_{number}",
-            signal.unit,
-            initial=signal.initial,
-            description=f"{signal.name} in the last sample",
-        ),
-    ]
+    return [integral_state(number, signal), last_output(number, signal)]
 
 
 def output_signals(number: int, signal: Signal) -> list[Signal]:
@@ -166,15 +205,15 @@ def output_signals(number: int, signal: Signal) -> list[Signal]:
     ['manipulated_1', 'status_1']
     """
     return [
-        _like(signal, f"manipulated_{number}", signal.description or f"value of {signal.name}"),
+        like(signal, f"manipulated_{number}", signal.description or f"value of {signal.name}"),
         Signal(
             f"status_{number}",
             low=0.0,
-            high=127.0,
+            high=255.0,
             kind="integer",
             description=(
                 "sum of 1 automatic, 2 tracking, 4 at low limit, 8 at high limit, "
-                "16 sensor fault, 32 invalid input, 64 invalid time step"
+                "16 sensor fault, 32 invalid input, 64 invalid time step, 128 at rate limit"
             ),
         ),
     ]
@@ -230,7 +269,14 @@ def duration(name: str, description: str) -> Signal:
     )
 
 
-def _like(signal: Signal, name: str, description: str) -> Signal:
+def like(signal: Signal, name: str, description: str) -> Signal:
+    """Return a signal with the units and the range of another.
+
+    Examples
+    --------
+    >>> like(Signal("level_1", "V", high=10.0), "setpoint_1", "setpoint of level_1").high
+    10.0
+    """
     return Signal(
         name,
         signal.unit,

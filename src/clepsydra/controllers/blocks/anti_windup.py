@@ -1,4 +1,4 @@
-"""Anti-windup: what an integrator does while its output is limited."""
+"""Anti-windup: what an integrator does while what it asks for is not what is applied."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from typing import Literal, get_args
 import casadi as ca
 
 from clepsydra.base.errors import InputError
+from clepsydra.controllers.blocks.limits import limit
 
-AntiWindup = Literal["back_calculation", "conditional_integration"]
+AntiWindup = Literal["back_calculation", "conditional_integration", "clamping", "none"]
 
 
 def check_anti_windup(anti_windup: str) -> None:
@@ -20,11 +21,11 @@ def check_anti_windup(anti_windup: str) -> None:
 
     Examples
     --------
-    >>> check_anti_windup("none")
+    >>> check_anti_windup("off")
     Traceback (most recent call last):
         ...
-    clepsydra.base.errors.InputError: anti_windup: got 'none', expected one of back_calculation, \
-conditional_integration; correct the name.
+    clepsydra.base.errors.InputError: anti_windup: got 'off', expected one of back_calculation, \
+conditional_integration, clamping, none; correct the name.
     """
     known = get_args(AntiWindup)
     if anti_windup not in known:
@@ -85,17 +86,40 @@ def back_calculation(
     return integral + increment + share * (limited - unlimited)
 
 
+def clamping(integral: ca.SX, increment: ca.SX, low: ca.SX, high: ca.SX) -> ca.SX:
+    """Return the next integral kept within the limits of what it moves.
+
+    Many a vendor's block does this. (Some tools call conditional integration clamping.)
+
+    Parameters
+    ----------
+    integral, increment, low, high : casadi.SX
+        In the unit of the output.
+
+    References
+    ----------
+    A. Visioli, Practical PID Control, Springer 2006, section 3.3,
+    doi 10.1007/1-84628-586-0.
+
+    Examples
+    --------
+    >>> float(clamping(ca.DM(9.8), ca.DM(0.5), ca.DM(0.0), ca.DM(10.0)))
+    10.0
+    """
+    return limit(integral + increment, low, high)
+
+
 def tracking_share(time_step: ca.SX, tracking_time: ca.SX) -> ca.SX:
     """Return min(time step / tracking time, 1): a share above one would overshoot the limit.
 
     Parameters
     ----------
     time_step, tracking_time : casadi.SX
-        [s]
+        [s]; the time step is above zero, so that nothing is divided by zero.
 
     Examples
     --------
     >>> float(tracking_share(ca.DM(1.0), ca.DM(4.0))), float(tracking_share(ca.DM(9.0), ca.DM(4.0)))
     (0.25, 1.0)
     """
-    return ca.fmin(1, time_step / tracking_time)
+    return time_step / ca.fmax(tracking_time, time_step)

@@ -1,4 +1,4 @@
-"""The output stage that every law ends in: mode, limits, anti-windup, hold and status."""
+"""The output stage of a law with one integral for each output: anti-windup, mode, limits, hold."""
 
 from __future__ import annotations
 
@@ -7,16 +7,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from clepsydra.controllers.blocks.anti_windup import (
-    AntiWindup,
-    back_calculation,
-    conditional_integration,
-    tracking_share,
-)
-from clepsydra.controllers.blocks.limits import limit
-from clepsydra.controllers.blocks.mode import Mode, followed_integral
-from clepsydra.controllers.blocks.status import status_word
-from clepsydra.controllers.blocks.validity import is_number, is_time_step
+from clepsydra.controllers.blocks.anti_windup import AntiWindup
+from clepsydra.controllers.blocks.final_element import final_element
+from clepsydra.controllers.blocks.handover import Asked, Limits
+from clepsydra.controllers.blocks.integral import IntegralAction
 from clepsydra.program.step_law import Equations, Symbols
 
 
@@ -64,10 +58,8 @@ def output_stage(
     """Write the output stage of output `number`.
 
     In automatic the output is proportional + integral, and the integral takes its increment
-    under the anti-windup rule. In manual and tracking the output follows its value and the
-    integral follows the output, so that automatic continues from there. Where an input that
-    the mode uses is unusable, the output is held and the integral frozen: a failed sensor
-    holds automatic, but an operator can still move the output by hand.
+    under the anti-windup rule (`blocks.integral`). The other modes, limits and faults are those
+    of every output (`blocks.final_element`).
 
     Parameters
     ----------
@@ -82,7 +74,7 @@ def output_stage(
         What the integral gains in this sample in automatic, in the unit of the output.
     signals_are_numbers, sensors_are_good : casadi.SX
         Whether the setpoints and measurements used are numbers, and their sensors sound.
-    anti_windup : {"back_calculation", "conditional_integration"}
+    anti_windup : AntiWindup
 
     Examples
     --------
@@ -98,78 +90,27 @@ def output_stage(
     >>> float(stage.manipulated), float(stage.integral), float(ca.evalf(stage.status))
     (10.0, 7.0, 9.0)
     """
-    integral, last_output = symbols[f"integral_{number}"], symbols[f"last_output_{number}"]
-    mode, manual = symbols[f"mode_{number}"], symbols[f"manual_{number}"]
-    tracking, time_step = symbols[f"tracking_{number}"], symbols["time_step"]
-    low, high = symbols[f"low_limit_{number}"], symbols[f"high_limit_{number}"]
-
-    in_manual, in_automatic = mode == Mode.MANUAL, mode == Mode.AUTOMATIC
-    in_tracking = mode == Mode.TRACKING
-    unlimited = proportional + integral
-    signals_known = ca.logic_and(signals_are_numbers, sensors_are_good)
-    time_step_good = is_time_step(time_step)
-
-    # The last test meets parameters that were changed to something unusable at run time.
-    law_usable = ca.logic_and(ca.logic_and(signals_known, time_step_good), is_number(unlimited))
-    controls = ca.logic_and(in_automatic, law_usable)
-    by_hand = ca.logic_and(in_manual, is_number(manual))
-    tracks = ca.logic_and(in_tracking, is_number(tracking))
-    follows = ca.logic_or(by_hand, tracks)
-
-    asked = ca.if_else(tracks, tracking, last_output)
-    asked = ca.if_else(by_hand, manual, asked)
-    asked = ca.if_else(controls, unlimited, asked)
-    manipulated = limit(asked, low, high)
-
-    integrated = _integrated(symbols, number, increment, unlimited, manipulated, anti_windup)
-    followed = followed_integral(integral, manipulated, last_output, proportional, signals_known)
-    next_integral = ca.if_else(controls, integrated, ca.if_else(follows, followed, integral))
-    # An increment beyond the range of numbers is not taken.
-    kept_integral = ca.if_else(is_number(next_integral), next_integral, integral)
-
-    input_unusable = ca.logic_or(
-        ca.logic_not(signals_are_numbers),
-        ca.logic_not(ca.logic_or(in_automatic, follows)),
-    )
-    conditions = {
-        "automatic": in_automatic,
-        "tracking": in_tracking,
-        "at_low_limit": manipulated <= low,
-        "at_high_limit": manipulated >= high,
-        "sensor_fault": ca.logic_not(sensors_are_good),
-        "invalid_input": input_unusable,
-        "invalid_time_step": ca.logic_not(time_step_good),
-    }
-    intermediates = {
-        f"in_automatic_{number}": in_automatic,
-        f"in_tracking_{number}": in_tracking,
-        f"signals_known_{number}": signals_known,
-        f"unlimited_{number}": unlimited,
-        f"controls_{number}": controls,
-        f"by_hand_{number}": by_hand,
-        f"follows_{number}": follows,
-        f"asked_{number}": asked,
-        f"followed_{number}": followed,
-        f"next_integral_{number}": next_integral,
-        "time_step_good": time_step_good,
-    }
-    return OutputStage(number, manipulated, kept_integral, status_word(conditions), intermediates)
-
-
-def _integrated(
-    symbols: Symbols,
-    number: int,
-    increment: ca.SX,
-    unlimited: ca.SX,
-    limited: ca.SX,
-    anti_windup: AntiWindup,
-) -> ca.SX:
-    """Return the integral after a sample in automatic."""
     integral = symbols[f"integral_{number}"]
-    if anti_windup == "conditional_integration":
-        return conditional_integration(integral, increment, unlimited, limited)
-    share = tracking_share(symbols["time_step"], symbols[f"tracking_time_{number}"])
-    return back_calculation(integral, increment, unlimited, limited, share)
+    unlimited = proportional + integral
+    known = ca.logic_and(signals_are_numbers, sensors_are_good)
+    element = final_element(
+        symbols, number, Asked(unlimited, known, signals_are_numbers, sensors_are_good)
+    )
+    action = IntegralAction(
+        integral=integral,
+        proportional=proportional,
+        increment=increment,
+        known=known,
+        last_applied=symbols[f"last_output_{number}"],
+        anti_windup=anti_windup,
+        time_step=symbols["time_step"],
+        tracking_time=symbols.get(f"tracking_time_{number}"),
+        limits=Limits(symbols[f"low_limit_{number}"], symbols[f"high_limit_{number}"]),
+    )
+    named = {f"signals_known_{number}": known, f"unlimited_{number}": unlimited} | element.named
+    return OutputStage(
+        number, element.manipulated, action.following(element.applied), element.status, named
+    )
 
 
 def stage_equations(stages: Sequence[OutputStage], intermediates: Mapping[str, ca.SX]) -> Equations:

@@ -34,6 +34,7 @@ STATUS_BITS: dict[str, StatusBit] = {
         32, "an input in use is not a number, or the mode is none of manual, automatic, tracking"
     ),
     "invalid_time_step": StatusBit(64, "the time step is not a number above zero"),
+    "at_rate_limit": StatusBit(128, "the output moves as fast as its rate limit allows"),
 }
 
 

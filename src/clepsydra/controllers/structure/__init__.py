@@ -1,0 +1,1 @@
+"""Blocks of a loop structure, joined to one step law."""

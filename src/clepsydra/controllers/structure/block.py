@@ -1,0 +1,104 @@
+"""What the blocks of a loop structure tell each other, forward and backward."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import casadi as ca
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
+from clepsydra.program.step_law import Symbols
+
+
+@dataclass(frozen=True)
+class Closed:
+    """A block after its sample: its next state, its results, and what it tells back.
+
+    Parameters
+    ----------
+    next_state, outputs : mapping
+        Names of the law's signals to expressions.
+    applied : tuple of Applied
+        One for each source of the block.
+    named : mapping
+        Names for values on the way.
+
+    Examples
+    --------
+    >>> Closed({"integral_1": ca.SX(3)}).applied
+    ()
+    """
+
+    next_state: Mapping[str, ca.SX]
+    outputs: Mapping[str, ca.SX] = field(default_factory=dict)
+    applied: tuple[Applied, ...] = ()
+    named: Mapping[str, ca.SX] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A block on the way forward: what it asks for, and how its sample ends.
+
+    Parameters
+    ----------
+    asked : tuple of Asked
+        One for each of its ports.
+    close : callable
+        Takes what was applied at each port and returns the `Closed` block.
+
+    Examples
+    --------
+    >>> Opened((), lambda applied: Closed({})).close([]).outputs
+    {}
+    """
+
+    asked: tuple[Asked, ...]
+    close: Callable[[Sequence[Applied]], Closed]
+
+
+class Block(Protocol):
+    """A part of a control scheme: a loop, a selector, an output.
+
+    A sample runs forward from setpoints to outputs, each block asking something of the next
+    one, and then backward, each telling what was applied, so that every integral knows it:
+    limits, selectors and hands far behind it included.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.structure.selector_block import SelectorBlock
+    >>> SelectorBlock("lowest", ("level", "pressure"), "low").ports
+    ('lowest',)
+    """
+
+    @property
+    def name(self) -> str:
+        """What others call it."""
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """The ports whose values it takes."""
+
+    @property
+    def ports(self) -> tuple[str, ...]:
+        """The names under which others take what it asks for; each is taken once."""
+
+    def parameters(self) -> list[Signal]:
+        """Its parameters."""
+
+    def state(self) -> list[Signal]:
+        """Its state."""
+
+    def inputs(self) -> list[Signal]:
+        """Inputs that it has beside measurements, setpoints and what belongs to outputs."""
+
+    def outputs(self) -> list[Signal]:
+        """What it gives to the plant."""
+
+    def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
+        """Between which values it takes each source, from the limits after each port."""
+
+    def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
+        """Run forward from what the sources ask for; `limits` are those after each port."""
