@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from clepsydra.controllers.parameters import check_initial_state, check_parameters
+from clepsydra.controllers.parameters import (
+    check_initial_state,
+    check_parameters,
+    remembered_parameters,
+)
 from clepsydra.controllers.wiring import check_wiring, input_wires, output_wires
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Program
@@ -32,7 +36,8 @@ class Controller:
     values : dict
         Parameter name to its value, in the law's units.
     initial_state : dict
-        State name to its value at the operating point, so that the loop starts at rest.
+        State name to its value at the operating point, so that the loop starts at rest. A state
+        that remembers a parameter, last_K of K, starts at the parameter's value if left out.
     measurements : tuple of str
         Process measurement wired to measurement_1, measurement_2, …
     setpoints : tuple of str
@@ -41,6 +46,9 @@ class Controller:
         Process input wired to manipulated_1, manipulated_2, …
     notes : tuple of str
         What the designer must tell the reader.
+    free_inputs : dict
+        Input of the law that no signal of the process drives, to its value at rest: a choice of
+        setpoints, say. In a loop it is the input "controller." + its name.
 
     Raises
     ------
@@ -52,11 +60,12 @@ class Controller:
     --------
     Gains found by hand for one tank:
 
-    >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
+    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> law = multiloop_pid_law(1)
     >>> by_hand = Controller(
-    ...     "PI, by hand", "multiloop PI", "Found on the plant.", multiloop_pi_law(1, "conditional_integration"),
+    ...     "PI, by hand", "multiloop PI", "Found on the plant.", law,
     ...     dict(proportional_gain_1=2.0, integral_time_1=40.0, setpoint_weight_1=1.0,
-    ...          low_limit_1=0.0, high_limit_1=10.0),
+    ...          tracking_time_1=40.0, low_limit_1=0.0, high_limit_1=10.0),
     ...     dict(integral_1=3.0, last_output_1=3.0), ("level_1",), ("level_1",), ("pump_1",))
     >>> by_hand.output_wires
     {'manipulated_1': 'pump_1', 'status_1': 'pump_1.status'}
@@ -72,16 +81,27 @@ class Controller:
     setpoints: tuple[str, ...]
     manipulated: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    free_inputs: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_parameters(self.law, self.values, self.name)
+        complete = remembered_parameters(self.law, self.values) | self.initial_state
+        object.__setattr__(self, "initial_state", complete)
         check_initial_state(self.law, self.initial_state, self.name)
-        check_wiring(self.law, self.measurements, self.setpoints, self.manipulated, self.name)
+        check_wiring(
+            self.law,
+            self.measurements,
+            self.setpoints,
+            self.manipulated,
+            self.name,
+            free=self.free_inputs,
+        )
 
     @property
     def input_wires(self) -> dict[str, str]:
         """Law input to the loop's signal, "mode_1" → "pump_1.mode"; time_step is not wired."""
-        return input_wires(self.measurements, self.setpoints, self.manipulated)
+        wired = input_wires(self.measurements, self.setpoints, self.manipulated)
+        return wired | {name: f"controller.{name}" for name in self.free_inputs}
 
     @property
     def output_wires(self) -> dict[str, str]:

@@ -12,6 +12,7 @@ from clepsydra.base.errors import ClepsydraError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
+from clepsydra.controllers.parameters import remembered_parameters
 from clepsydra.program.step_law import StepLaw
 
 
@@ -61,10 +62,10 @@ class StepLawDerivatives:
     --------
     A PI controller with K = 2 V/V and Ti = 10 s at a time step of 1 s:
 
-    >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
+    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
     >>> values = dict(proportional_gain_1=2.0, integral_time_1=10.0, setpoint_weight_1=1.0,
-    ...               low_limit_1=0.0, high_limit_1=10.0)
-    >>> derivatives = StepLawDerivatives(multiloop_pi_law(1, "conditional_integration"))
+    ...               tracking_time_1=10.0, low_limit_1=0.0, high_limit_1=10.0)
+    >>> derivatives = StepLawDerivatives(multiloop_pid_law(1))
     >>> model = derivatives.at(values, {}, {"time_step": 1.0})
     >>> float(model.B_setpoint[0, 0]), float(model.D_measurement[0, 0])
     (0.2, -2.0)
@@ -121,10 +122,12 @@ class StepLawDerivatives:
             if s.name.startswith(("low_limit_", "high_limit_"))
         }
         with_limits = {**values, **limits}
+        # Gains that are as they were: no change of them is differentiated.
+        at = {**state, **remembered_parameters(law, values)}
         step_x, step_u, output_x, output_u = (
             np.array(matrix)
             for matrix in self._function(
-                [state.get(entry.name, 0.0) for entry in law.state],
+                [at.get(entry.name, 0.0) for entry in law.state],
                 [given.get(signal.name, 0.0) for signal in law.inputs],
                 [with_limits[parameter.name] for parameter in law.parameters],
             )

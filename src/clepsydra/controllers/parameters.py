@@ -40,8 +40,8 @@ def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> N
 
     Examples
     --------
-    >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
-    >>> law = multiloop_pi_law(1, "conditional_integration")
+    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> law = multiloop_pid_law(1)
     >>> check_parameters(law, {parameter.name: 0.0 for parameter in law.parameters}, "PI")
     Traceback (most recent call last):
         ...
@@ -70,6 +70,24 @@ def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> N
             )
 
 
+def remembered_parameters(law: StepLaw, values: Mapping[str, float]) -> dict[str, float]:
+    """Return the states that remember a parameter, last_K of K, with the parameter's value.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> law = multiloop_pid_law(1)
+    >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
+    >>> remembered_parameters(law, values | {"proportional_gain_1": 2.0})
+    {'last_proportional_gain_1': 2.0, 'last_setpoint_weight_1': 1.0}
+    """
+    return {
+        state.name: float(values[parameter])
+        for state in law.state
+        if state.name.startswith("last_") and (parameter := state.name[len("last_") :]) in values
+    }
+
+
 def check_initial_state(law: StepLaw, values: Mapping[str, float], place: str) -> None:
     """Refuse an initial state that is incomplete or not finite.
 
@@ -80,8 +98,8 @@ def check_initial_state(law: StepLaw, values: Mapping[str, float], place: str) -
 
     Examples
     --------
-    >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
-    >>> check_initial_state(multiloop_pi_law(1), {"integral_1": 3.0}, "PI")
+    >>> from clepsydra.controllers.linear_quadratic_integral import lqi_law
+    >>> check_initial_state(lqi_law(1, 1, [1]), {"integral_1": 3.0}, "PI")
     Traceback (most recent call last):
         ...
     clepsydra.base.errors.InputError: PI: got ['integral_1'], expected values for integral_1, \

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
@@ -119,7 +120,8 @@ def limit_parameters(number: int, signal: Signal) -> list[Signal]:
 
     Examples
     --------
-    >>> [(p.name, p.initial) for p in limit_parameters(1, Signal("pump_1", "V", low=0.0, high=10.0))]
+    >>> pump = Signal("pump_1", "V", low=0.0, high=10.0)
+    >>> [(parameter.name, parameter.initial) for parameter in limit_parameters(1, pump)]
     [('low_limit_1', 0.0), ('high_limit_1', 10.0)]
     """
     low = signal.low if math.isfinite(signal.low) else 0.0
@@ -266,6 +268,35 @@ def duration(name: str, description: str) -> Signal:
         high=LARGEST_PARAMETER,
         initial=60.0,
         description=description,
+    )
+
+
+def like_parameter(parameter: Signal, name: str) -> Signal:
+    """Return a state or parameter with the unit and the range of another parameter.
+
+    Examples
+    --------
+    >>> like_parameter(gain("proportional_gain_1", "V/m", 1.0, ""), "last_gain_1").unit
+    'V/m'
+    """
+    return replace(parameter, name=name)
+
+
+def setpoint_source(name: str, measurement: Signal, *, remote: bool = False) -> Signal:
+    """Return the choice of a setpoint: 0 local, 1 remote.
+
+    Examples
+    --------
+    >>> setpoint_source("setpoint_source_1", Signal("level"), remote=True).initial
+    1.0
+    """
+    return Signal(
+        name,
+        low=0.0,
+        high=1.0,
+        initial=float(remote),
+        kind="integer",
+        description=f"source of the setpoint of {measurement.name}: 0 local, 1 remote",
     )
 
 

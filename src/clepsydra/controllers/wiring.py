@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from clepsydra.base.errors import InputError
 from clepsydra.program.step_law import StepLaw
@@ -49,6 +49,7 @@ def check_wiring(
     setpoints: Sequence[str],
     manipulated: Sequence[str],
     place: str,
+    free: Collection[str] = (),
 ) -> None:
     """Refuse names that are not one for each signal of a law.
 
@@ -59,6 +60,8 @@ def check_wiring(
         Names of process signals.
     place : str
         The controller's name, for the message.
+    free : collection of str
+        Inputs that nothing of the process drives.
 
     Raises
     ------
@@ -68,8 +71,8 @@ def check_wiring(
 
     Examples
     --------
-    >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
-    >>> check_wiring(multiloop_pi_law(2), ["level_1"], ["level_1"], ["pump_1"], "PI")
+    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> check_wiring(multiloop_pid_law(2), ["level_1"], ["level_1"], ["pump_1"], "PI")
     Traceback (most recent call last):
         ...
     clepsydra.base.errors.InputError: PI, measurements: got ['level_1'], expected 2 names, one \
@@ -96,8 +99,14 @@ for each measurement of the law; name them.
             f"{place}, manipulated", list(manipulated), "each name once", "move each input once"
         )
     wired = input_wires(measurements, setpoints, manipulated) | output_wires(manipulated)
+    for name in free:
+        if name not in inputs or name in wired:
+            raise InputError(
+                f"{place}, free inputs", name, "an input of the law that nothing drives",
+                "correct the name",
+            )  # fmt: skip
     for name in (*inputs, *outputs):
-        if name not in wired and name != "time_step":
+        if name not in wired and name not in free and name != "time_step":
             raise InputError(
                 f"{place}, law {law.name}",
                 name,

@@ -87,9 +87,11 @@ def back_calculation(
 
 
 def clamping(integral: ca.SX, increment: ca.SX, low: ca.SX, high: ca.SX) -> ca.SX:
-    """Return the next integral kept within the limits of what it moves.
+    """Return the next integral, which does not leave the limits of what it moves.
 
-    Many a vendor's block does this. (Some tools call conditional integration clamping.)
+    Many a vendor's block does this. (Some tools call conditional integration clamping.) An
+    integral that a change of mode or gain put beyond a limit only comes back from there, so
+    that the change stays without a bump.
 
     Parameters
     ----------
@@ -106,7 +108,7 @@ def clamping(integral: ca.SX, increment: ca.SX, low: ca.SX, high: ca.SX) -> ca.S
     >>> float(clamping(ca.DM(9.8), ca.DM(0.5), ca.DM(0.0), ca.DM(10.0)))
     10.0
     """
-    return limit(integral + increment, low, high)
+    return limit(integral + increment, ca.fmin(low, integral), ca.fmax(high, integral))
 
 
 def tracking_share(time_step: ca.SX, tracking_time: ca.SX) -> ca.SX:

@@ -69,7 +69,8 @@ def final_element(
     >>> given = dict(last_output=0, mode=1, manual=0, tracking=0, low_limit=0, high_limit=10)
     >>> symbols = {f"{name}_1": ca.DM(value) for name, value in given.items()}
     >>> true = ca.DM(1)
-    >>> element = final_element(symbols | {"time_step": true}, 1, Asked(ca.DM(12), true, true, true))
+    >>> asked = Asked(ca.DM(12), true, true, true)
+    >>> element = final_element(symbols | {"time_step": true}, 1, asked)
     >>> float(element.manipulated), float(ca.evalf(element.status))
     (10.0, 9.0)
     """

@@ -58,7 +58,7 @@ class IntegralAction:
     last_applied: ca.SX
     anti_windup: AntiWindup
     time_step: ca.SX
-    tracking_time: ca.SX
+    tracking_time: ca.SX | None
     limits: Limits
 
     def following(self, applied: Applied) -> ca.SX:
@@ -82,7 +82,7 @@ class IntegralAction:
             return conditional_integration(self.integral, self.increment, unlimited, applied)
         if self.anti_windup == "clamping":
             return clamping(self.integral, self.increment, self.limits.low, self.limits.high)
-        if self.anti_windup == "none":
+        if self.anti_windup == "none" or self.tracking_time is None:
             return self.integral + self.increment
         step = ca.if_else(is_time_step(self.time_step), self.time_step, 1)
         share = tracking_share(step, self.tracking_time)

@@ -1,18 +1,21 @@
-"""The PI law against a plain-Python PI, and what it promises in every mode."""
+"""PI control against a plain-Python PI, and what it promises in every mode."""
 
 import math
 import random
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.proportional_integral import multiloop_pi_law
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.parameters import remembered_parameters
+from clepsydra.controllers.pid_form import PidForm
 
 MANUAL, AUTOMATIC, TRACKING = 0, 1, 2
-ANTI_WINDUPS = ["back_calculation", "conditional_integration"]
+ANTI_WINDUPS = ["back_calculation", "conditional_integration", "clamping", "none"]
 
 
 def parameters(anti_windup, **changed):
@@ -42,9 +45,10 @@ def inputs(**changed):
 
 
 def one_loop(driven, anti_windup, integral=4.0, **changed):
-    law = multiloop_pi_law(1, anti_windup)
+    law = multiloop_pid_law(1, PidForm(anti_windup=anti_windup))
+    values = parameters(anti_windup, **changed)
     state = {"integral_1": integral, "last_output_1": integral}
-    return driven(law, parameters(anti_windup, **changed), state)
+    return driven(law, values, state | remembered_parameters(law, values))
 
 
 class PlainPi:
@@ -80,6 +84,11 @@ class PlainPi:
             if self.anti_windup == "back_calculation":
                 share = min(time_step / p["tracking_time"], 1.0)
                 integral = self.integral + increment + share * (output - unlimited)
+            elif self.anti_windup == "none":
+                integral = self.integral + increment
+            elif self.anti_windup == "clamping":
+                low, high = min(p["low"], self.integral), max(p["high"], self.integral)
+                integral = min(max(self.integral + increment, low), high)
             elif not (
                 (unlimited > p["high"] and increment > 0)
                 or (unlimited < p["low"] and increment < 0)
@@ -119,7 +128,10 @@ def test_agrees_with_a_plain_pi_through_modes_saturation_and_faults(driven, anti
             f"tracking_time_{i}": loop["tracking_time"],
         }
     state = {"integral_1": 3.0, "last_output_1": 3.0, "integral_2": 1.0, "last_output_2": 1.0}
-    law = driven(multiloop_pi_law(2, anti_windup), values, state)
+    law = multiloop_pid_law(2, PidForm(anti_windup=anti_windup))
+    if anti_windup != "back_calculation":
+        values = {k: v for k, v in values.items() if not k.startswith("tracking_time")}
+    law = driven(law, values, state | remembered_parameters(law, values))
     plain = [
         PlainPi(anti_windup, loop, 3.0 - 2.0 * i, 3.0 - 2.0 * i) for i, loop in enumerate(loops)
     ]
@@ -230,7 +242,7 @@ def test_conditional_integration_freezes_in_saturation_and_leaves_it_when_the_er
     assert found["manipulated_1"] == pytest.approx(9.0 - 2.0 * 0.5, abs=1e-14)
 
 
-@pytest.mark.parametrize("anti_windup", ANTI_WINDUPS)
+@pytest.mark.parametrize("anti_windup", ANTI_WINDUPS[:3])
 def test_recovery_is_sooner_than_without_anti_windup(driven, anti_windup):
     law, samples = one_loop(driven, anti_windup, integral=9.0), 100
     for _ in range(samples):
@@ -267,7 +279,7 @@ anything = st.floats()
 def test_output_within_limits_and_no_not_a_number_whatever_comes_in(
     anti_windup, gain, integral_time, tracking_time, weight, low, width, integral, scans
 ):
-    law = multiloop_pi_law(1, anti_windup)
+    law = multiloop_pid_law(1, PidForm(anti_windup=anti_windup))
     values = {
         "proportional_gain_1": gain,
         "integral_time_1": integral_time,
@@ -276,7 +288,7 @@ def test_output_within_limits_and_no_not_a_number_whatever_comes_in(
         "high_limit_1": low + width,
         "tracking_time_1": tracking_time,
     }
-    state = [integral, low]
+    state = {"integral_1": integral, "last_output_1": low} | remembered_parameters(law, values)
     for setpoint, measurement, sensor, mode, manual, tracking, time_step in scans:
         given_inputs = {
             "setpoint_1": setpoint,
@@ -288,18 +300,19 @@ def test_output_within_limits_and_no_not_a_number_whatever_comes_in(
             "time_step": time_step,
         }
         next_state, outputs, _ = law.function(
-            state,
+            [state[signal.name] for signal in law.state],
             [given_inputs[signal.name] for signal in law.inputs],
             [values[signal.name] for signal in law.parameters],
         )
-        state = [float(next_state[0]), float(next_state[1])]
+        numbers = [float(value) for value in np.array(next_state).ravel()]
+        state = dict(zip([signal.name for signal in law.state], numbers, strict=True))
         assert low <= float(outputs[0]) <= low + width
-        assert all(math.isfinite(value) and abs(value) <= 1e300 for value in state)
+        assert all(math.isfinite(value) and abs(value) <= 1e300 for value in numbers)
         assert float(outputs[1]) in range(128)
 
 
 def test_parameters_changed_to_nonsense_at_run_time_hold_the_output(driven):
-    for nonsense in ({"proportional_gain_1": math.nan}, {"integral_time_1": 0.0}):
+    for nonsense in ({"proportional_gain_1": math.nan}, {"setpoint_weight_1": math.inf}):
         law = one_loop(driven, "back_calculation", integral=4.0)
         assert law.scan(**inputs(measurement_1=4.5))["manipulated_1"] == 5.0
         integral = law.state["integral_1"]
@@ -314,7 +327,7 @@ def test_parameters_changed_to_nonsense_at_run_time_hold_the_output(driven):
 def test_signals_take_unit_and_range_from_the_process():
     level = Signal("level_1", "V", low=0.0, high=8.0)
     pump = Signal("pump_1", "A", low=1.0, high=9.0, initial=3.0)
-    law = multiloop_pi_law(1, measured=[level], manipulated=[pump])
+    law = multiloop_pid_law(1, measured=[level], manipulated=[pump])
     by_name = {signal.name: signal for signal in (*law.inputs, *law.outputs, *law.parameters)}
     assert by_name["setpoint_1"].high == 8.0
     assert by_name["manipulated_1"].low == 1.0
@@ -326,6 +339,6 @@ def test_signals_take_unit_and_range_from_the_process():
 
 def test_a_law_without_loops_is_refused():
     with pytest.raises(InputError, match="at least 1"):
-        multiloop_pi_law(0)
+        multiloop_pid_law(0)
     with pytest.raises(InputError, match="2 signals"):
-        multiloop_pi_law(2, measured=[Signal("level_1")])
+        multiloop_pid_law(2, measured=[Signal("level_1")])

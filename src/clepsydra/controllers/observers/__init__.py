@@ -1,0 +1,1 @@
+"""State observers: what a law knows of the process that no sensor shows."""

@@ -1,0 +1,113 @@
+"""Which PID controller is meant: its actions, its algorithm and its options."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.blocks.anti_windup import AntiWindup, check_anti_windup
+
+Actions = Literal["P", "PI", "PD", "PID"]
+Algorithm = Literal["isa", "series", "parallel", "velocity"]
+DerivativeOn = Literal["measurement", "error"]
+ErrorShape = Literal["linear", "gap", "squared"]
+
+
+@dataclass(frozen=True)
+class PidForm:
+    """The form of a PID controller.
+
+    With error e = r − y, gain K, integral time Ti, derivative time Td, setpoint weight b, and
+    D(x) the filtered derivative of x with the filter time Td/N:
+
+    - isa (standard, non-interacting): u = K (b r − y) + K/Ti ∫ e dt − K Td D(y) + bias
+    - series (interacting): u = K (b r − y') + K/Ti ∫ (r − y') dt with y' = y + Td D(y)
+    - parallel: u = Kp (b r − y) + Ki ∫ e dt − Kd D(y), each action with its own gain
+    - velocity: the isa form as increments of what was applied in the last sample; it has no
+      integral that could wind up
+
+    Parameters
+    ----------
+    actions : {"PI", "P", "PD", "PID"}
+        Without I the integral is a bias, which only a change of mode or of gain moves.
+    algorithm : {"isa", "series", "parallel", "velocity"}
+    derivative_on : {"measurement", "error"}
+        What is differentiated; the error kicks at a setpoint step.
+    error : {"linear", "gap", "squared"}
+        How the error acts: gap action multiplies it by a gap gain within the gap; squared
+        action makes the gain proportional to |e|. With either, r − y as a whole is shaped, and
+        there is no setpoint weight.
+    anti_windup : {"back_calculation", "conditional_integration", "clamping", "none"}
+        Of the forms with an integral.
+    setpoint_ramp : bool
+        Whether the setpoint moves no faster than a setpoint_ramp; it starts at the measurement
+        when the loop goes to automatic.
+    remote_setpoint : bool
+        Whether a second setpoint may be chosen, from a host computer or another controller.
+
+    Raises
+    ------
+    InputError
+        A name is unknown, or the options contradict each other.
+
+    References
+    ----------
+    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, chapters 3 and 13.
+
+    Examples
+    --------
+    >>> PidForm("PID").has_integral, PidForm("PD").has_integral, PidForm("PI").has_derivative
+    (True, False, False)
+    """
+
+    actions: Actions = "PI"
+    algorithm: Algorithm = "isa"
+    derivative_on: DerivativeOn = "measurement"
+    error: ErrorShape = "linear"
+    anti_windup: AntiWindup = "back_calculation"
+    setpoint_ramp: bool = False
+    remote_setpoint: bool = False
+
+    def __post_init__(self) -> None:
+        for what, value, known in (
+            ("actions", self.actions, get_args(Actions)),
+            ("algorithm", self.algorithm, get_args(Algorithm)),
+            ("derivative_on", self.derivative_on, get_args(DerivativeOn)),
+            ("error", self.error, get_args(ErrorShape)),
+        ):
+            if value not in known:
+                expected = f"one of {', '.join(known)}"
+                raise InputError(f"PID form, {what}", value, expected, "correct the name")
+        check_anti_windup(self.anti_windup)
+        if self.algorithm == "velocity" and not self.has_integral:
+            raise InputError(
+                "PID form, velocity", self.actions, "PI or PID: without integral action nothing "
+                "brings the increments of a velocity form back to the setpoint",
+                "choose another algorithm, or add integral action",
+            )  # fmt: skip
+        if self.error != "linear" and self.algorithm in ("series", "velocity"):
+            raise InputError(
+                f"PID form, {self.algorithm}", self.error, "linear error",
+                "choose the isa or parallel algorithm for gap or squared action",
+            )  # fmt: skip
+
+    @property
+    def has_integral(self) -> bool:
+        """Whether there is integral action."""
+        return "I" in self.actions
+
+    @property
+    def has_derivative(self) -> bool:
+        """Whether there is derivative action."""
+        return "D" in self.actions
+
+    @property
+    def winding(self) -> AntiWindup:
+        """The anti-windup of the integral; without integral action nothing winds up."""
+        return self.anti_windup if self.has_integral else "none"
+
+    @property
+    def tracks_back(self) -> bool:
+        """Whether there is a tracking time."""
+        return self.algorithm != "velocity" and self.winding == "back_calculation"

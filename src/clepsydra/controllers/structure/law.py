@@ -1,0 +1,173 @@
+"""A control scheme of blocks as one step law."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
+from clepsydra.controllers.structure.block import Block, Closed, Opened
+from clepsydra.controllers.structure.output_block import OutputBlock
+from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.controllers.structure.selector_block import SelectorBlock
+from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+
+
+def structure_law(
+    name: str,
+    blocks: Sequence[Block],
+    *,
+    controlled: Sequence[Signal],
+    measured: Sequence[Signal],
+) -> StepLaw:
+    """Join blocks to the step law of a control scheme.
+
+    Parameters
+    ----------
+    name : str
+        An identifier.
+    blocks : sequence of Block
+        In any order. Every port is taken by one other block, and the ways of the signals form
+        no circle: they end in the outputs.
+    controlled : sequence of Signal
+        The measurements whose setpoint the operator gives: setpoint_1, setpoint_2, …
+    measured : sequence of Signal
+        The measurements of the scheme: measurement_1, measurement_2, …
+
+    Raises
+    ------
+    InputError
+        A source is no port, a port is taken twice or not at all, or the signals run in a
+        circle.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.pid_form import PidForm
+    >>> from clepsydra.controllers.structure.pid_block import PidBlock
+    >>> level, pump = Signal("level", "m"), Signal("pump", "V")
+    >>> loop = PidBlock("loop", 1, PidForm(), level, 1, pump, 1, 1)
+    >>> law = structure_law("one_loop", [loop, OutputBlock(1, pump, "loop")],
+    ...                     controlled=[level], measured=[level])
+    >>> [signal.name for signal in law.outputs]
+    ['manipulated_1', 'status_1']
+    """
+    ordered = _in_order(name, blocks)
+    outputs = sorted((b for b in blocks if isinstance(b, OutputBlock)), key=lambda b: b.number)
+
+    def equations(symbols: Symbols) -> Equations:
+        return _joined(symbols, ordered)
+
+    return step_law(
+        name,
+        inputs=[
+            *signals.setpoint_inputs(controlled),
+            *signals.measurement_inputs(measured),
+            *(signal for block in blocks for signal in block.inputs()),
+            *signals.output_inputs([block.signal for block in outputs]),
+        ],
+        parameters=[signal for block in blocks for signal in block.parameters()],
+        state=[signal for block in blocks for signal in block.state()],
+        outputs=[signal for block in blocks for signal in block.outputs()],
+        equations=equations,
+    )
+
+
+def _in_order(name: str, blocks: Sequence[Block]) -> list[Block]:
+    """Return the blocks from setpoints to outputs."""
+    _check_ports(name, blocks)
+    _check_selectors(name, blocks)
+    ordered: list[Block] = []
+    known: set[str] = set()
+    waiting = list(blocks)
+    while waiting:
+        ready = [block for block in waiting if known.issuperset(block.sources)]
+        if not ready:
+            raise InputError(
+                f"control scheme {name}",
+                ", ".join(block.name for block in waiting),
+                "a way from setpoints to outputs without a circle",
+                "let one of them take its value from elsewhere",
+            )
+        ordered += ready
+        known |= {port for block in ready for port in block.ports}
+        waiting = [block for block in waiting if block not in ready]
+    return ordered
+
+
+def _check_ports(name: str, blocks: Sequence[Block]) -> None:
+    place = f"control scheme {name}"
+    ports = [port for block in blocks for port in block.ports]
+    taken = [source for block in blocks for source in block.sources]
+    for port in ports:
+        if ports.count(port) > 1:
+            raise InputError(place, port, "a name of its own for each block", "rename one")
+        if taken.count(port) > 1:
+            takers = ", ".join(block.name for block in blocks if port in block.sources)
+            raise InputError(
+                f"{place}, {port}", f"taken by {takers}", "one block that takes it",
+                "give each a loop of its own, or split the range",
+            )  # fmt: skip
+        if port not in taken:
+            raise InputError(
+                f"{place}, {port}", "taken by nothing", "an output or a block that takes it",
+                "connect it, or leave it out",
+            )  # fmt: skip
+    for block in blocks:
+        for source in block.sources:
+            if source not in ports:
+                known = ", ".join(ports)
+                raise InputError(
+                    f"{place}, {block.name}", source, f"one of {known}", "correct the name"
+                )
+
+
+def _check_selectors(name: str, blocks: Sequence[Block]) -> None:
+    """A loop that was not selected has to follow what was, or it winds up."""
+    givers = {port: block for block in blocks for port in block.ports}
+    for selector in (block for block in blocks if isinstance(block, SelectorBlock)):
+        waiting = list(selector.sources)
+        while waiting:
+            block = givers[waiting.pop()]
+            if isinstance(block, PidBlock):
+                form = block.form
+                if form.has_integral and not (form.tracks_back or form.algorithm == "velocity"):
+                    raise InputError(
+                        f"control scheme {name}, {block.name}", form.winding,
+                        f"back_calculation: {selector.name} selects among several loops, and "
+                        "the integral of those that wait has to follow what is applied",
+                        'write anti_windup = "back_calculation"',
+                    )  # fmt: skip
+            else:
+                waiting += block.sources
+
+
+def _joined(symbols: Symbols, ordered: Sequence[Block]) -> Equations:
+    """Run forward from setpoints to outputs, and back with what was applied."""
+    after: dict[str, Limits] = {}
+    for block in reversed(ordered):
+        found = block.limits(symbols, [after[port] for port in block.ports])
+        after |= dict(zip(block.sources, found, strict=True))
+    asked: dict[str, Asked] = {}
+    opened: dict[str, Opened] = {}
+    for block in ordered:
+        step = block.open(
+            symbols,
+            [asked[source] for source in block.sources],
+            [after[port] for port in block.ports],
+        )
+        opened[block.name] = step
+        asked |= dict(zip(block.ports, step.asked, strict=True))
+    applied: dict[str, Applied] = {}
+    closed: dict[str, Closed] = {}
+    for block in reversed(ordered):
+        result = opened[block.name].close([applied[port] for port in block.ports])
+        closed[block.name] = result
+        applied |= dict(zip(block.sources, result.applied, strict=True))
+    results = [closed[block.name] for block in ordered]
+    return Equations(
+        {name: value for result in results for name, value in result.next_state.items()},
+        {name: value for result in results for name, value in result.outputs.items()},
+        {name: value for result in results for name, value in result.named.items()},
+    )
