@@ -21,7 +21,7 @@ from benchmarks.case import (
     Solution,
 )
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.proportional_integral import FAMILY, multiloop_pi_law
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.engine.kernel import Job, Kernel, Trajectories
 from clepsydra.engine.object_cache import ObjectCache
 from clepsydra.loop.closed_loop import closed_loop, controller_name, loop_inputs
@@ -58,15 +58,15 @@ def name_of(entry: str) -> str:
 
 
 def _controller() -> Controller:
-    law = multiloop_pi_law(2, "back_calculation")
+    law = multiloop_pid_law(2)
     values = {signal.name: signal.initial for signal in law.parameters}
     for loop in (1, 2):
         values[f"low_limit_{loop}"], values[f"high_limit_{loop}"] = LOW_LIMIT, HIGH_LIMIT
-    state = {signal.name: 0.0 for signal in law.state}
+    state = {f"last_output_{loop}": 0.0 for loop in (1, 2)}
     state |= {f"integral_{loop}": NOMINAL_VOLTAGE for loop in (1, 2)}
     return Controller(
         name="PI",
-        family=FAMILY,
+        family="multiloop PI",
         design="Johansson's gains",
         law=law,
         values=values,

@@ -11,7 +11,8 @@ from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.status import STATUS_BITS, read_status, status_word
 from clepsydra.controllers.blocks.validity import is_number, is_time_step, value_or_zero
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
-from clepsydra.controllers.proportional_integral import multiloop_pi_law
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
 
 
 def evaluated(law, *numbers):
@@ -89,7 +90,7 @@ def test_every_status_word_reads_back():
 @pytest.mark.parametrize("anti_windup", ["foo", "", None, ["conditional_integration"]])
 def test_a_law_with_an_unknown_anti_windup_is_refused(anti_windup):
     for make in (
-        lambda: multiloop_pi_law(1, anti_windup),
+        lambda: multiloop_pid_law(1, PidForm(anti_windup=anti_windup)),
         lambda: lqi_law(1, 1, [1], anti_windup),
     ):
         with pytest.raises(InputError, match=r"anti_windup: got .* one of back_calculation"):

@@ -11,7 +11,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.linear_step_law import StepLawDerivatives
-from clepsydra.controllers.proportional_integral import multiloop_pi_law
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, step_law
 
@@ -29,7 +29,7 @@ PI_STATE = {"integral_1": 3.0, "last_output_1": 3.0, "integral_2": 3.0, "last_ou
 
 def cross_paired_pi(**changed):
     return Controller(
-        "PI", "multiloop PI", "by hand", multiloop_pi_law(2), PI_VALUES | changed, PI_STATE,
+        "PI", "multiloop PI", "by hand", multiloop_pid_law(2), PI_VALUES | changed, PI_STATE,
         ("level_1", "level_2"), ("level_1", "level_2"), ("pump_2", "pump_1"),
     )  # fmt: skip
 
@@ -62,7 +62,7 @@ def test_a_controller_without_a_value_is_refused():
     fewer = {name: value for name, value in PI_VALUES.items() if name != "high_limit_1"}
     with pytest.raises(InputError, match="add high_limit_1"):
         Controller(
-            "PI", "", "", multiloop_pi_law(2), fewer, PI_STATE,
+            "PI", "", "", multiloop_pid_law(2), fewer, PI_STATE,
             ("level_1", "level_2"), ("level_1", "level_2"), ("pump_1", "pump_2"),
         )  # fmt: skip
 
@@ -105,7 +105,13 @@ def test_a_law_with_a_signal_that_nothing_is_wired_to_is_refused():
 def test_the_program_starts_with_the_numbers_of_the_controller():
     program = cross_paired_pi().program()
     assert {p.name: p.initial for p in program.parameters} == PI_VALUES
-    assert {x.name: x.initial for x in program.state} == PI_STATE
+    # And it remembers the gains and weights, so that a change of one is noticed.
+    remembered = {
+        f"last_{name}": value
+        for name, value in PI_VALUES.items()
+        if name.startswith(("proportional_gain", "setpoint_weight"))
+    }
+    assert {x.name: x.initial for x in program.state} == PI_STATE | remembered
 
 
 def linear(controller):

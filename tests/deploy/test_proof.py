@@ -9,7 +9,8 @@ from deployed import all_bits, run_both
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
-from clepsydra.controllers.proportional_integral import multiloop_pi_law
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
 from clepsydra.deploy.c99 import print_c
 from clepsydra.deploy.structured_text import print_structured_text
 from clepsydra.design.bryson import design_lqi
@@ -98,9 +99,11 @@ def proven(program: Program, folder, seed: int) -> None:
             assert all(np.any(word & bit) and not np.all(word & bit) for bit in STATUS_BITS)
 
 
-@pytest.mark.parametrize("anti_windup", ["back_calculation", "conditional_integration"])
+@pytest.mark.parametrize(
+    "anti_windup", ["back_calculation", "conditional_integration", "clamping", "none"]
+)
 def test_pi_is_the_same_in_engine_c_and_structured_text(anti_windup, tmp_path):
-    program = program_of(multiloop_pi_law(2, anti_windup))
+    program = program_of(multiloop_pid_law(2, PidForm(anti_windup=anti_windup)))
     values = {
         "proportional_gain_1": 2.7, "integral_time_1": 31.0, "setpoint_weight_1": 0.7,
         "proportional_gain_2": -1.3, "integral_time_2": 77.7, "low_limit_2": -1.0,

@@ -9,7 +9,8 @@ from deployed import need_compiler, need_grammar, run_both
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.proportional_integral import multiloop_pi_law
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
 from clepsydra.deploy.c99 import print_c
 from clepsydra.deploy.heading import digest
 from clepsydra.deploy.structured_text import print_structured_text
@@ -83,7 +84,7 @@ def test_fused_operations_are_refused():
 
 @pytest.mark.parametrize("printer", [print_c, print_structured_text])
 def test_what_is_no_program_is_refused_with_the_way_to_one(printer):
-    for value in (None, multiloop_pi_law(1, "conditional_integration")):
+    for value in (None, multiloop_pid_law(1, PidForm(anti_windup="conditional_integration"))):
         with pytest.raises(InputError, match=r"a Program; give controller\.program\(\), or"):
             printer(value)
 
@@ -127,7 +128,7 @@ def test_infinite_defaults_are_for_c_only():
 
 
 def test_default_values():
-    program = program_of(multiloop_pi_law(1, "conditional_integration"))
+    program = program_of(multiloop_pid_law(1, PidForm(anti_windup="conditional_integration")))
     designed = with_defaults(program, {"proportional_gain_1": 0.1, "last_output_1": 3.0})
     assert "parameters->proportional_gain_1 = 0.1;" in print_c(designed).source
     assert "state->last_output_1 = 3.0;" in print_c(designed).source
@@ -139,11 +140,13 @@ def test_default_values():
 
 
 def test_the_digest_tells_programs_apart():
-    program = program_of(multiloop_pi_law(1, "conditional_integration"))
-    assert digest(program) == digest(program_of(multiloop_pi_law(1, "conditional_integration")))
+    program = program_of(multiloop_pid_law(1, PidForm(anti_windup="conditional_integration")))
+    assert digest(program) == digest(
+        program_of(multiloop_pid_law(1, PidForm(anti_windup="conditional_integration")))
+    )
     others = [
-        program_of(multiloop_pi_law(1, "back_calculation")),
-        program_of(multiloop_pi_law(2, "conditional_integration")),
+        program_of(multiloop_pid_law(1)),
+        program_of(multiloop_pid_law(2, PidForm(anti_windup="conditional_integration"))),
         with_defaults(program, {"proportional_gain_1": 1.0000000000000002}),
     ]
     assert len({digest(program), *map(digest, others)}) == 4
@@ -153,7 +156,7 @@ def test_the_digest_tells_programs_apart():
 
 def test_the_digest_covers_names_and_groups():
     """Equal digests mean equal text, so whatever shows in the text is part of it."""
-    program = program_of(multiloop_pi_law(1, "conditional_integration"))
+    program = program_of(multiloop_pid_law(1, PidForm(anti_windup="conditional_integration")))
     value = next(value for value, name in program.names.items() if name == "unlimited_1")
     renamed = dataclasses.replace(program, names=program.names | {value: "wanted_1"})
     *inputs, last = program.inputs
@@ -172,7 +175,7 @@ def test_the_digest_covers_names_and_groups():
 
 
 def test_the_law_keeps_its_own_names():
-    program = program_of(multiloop_pi_law(1, "conditional_integration"))
+    program = program_of(multiloop_pid_law(1, PidForm(anti_windup="conditional_integration")))
     for text in (print_c(program).source, print_structured_text(program)):
         for name in ("error_1", "unlimited_1", "manipulated_1"):
             assert f"{name} =" in text or f"{name} :=" in text or f"{name} =\n" in text
@@ -242,7 +245,9 @@ def test_the_header_serves_cpp(tmp_path):
     if subprocess.run([*check, str(empty)], capture_output=True).returncode != 0:
         pytest.skip("the C compiler has no C++")
     compile_strictly(
-        program_of(multiloop_pi_law(2, "conditional_integration")), tmp_path, "-std=c11"
+        program_of(multiloop_pid_law(2, PidForm(anti_windup="conditional_integration"))),
+        tmp_path,
+        "-std=c11",
     )
     user = tmp_path / "user.cpp"
     user.write_text(
