@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
-from benchmarks import machine, page
+from benchmarks import machine, page, tuning
 from benchmarks.cplusplus import CompilerMissing
 from benchmarks.experiments import FULL, QUICK, Disagreement, Experiments
 from benchmarks.scale import Scale
@@ -37,7 +37,8 @@ def main() -> int:
             results = page.Results(
                 machine=facts,
                 rounds=f"{size.rounds} rounds ({size.slow_rounds} on two cores, "
-                "for first calls, the command line, chains and the catalogue)",
+                "for first calls, the command line, chains, the catalogue and tuning, "
+                "SciPy's once)",
                 batch=_progress("batch on one core", experiments.batch),
                 one_run=_progress("one run", experiments.one_run),
                 two_cores=_progress("large batch on two cores", experiments.two_cores),
@@ -45,6 +46,7 @@ def main() -> int:
                 command_line=_progress("command line", experiments.command_line),
                 chains=_progress("chains of tanks", scale.chains),
                 catalogue=_progress("processes of the catalogue", scale.catalogue),
+                tuning=_progress("tuning", lambda: tuning.measure(size.slow_rounds)),
             )
     except (CompilerMissing, Disagreement, RuntimeError) as error:
         print(f"benchmarks: {error}", file=sys.stderr)

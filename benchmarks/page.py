@@ -10,6 +10,7 @@ from benchmarks import experiments as e
 from benchmarks.experiments import Measured
 from benchmarks.measure import Spread
 from benchmarks.scale import Growth
+from benchmarks.tuning import TuningTimes
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "benchmarks.md"
 BEGIN = "<!-- measured: begin -->"
@@ -29,6 +30,7 @@ class Results:
     command_line: Measured
     chains: dict[int, Growth]
     catalogue: list[Growth]
+    tuning: dict[float, TuningTimes]
 
 
 @dataclass(frozen=True)
@@ -101,6 +103,16 @@ def _figures(r: Results) -> list[_Figure]:
                 waits.of(e.NEW_MACHINE), 2, lambda v: v < 5),
         _Figure("first table of study, second time [s]", "under 2",
                 waits.of(e.SECOND_TIME), 2, lambda v: v < 2),
+        *_tuning_figures(r.tuning),
+    ]  # fmt: skip
+
+
+def _tuning_figures(tuning: dict[float, TuningTimes]) -> list[_Figure]:
+    return [
+        _Figure(f"tuning at {1e3 * period:g} ms, {what}, speed over SciPy", "at least 100",
+                found.seconds.inverse(times.scipy.seconds.median), 0, lambda v: v >= 100)
+        for period, times in tuning.items()
+        for what, found in (("the same local search", times.local), ("all bounds", times.whole))
     ]  # fmt: skip
 
 
@@ -169,6 +181,9 @@ def render(r: Results) -> str:
         _chains(r.chains),
         "### Processes of the catalogue, inputs given, as many RK4 steps as each needs, one core",
         _catalogue(r.catalogue),
+        "### Minimax tuning of two PI loops of the averaging tank, from process file to answer, "
+        "one core",
+        _tuning(r.tuning),
     ]  # fmt: skip
     return "\n\n".join(parts)
 
@@ -204,6 +219,30 @@ def _catalogue(found: list[Growth]) -> str:
             "The difference is that from CVODES after ten samples, the first state displaced "
             "by a twentieth; what is left is the error of the RK4 steps.",
         ]
+    )
+
+
+def _tuning(tuning: dict[float, TuningTimes]) -> str:
+    heads = ["sampling period or largest step", "way", "simulations", "seconds", "larger IAE"]
+    rows = []
+    for period, times in tuning.items():
+        for way, found in (
+            ("SciPy, SLSQP with LSODA", times.scipy),
+            ("Clepsydra, local search alone", times.local),
+            ("Clepsydra, global and local search", times.whole),
+        ):
+            rows.append(
+                [
+                    f"{1e3 * period:g} ms", way, f"{found.simulations:,}",
+                    _shown(found.seconds, 2), f"{found.objective:.5f}",
+                ]
+            )  # fmt: skip
+    one = ", ".join(
+        f"{_shown(times.one_simulation, 3)} s at {1e3 * period:g} ms"
+        for period, times in tuning.items()
+    )
+    return "\n\n".join(
+        [_table(heads, rows), f"One simulation by LSODA, called from Python: {one}."]
     )
 
 

@@ -1,7 +1,13 @@
-"""A step law driven by names instead of vectors."""
+"""A step law driven by names instead of vectors; helpers are imported by name."""
+
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[1] / "program"))
 
 
 class Driven:

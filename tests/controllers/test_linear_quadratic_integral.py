@@ -106,3 +106,45 @@ def test_a_setpoint_without_measurement_is_refused():
         lqi_law(3, 2, [1, 4])
     with pytest.raises(InputError, match="from 1 to 3"):
         lqi_law(3, 2, [])
+
+
+def test_clamping_is_refused_since_the_integral_is_not_the_whole_output():
+    with pytest.raises(InputError, match="conditional_integration"):
+        lqi_law(1, 1, [1], "clamping")
+
+
+@pytest.mark.parametrize("anti_windup", ["none", "conditional_integration"])
+def test_input_constrained_lqi_does_not_wind_up(driven, anti_windup):
+    """Setpoint 10, y⁺ = y + 0.1 (u − 4), u ≤ 9, F = 2, G = 0.2, u° = 4, time step 1 s.
+
+    In the first samples v = 4 − 2 y + I is below the limit, and all laws are the same. From the
+    fifth on the unconstrained integral runs away; the constrained one waits for the level.
+    """
+    numbers = {
+        "reference_measurement_1": 0.0, "feedback_1_1": 2.0, "integral_gain_1_1": 0.2,
+        "bias_1": 4.0, "low_limit_1": 0.0, "high_limit_1": 9.0,
+    }  # fmt: skip
+    rest = {"integral_1": 0.0, "last_output_1": 4.0}
+    law = driven(lqi_law(1, 1, [1], anti_windup), numbers, rest)
+    y, integrals = 0.0, []
+    for _ in range(12):
+        found = law.scan(
+            setpoint_1=10.0, measurement_1=y, sensor_1=1.0, mode_1=1, manual_1=0.0, tracking_1=0.0,
+            time_step=1.0,
+        )  # fmt: skip
+        y += 0.1 * (found["manipulated_1"] - 4.0)
+        integrals.append(law.state["integral_1"])
+    # By hand: v = 4, 6, 7.6, 8.84, 9.732 (limited), …
+    #          y = 0, 0, 0.2, 0.56, 1.044, 1.544, …
+    #          I = 2, 4, 5.96, 7.848 after four samples.
+    assert integrals[:4] == pytest.approx([2.0, 4.0, 5.96, 7.848], abs=1e-12)
+    if anti_windup == "none":
+        assert integrals[4] == pytest.approx(7.848 + 0.2 * (10 - 1.044), abs=1e-12)
+        assert integrals[-1] > 15.0
+    else:
+        # v = 4 − 2·1.044 + 7.848 = 9.76 > 9: nothing is added until the level has risen to
+        # where 11.848 − 2 y ≤ 9, y ≥ 1.424, which is so in the sixth sample, at y = 1.544.
+        assert integrals[4] == pytest.approx(7.848, abs=1e-12)
+        assert integrals[5] == pytest.approx(7.848 + 0.2 * (10 - 1.544), abs=1e-12)
+        # Never more above what the limit can give than one sample of integration.
+        assert max(integrals) < 9.0 - 4.0 + 2.0 * y + 2.0

@@ -11,7 +11,8 @@ from scipy.signal import cont2discrete
 from clepsydra.base.errors import InputError
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.bryson import design_lqi
-from clepsydra.design.linear_quadratic import lqi_gains
+from clepsydra.design.linear_quadratic import bryson_weights, lqi_gains
+from clepsydra.design.lqi_by_weights import design_lqi_by_weights
 from clepsydra.design.sampled_loop import sampled_loop
 
 
@@ -184,7 +185,8 @@ def test_outputs_that_cannot_be_held_independently_are_refused(minimum_phase):
         {"maximum_errors": 0.5},
         {"maximum_moves": {"pump_1": math.nan}},
         {"maximum_moves": {"pump_1": None}},
-        {"anti_windup": "none"},
+        {"anti_windup": "clamping"},
+        {"anti_windup": "off"},
     ],
 )
 def test_wrong_deviations_are_refused(minimum_phase, options):
@@ -196,15 +198,23 @@ def test_wrong_deviations_are_refused(minimum_phase, options):
 def test_the_law_in_the_loop_has_the_eigenvalues_of_the_design(minimum_phase, period, sampled_at):
     """The law is the optimal one and no approximation of it, however slow the sampling."""
     model = sampled_at(minimum_phase.model, period)
-    controller = design_lqi(model)
+    horizon = minimum_phase.T.max() / 3.0
+    weights = bryson_weights(model, np.ones(2), np.full(2, 3.0), horizon)
+    controller = design_lqi_by_weights(model, weights)
     shown = dataclasses.replace(
         model, C=50.0 * np.eye(4), D=np.zeros((4, 2)), outputs=controller.measurements
     )
     loop = sampled_loop(controller, shown)
-    gains = lqi_gains(model, np.ones(2), np.full(2, 3.0), minimum_phase.T.max() / 3.0, period)
+    gains = lqi_gains(model, np.ones(2), np.full(2, 3.0), horizon, period)
     # The law keeps one integrator for each input, as the design does for each output.
     assert np.sort(np.abs(np.linalg.eigvals(loop.A))) == pytest.approx(
         np.sort(np.abs(gains.eigenvalues)), abs=1e-6
     )
     assert loop.is_stable
     assert f"sensitivity peak {loop.maximum_sensitivity:.2f}." in controller.design
+    # Sampled slowly the optimal loop is not robust, and the design by Bryson's rule slows it.
+    robust, optimal = sampled_loop(design_lqi(model), shown), loop.maximum_sensitivity
+    if optimal > 2.0:
+        assert 1.99 < robust.maximum_sensitivity <= 2.0
+    else:
+        assert robust.maximum_sensitivity == pytest.approx(optimal, rel=1e-6)

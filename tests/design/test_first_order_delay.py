@@ -72,7 +72,7 @@ def test_an_integrating_element_keeps_its_slope():
     # k'/(s (τ2 s + 1)): half of τ2 is delay; K = 1/(k' 2θ), Ti = 8 θ at τc = θ.
     model = half_rule(made_of(0.2, [4.0], integrators=1), 1.0)
     assert model == FirstOrderDelay(0.2, math.inf, 3.0)
-    assert simc_settings(model, 3.0) == (pytest.approx(1 / 1.2), 24.0)
+    assert simc_settings(model, 3.0) == (pytest.approx(1 / 1.2), 24.0, 0.0)
 
 
 def test_a_lead_beside_an_integrator_is_the_limit_of_a_long_lag():
@@ -85,7 +85,7 @@ def test_a_lead_beside_an_integrator_is_the_limit_of_a_long_lag():
 
 def test_a_negative_gain_gives_a_negative_controller():
     settings = simc_settings(half_rule(made_of(-2.0, [10.0]), 1.0), 1.0)
-    assert settings == (-2.5, 8.0)
+    assert settings == (-2.5, 8.0, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -8,15 +8,13 @@ import pytest
 from scipy.signal import cont2discrete
 
 from clepsydra.base.errors import InputError
+from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.detuning import detune
-from clepsydra.design.phase_margin import (
-    default_crossover,
-    design_phase_margin,
-    margin_of,
-    pi_for_margin,
-)
-from clepsydra.design.pi_settings import PiSettings, slowed_down
+from clepsydra.design.margin_settings import margin_of, pi_for_margin, pid_for_margin
+from clepsydra.design.multiloop import MultiloopPid
+from clepsydra.design.phase_margin import default_crossover, design_phase_margin
+from clepsydra.design.pid_settings import PidSettings, slowed_down
 from clepsydra.design.simc import design_simc
 from clepsydra.design.transfer_element import TransferElement
 from clepsydra.linear.response import evaluate_transfer, frequency_response
@@ -165,19 +163,120 @@ def test_default_crossover_stops_at_an_integral_time_of_three_over_it():
 def test_a_crossover_that_no_pi_can_serve_is_refused(minimum_phase, crossover, words):
     tank = minimum_phase
     with pytest.raises(NotApplicable, match=words):
-        design_phase_margin(tank.model, DIRECT, crossover=crossover)
+        design_phase_margin(tank.model, DIRECT, form=PidForm("PI"), crossover=crossover)
+
+
+def found_margin(element, delay, setting, crossover):
+    """Return |g C| and the phase margin at a crossover, C with its filter, from the definition."""
+    s = 1j * crossover
+    derivative = setting.derivative_time * s / (1 + 0.1 * setting.derivative_time * s)
+    C = setting.gain * (1 + 1 / (setting.integral_time * s) + derivative)
+    g = element.gain * np.exp(-s * (delay + element.dead_time)) / s**element.integrators
+    for pole in element.poles:
+        g /= 1 - s / pole
+    return abs(g * C), math.pi + np.angle(g * C)
+
+
+@pytest.mark.parametrize("degrees", [35.0, 60.0])
+@pytest.mark.parametrize(
+    ("element", "crossover"),
+    [
+        (TransferElement(2.0, (-0.1, -0.2), (), 0), 0.15),
+        (TransferElement(-2.0, (-0.1, -0.2, -1.0), (), 0, 0.5), 0.3),
+        (TransferElement(0.02, (-0.5,), (), 1, 1.0), 0.2),
+    ],
+)
+def test_a_pid_gives_the_margin_asked_for(element, crossover, degrees):
+    setting = pid_for_margin(element, 0.5, math.radians(degrees), crossover)
+    size, margin = found_margin(element, 0.5, setting, crossover)
+    assert size == pytest.approx(1.0, abs=1e-9)
+    assert margin == pytest.approx(math.radians(degrees), abs=1e-9)
+    assert setting.integral_time == pytest.approx(4.0 * setting.derivative_time, rel=1e-12)
+    assert math.copysign(1.0, setting.gain) == element.sign
+
+
+def test_a_pid_leads_no_further_than_its_filter_lets_it():
+    with pytest.raises(NotApplicable, match=r"lead by 60°.* leads by 56° at most"):
+        pid_for_margin(TransferElement(1.0, (), (), 2), 0.0, math.radians(60.0), 1.0)
+
+
+def test_a_crossover_beyond_pi_gets_a_pid_where_no_form_is_asked_for(minimum_phase):
+    tank = minimum_phase
+    with pytest.raises(NotApplicable, match=r"lead by.*lower crossover or a PID"):
+        design_phase_margin(tank.model, DIRECT, form=PidForm("PI"), crossover=1.2)
+    controller = design_phase_margin(tank.model, DIRECT, crossover=1.2)
+    assert controller.name == "PID, phase margin"
+    for i in (0, 1):
+        values = controller.values
+        setting = PidSettings(
+            values[f"proportional_gain_{i + 1}"],
+            values[f"integral_time_{i + 1}"],
+            values[f"derivative_time_{i + 1}"],
+        )
+        element = TransferElement(tank.direct_gains[i], (-1.0 / tank.T[i],), (), 0)
+        size, margin = found_margin(element, 0.5, setting, 1.2)
+        assert (size, math.degrees(margin)) == (pytest.approx(1.0), pytest.approx(60.0))
+
+
+@pytest.mark.parametrize("design", [design_simc, design_phase_margin])
+@pytest.mark.parametrize("algorithm", ["isa", "series", "parallel"])
+def test_every_algorithm_is_one_sampled_loop(nonminimum_phase, design, algorithm):
+    """A PI in any form is the same law, so its settings and its peak are the same."""
+    model = nonminimum_phase.model
+    one = design(model, CROSS)
+    other = design(model, CROSS, form=PidForm("PI", algorithm))
+    assert other.design == one.design
+    if algorithm == "parallel":
+        ratio = other.values["proportional_gain_1"] / other.values["integral_gain_1"]
+        assert ratio == pytest.approx(one.values["integral_time_1"], rel=1e-6)
+
+
+def test_a_velocity_form_counts_the_error_of_this_sample_at_once(nonminimum_phase):
+    """K Σ up to now is K Σ up to before and K T/Ti more in proportion: K (1 + T/Ti), Ti + T."""
+    loops = {
+        algorithm: MultiloopPid(nonminimum_phase.model, CROSS, PidForm("PI", algorithm), "test")
+        for algorithm in ("velocity", "isa")
+    }
+    settings = [PidSettings(0.4, 60.0), PidSettings(0.3, 90.0)]
+    same = [PidSettings(K * (1.0 + 1.0 / Ti), Ti + 1.0) for K, Ti, _ in settings]
+    assert loops["velocity"].peak(settings) == pytest.approx(loops["isa"].peak(same), rel=1e-9)
+    assert loops["velocity"].peak(settings) != pytest.approx(loops["isa"].peak(settings), rel=1e-4)
+
+
+@pytest.mark.parametrize("algorithm", ["isa", "series", "parallel", "velocity"])
+def test_a_simc_pid_is_the_same_controller_in_every_algorithm(nonminimum_phase, algorithm):
+    model = nonminimum_phase.model
+    controller = design_simc(model, CROSS, form=PidForm("PID", algorithm))
+    assert controller.family == "multiloop PID"
+    peak = re.search(r"together ([\d.]+)\.$", controller.design)
+    assert float(peak[1]) == 2.0
+    for number, (long, short) in enumerate(
+        [sorted(nonminimum_phase.T[[i, i + 2]], reverse=True) for i in (0, 1)], start=1
+    ):
+        values = controller.values
+        if algorithm == "series":
+            assert values[f"derivative_time_{number}"] == pytest.approx(short, rel=1e-9)
+        elif algorithm == "parallel":
+            Td = values[f"derivative_gain_{number}"] / values[f"proportional_gain_{number}"]
+            assert values[f"filter_time_{number}"] == pytest.approx(Td / 10.0, rel=1e-9)
+            assert Td < short
+        else:
+            Ti, Td = values[f"integral_time_{number}"], values[f"derivative_time_{number}"]
+            # Ti Td of the ISA form is that of the series form, and Ti' = τ1 or less.
+            assert Ti * Td <= long * short * (1 + 1e-9)
+            assert Td < short
 
 
 def test_detuning_stops_where_the_peak_is_just_allowed():
     """Of a peak with a closed form: 1 + K/F² for K = 9 is 2 at F = 3."""
     found = detune(
-        lambda factor: slowed_down([PiSettings(9.0, 60.0)], factor),
+        lambda factor: slowed_down([PidSettings(9.0, 60.0)], factor),
         lambda settings: 1.0 + settings[0].gain * 60.0 / settings[0].integral_time,
         "test",
     )
     assert found.peak <= 2.0
     assert found.factor == pytest.approx(3.0, rel=1e-7)
-    assert found.settings == slowed_down([PiSettings(9.0, 60.0)], found.factor)
+    assert found.settings == slowed_down([PidSettings(9.0, 60.0)], found.factor)
 
 
 @pytest.mark.parametrize("edge", [1.05, 1.3, 7.0, 600.0])
@@ -191,7 +290,7 @@ def test_detuning_crosses_the_limit_of_stability(edge):
         return math.inf if factor <= edge else factor / (factor - edge)
 
     def settings_at(factor):
-        return [PiSettings(1.0, factor)]
+        return [PidSettings(1.0, factor)]
 
     if 2 * edge > 1000.0:
         with pytest.raises(NotApplicable, match="the best sensitivity peak is"):
@@ -218,7 +317,7 @@ def test_initial_state_is_rest_at_the_operating_point(minimum_phase):
     tank = minimum_phase
     for design in (design_simc, design_phase_margin):
         for anti_windup in ("back_calculation", "conditional_integration"):
-            controller = design(tank.model, DIRECT, anti_windup=anti_windup)
+            controller = design(tank.model, DIRECT, form=PidForm(anti_windup=anti_windup))
             law, at = controller.law, tank.model.point.as_dict()
             given = {"time_step": 1.0}
             for i in (1, 2):
@@ -231,7 +330,11 @@ def test_initial_state_is_rest_at_the_operating_point(minimum_phase):
                 [given.get(s.name, 0.0) for s in law.inputs],
                 [controller.values[s.name] for s in law.parameters],
             )
-            assert np.array(after).ravel().tolist() == state == [3.0] * 4
+            assert np.array(after).ravel().tolist() == state
+            kept = {s.name: value for s, value in zip(law.state, state, strict=True)}
+            assert [kept[f"{n}_{i}"] for n in ("integral", "last_output") for i in (1, 2)] == (
+                [3.0] * 4
+            )
             assert [float(outputs[0]), float(outputs[2])] == [3.0, 3.0]
 
 
@@ -242,7 +345,7 @@ def test_an_integrating_tank_is_controlled_by_both(single_tank):
     assert (gain, integral_time) == (pytest.approx(5.0), pytest.approx(4 / (0.02 * 5.0)))
     controller = design_phase_margin(model, [("level", "pump")])
     gain, integral_time = settings_of(controller)[0]
-    _, margin = margin_of(TransferElement(0.02, (), (), 1), 0.5, PiSettings(gain, integral_time))
+    _, margin = margin_of(TransferElement(0.02, (), (), 1), 0.5, PidSettings(gain, integral_time))
     assert (gain, math.degrees(margin)) == (pytest.approx(5.0), pytest.approx(60.0, abs=1e-5))
 
 
@@ -277,8 +380,8 @@ def test_signals_without_a_range_are_not_applicable(single_tank):
         (design_simc, "level_1", {}),
         (design_simc, ["level_1", "pump_1"], {}),
         (design_simc, [("level_1", "pump_1", "pump_2")], {}),
-        (design_simc, DIRECT, {"anti_windup": "foo"}),
-        (design_phase_margin, DIRECT, {"anti_windup": None}),
+        (design_simc, DIRECT, {"form": "PID"}),
+        (design_phase_margin, DIRECT, {"form": PidForm("PD")}),
         (design_simc, DIRECT, {"closed_loop_time_constant": 0.0}),
         (design_simc, DIRECT, {"closed_loop_time_constant": "30 s"}),
         (design_phase_margin, DIRECT, {"phase_margin": "60"}),

@@ -39,7 +39,7 @@ def test_names() -> None:
         "three-tanks",
         "wet-well",
     ]
-    assert len(PROCESSES) == 9 + 3 + 2 + 4 + 3 + 1 + 1
+    assert len(PROCESSES) == 9 + 3 + 2 + 4 + 3 + 2 + 3 + 1 + 1
 
 
 @pytest.mark.parametrize("name", catalogue_names())

@@ -30,6 +30,10 @@ dotted.key.path = 1
 one = 1
 [[array]]
 two = 2
+[array.inner]
+three = 3
+[[array.deep]]
+[[array.deep]]
 [last]
 '''
 
@@ -52,9 +56,16 @@ def test_lines() -> None:
         (*tank, "dotted", "key", "path"): 19,
         (*tank, "escaped a"): 20,
         ("array",): 22,
-        ("array", "one"): 23,
-        ("array", "two"): 25,
-        ("last",): 26,
+        ("array", "1"): 22,
+        ("array", "1", "one"): 23,
+        ("array", "2"): 24,
+        ("array", "2", "two"): 25,
+        ("array", "2", "inner"): 26,
+        ("array", "2", "inner", "three"): 27,
+        ("array", "2", "deep"): 28,
+        ("array", "2", "deep", "1"): 28,
+        ("array", "2", "deep", "2"): 29,
+        ("last",): 30,
     }
     assert lines == expected
     assert line_of(lines, (*tank, "inner", "second", "third")) == 18

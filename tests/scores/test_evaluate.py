@@ -9,6 +9,7 @@ import pytest
 from clepsydra.base.errors import InputError
 from clepsydra.scores.catalogue import SCORES
 from clepsydra.scores.evaluate import score_run
+from clepsydra.scores.plant import BufferTrajectories, PlantTrajectories
 
 PERIOD = 0.5
 TIME = np.arange(0.0, 4000.0, PERIOD)
@@ -50,6 +51,25 @@ def run() -> dict[str, dict]:
     }
 
 
+def plant() -> PlantTrajectories:
+    """Return a pump at 5 l/s against 20 m that stops once, and a basin that lags by 100 s."""
+    running = np.where((TIME >= 400.0) & (TIME < 1300.0), 0.0, 1.0)
+    lag = 1.0 - np.exp(-since(2000.0) / 100.0)
+    inflow = 0.01 + 2e-3 * (TIME >= 2000.0)
+    return PlantTrajectories(
+        pumped={"pump_1": 5e-3 * running},
+        running={"pump_1": running},
+        heads={"pump_1": np.full_like(TIME, 20.0)},
+        spilt={"basin": 1e-3 * since(3000.0)},
+        buffers={"level_2": BufferTrajectories(inflow, 0.01 + 2e-3 * lag, 0.5 + 0.1 * lag)},
+    )
+
+
+def measured() -> dict[str, np.ndarray]:
+    noise = np.where(TIME >= 3000.0, np.random.default_rng(5).normal(0.0, 0.1, TIME.size), 0.0)
+    return {name: values + noise for name, values in run()["outputs"].items()}
+
+
 def test_each_score_takes_the_worst_of_its_segments() -> None:
     scores = score_run(TIME, **run(), segments=SEGMENTS)
     small = PERIOD**2 / 50.0  # what the lines between samples may miss [s]
@@ -70,6 +90,103 @@ def test_integrals_cover_the_whole_run() -> None:
     assert scores["ise[level_1]"] == pytest.approx(100.0 + 160.0 + load_squared, rel=1e-4)
 
 
+def test_setpoint_steps_and_loads_cost_apart_and_noise_in_neither() -> None:
+    scores = score_run(TIME, **run(), segments=SEGMENTS)
+    assert scores["iae_setpoint[level_1]"] == pytest.approx(100.0 + 160.0, rel=1e-4)
+    load = 0.4 * math.e * 40.0
+    assert scores["iae_load[level_1]"] == pytest.approx(load, rel=1e-4)
+    assert scores["iae_load[level_2]"] == pytest.approx(load / 2, rel=1e-4)
+    off = run()
+    off["outputs"]["level_1"] = off["outputs"]["level_1"] + 1.0 * (TIME > 3000.0)
+    noisy = score_run(TIME, **off, segments=SEGMENTS)
+    assert noisy["iae[level_1]"] == pytest.approx(scores["iae[level_1]"] + 1000.0, rel=1e-3)
+    for key in ("ie", "iae_setpoint", "iae_load", "offset"):
+        assert noisy[f"{key}[level_1]"] == scores[f"{key}[level_1]"]
+
+
+def test_the_integral_of_the_error_adds_magnitudes_of_opposite_steps() -> None:
+    scores = score_run(TIME, **run(), segments=SEGMENTS)
+    load = 0.4 * math.e * 40.0
+    assert scores["ie[level_1]"] == pytest.approx(100.0 + 160.0 + load, rel=1e-4)
+
+
+def test_time_counts_from_the_start_of_each_segment() -> None:
+    """∫ t e^(-t/T) = T² for the steps; for the load ∫ t² e^(-t/T) = 2 T³."""
+    scores = score_run(TIME, **run(), segments=SEGMENTS)
+    load = 0.4 * math.e / 40.0 * 2 * 40.0**3
+    itae = 2.0 * 50.0**2 + 2.0 * 80.0**2 + load
+    assert scores["itae[level_1]"] == pytest.approx(itae, rel=1e-3)
+    squared = (0.4 * math.e / 40.0) ** 2 * 6 * 20.0**4
+    itse = 4.0 * 25.0**2 + 4.0 * 40.0**2 + squared
+    assert scores["itse[level_1]"] == pytest.approx(itse, rel=1e-3)
+
+
+def test_both_bands_of_settling_and_the_band_of_the_noise() -> None:
+    """The noise of the last segment, σ = 0.1, widens the band from 5 % to 15 % of a step of 2."""
+    scores = score_run(TIME, **run(), segments=SEGMENTS, measured=measured())
+    assert scores["settling_time_2[level_1]"] == pytest.approx(80.0 * math.log(50.0), abs=0.01)
+    band = 3 * float(
+        np.std(measured()["level_1"][TIME >= 3000.0] - run()["outputs"]["level_1"][TIME >= 3000.0])
+    )
+    assert band == pytest.approx(0.3, rel=0.1)
+    exact = 80.0 * math.log(2.0 / band)
+    assert exact <= scores["settling_time_noisy[level_1]"] <= exact + PERIOD
+    quiet = score_run(TIME, **run(), segments=SEGMENTS, measured=run()["outputs"])
+    exact = 80.0 * math.log(20.0)
+    assert exact <= quiet["settling_time_noisy[level_1]"] <= exact + PERIOD
+
+
+def test_scores_of_the_plant() -> None:
+    scores = score_run(TIME, **run(), segments=SEGMENTS, plant=plant())
+    assert scores["volume_pumped[pump_1]"] == pytest.approx(5e-3 * 3100.0, rel=1e-12)
+    assert scores["starts_per_hour[pump_1]"] == pytest.approx(3600.0 / 4000.0, rel=1e-12)
+    kilowatts = 1000 * 9.81 * 20.0 * 5e-3 / 1000
+    assert scores["energy[pump_1]"] == pytest.approx(kilowatts * 3100.0 / 3600.0, rel=1e-12)
+    assert scores["volume_spilt[basin]"] == pytest.approx(1.0, rel=1e-3)
+    steepest = 2e-3 / 100.0 * 3600.0**2
+    assert scores["outflow_rate[level_2]"] == pytest.approx(steepest, rel=PERIOD / 100.0)
+    share = 1.0 - 2 * 100.0 / 1000.0 + 100.0 / 2 / 1000.0
+    assert scores["variance_ratio[level_2]"] == pytest.approx(share, abs=1e-3)
+    assert scores["volume_used[level_2]"] == pytest.approx(10.0, rel=1e-3)
+    without_load = score_run(TIME, **run(), segments=SEGMENTS[:2], plant=plant())
+    assert "outflow_rate[level_2]" not in without_load
+    assert "volume_pumped[pump_1]" in without_load
+
+
+def test_the_wear_of_one_pulse_is_its_height_twice() -> None:
+    """From 3 to 10 of a range of 10 and back, in 4000 s."""
+    scores = score_run(TIME, **run(), segments=SEGMENTS)
+    assert scores["peak_move[pump_1]"] == 7.0
+    assert scores["reversals[pump_1]"] == 1.0
+    assert scores["travel[pump_1]"] == pytest.approx(140.0 * 3600.0 / 4000.0, rel=1e-12)
+
+
+def test_the_offset_is_what_is_left_at_the_end_of_the_worst_step() -> None:
+    parts = run()
+    parts["outputs"]["level_1"] = parts["outputs"]["level_1"] - 0.25 * (TIME > 1500.0)
+    scores = score_run(TIME, **parts, segments=SEGMENTS)
+    assert scores["offset[level_1]"] == pytest.approx(0.25, rel=1e-3)
+    assert scores["offset[level_2]"] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_thousand_samples_are_scored_within_twenty_milliseconds() -> None:
+    from time import perf_counter
+
+    few = slice(0, None, 8)
+    parts = {
+        key: {name: v if isinstance(v, tuple) else v[few] for name, v in part.items()}
+        for key, part in run().items()
+    }
+    seen = {name: values[few] for name, values in measured().items()}
+    took = []
+    for _ in range(5):
+        begin = perf_counter()
+        score_run(TIME[few], **parts, segments=SEGMENTS, measured=seen)
+        took.append(perf_counter() - begin)
+    assert TIME[few].size == 1000
+    assert min(took) < 0.02
+
+
 def test_return_band_comes_from_the_setpoint_step_or_else_from_the_peak() -> None:
     from scipy.special import lambertw
 
@@ -88,16 +205,17 @@ def test_overshoot_of_a_step_down_is_found_beside_a_step_up_without_any() -> Non
 
 
 def test_scores_without_a_segment_are_left_out_and_all_names_are_described() -> None:
-    scores = score_run(TIME, **run(), segments=SEGMENTS)
+    scores = score_run(TIME, **run(), segments=SEGMENTS, measured=measured(), plant=plant())
     assert {name.partition("[")[0] for name in scores} == set(SCORES)
     assert "overshoot[level_2]" not in scores
     without = score_run(TIME, **run(), segments=SEGMENTS[-1:])
     assert {name.partition("[")[0] for name in without} == {
-        "iae",
-        "ise",
-        "total_variation",
-        "time_in_saturation",
+        *("ie", "iae", "ise", "itae", "itse", "iseg"),
+        *("total_variation", "travel", "reversals", "peak_move", "time_in_saturation"),
+        "noise_movement",
     }
+    unlimited = run() | {"input_limits": {"pump_1": (0.0, math.inf)}}
+    assert "travel[pump_1]" not in score_run(TIME, **unlimited, segments=SEGMENTS)
 
 
 def test_an_output_that_a_load_does_not_reach_has_no_deviation() -> None:
@@ -127,12 +245,23 @@ def test_a_run_that_broke_off_scores_infinity_in_the_signal_concerned() -> None:
     parts = run()
     parts["outputs"]["level_1"] = np.where(TIME > 1500.0, math.nan, parts["outputs"]["level_1"])
     scores = score_run(TIME, **parts, segments=SEGMENTS)
+    for key in SCORES:
+        assert scores.get(f"{key}[level_1]", math.inf) == math.inf
     for key in ("iae", "ise", "overshoot", "rise_time", "settling_time"):
         assert scores[f"{key}[level_1]"] == math.inf
     for key in ("peak_deviation", "return_time"):
         assert scores[f"{key}[level_1]"] == math.inf
         assert math.isfinite(scores[f"{key}[level_2]"])
     assert not any(math.isnan(value) for value in scores.values())
+
+
+def test_a_run_that_broke_off_after_its_last_step_has_no_good_score_either() -> None:
+    parts = run()
+    parts["outputs"]["level_1"] = np.where(TIME > 3500.0, math.nan, parts["outputs"]["level_1"])
+    scores = score_run(TIME, **parts, segments=SEGMENTS, measured=parts["outputs"])
+    of_level_1 = [value for name, value in scores.items() if name.endswith("[level_1]")]
+    assert len(of_level_1) == 16
+    assert set(of_level_1) == {math.inf}
 
 
 @pytest.mark.parametrize(

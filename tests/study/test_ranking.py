@@ -4,6 +4,7 @@ import itertools
 import math
 import re
 from dataclasses import replace
+from importlib import resources
 
 import numpy as np
 import pytest
@@ -17,7 +18,8 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 from clepsydra.study.ranking import RULE, Standing, Trial, rank, verdict
-from clepsydra.study.warnings import leaves_its_tanks, run_warnings
+from clepsydra.study.warnings.after import run_warnings
+from clepsydra.study.warnings.levels import leaves_its_tanks
 
 SAMPLES = 100
 
@@ -64,13 +66,22 @@ def changed(run: Run, name: str, value: float, samples: slice = slice(50, 60)) -
 
 @pytest.fixture
 def trial(resting, controller):
-    """Return a function that makes a trial from its two errors, two wears and peak."""
+    """Return a function that makes a trial from the errors of two levels, wears and peak.
 
-    def make(name, errors=(1.0, 1.0), wears=(1.0, 1.0), peak=1.5, run=resting, warnings=()):
+    The errors are those of setpoint steps; those of load steps are the same unless given.
+    """
+
+    def make(
+        name, errors=(1.0, 1.0), wears=(1.0, 1.0), peak=1.5, run=resting, warnings=(), loads=None
+    ):
+        loads = errors if loads is None else loads
         scores = {
-            "iae[level_1]": errors[0],
-            "iae[level_2]": errors[1],
-            "ise[level_1]": 1 / errors[0] if errors[0] else 0.0,
+            "iae[level_1]": 1 / errors[0] if errors[0] else 0.0,
+            "iae[level_2]": 1 / errors[1] if errors[1] else 0.0,
+            "iae_setpoint[level_1]": errors[0],
+            "iae_setpoint[level_2]": errors[1],
+            "iae_load[level_1]": loads[0],
+            "iae_load[level_2]": loads[1],
             "total_variation[pump_1]": wears[0],
             "total_variation[pump_2]": wears[1],
         }
@@ -101,8 +112,77 @@ def test_each_error_counts_as_a_multiple_of_the_best_one(trial):
     b = trial("b", (100.0, 1.5))
     assert order([a, b]) == ["a", "b"]
     first, second = rank([a, b])
-    assert "1.10 times the smallest integral absolute error" in first.reason
-    assert "1.25 times the smallest integral absolute error" in second.reason
+    assert (
+        "Setpoint error 1.10 and load error 1.10 times the best, 1.10 in the mean" in first.reason
+    )
+    assert (
+        "Setpoint error 1.25 and load error 1.25 times the best, 1.25 in the mean" in second.reason
+    )
+
+
+def test_setpoint_and_load_weigh_the_same(trial):
+    """The means of multiples are 1.25 for a, 1.5 for b, 1.45 for c."""
+    a = trial("a", (10, 10), loads=(1.5, 1.5))
+    b = trial("b", (20, 20), loads=(1, 1))
+    c = trial("c", (19, 19), loads=(1, 1))
+    assert order([a, b, c]) == ["a", "c", "b"]
+    first, second, _ = rank([a, b, c])
+    assert first.criteria == {"setpoint error": 1.0, "load error": 1.5}
+    assert second.criteria == {"setpoint error": 1.9, "load error": 1.0}
+    assert (first.mean_error, second.mean_error) == (1.25, 1.45)
+
+
+def test_a_reader_recomputes_the_ranking_from_the_numbers_that_a_candidate_shows(trial):
+    """Standing, the mean of the criteria, and the wear within 2 %: nothing else."""
+    random = np.random.default_rng(4)
+    trials = [
+        trial(f"c{i}", random.uniform(1, 1.1, 2), random.uniform(1, 3, 2), random.uniform(1.5, 2.5))
+        for i in range(12)
+    ]
+    left = {c.controller.name: c for c in rank(trials)}
+    shown = []
+    while left:
+        standing = min(c.standing for c in left.values())
+        group = {n: c for n, c in left.items() if c.standing == standing}
+        means = {n: sum(c.criteria.values()) / len(c.criteria) for n, c in group.items()}
+        tied = [n for n in group if means[n] <= 1.02 * min(means.values())]
+        tied.sort(key=lambda name: group[name].wear)
+        shown += tied
+        left = {n: c for n, c in left.items() if n not in tied}
+    assert shown == [c.controller.name for c in rank(trials)]
+
+
+def test_where_a_score_is_missing_the_others_decide(trial):
+    trials = []
+    for name, error in (("a", 1.0), ("b", 2.0)):
+        made = trial(name, (error, error), loads=(3 - error, 3 - error))
+        kept = {k: v for k, v in made.scores.items() if "load" not in k}
+        trials.append(replace(made, scores=kept))
+    first, second = rank(trials)
+    assert first.criteria == {"setpoint error": 1.0} and second.criteria == {"setpoint error": 2.0}
+    assert second.reason.endswith("Behind a: its setpoint error is 100 % larger.")
+    whole = [
+        replace(
+            t, scores={k: v for k, v in t.scores.items() if "_load" not in k and "_set" not in k}
+        )
+        for t in trials
+    ]
+    assert [c.criteria for c in rank(whole)] == [{"error": 1.0}, {"error": 2.0}]
+
+
+def test_an_unsafe_controller_does_not_set_the_measure(trial):
+    safe, quick = trial("safe", (4, 4)), trial("quick", (1, 1), peak=math.inf)
+    first, second = rank([quick, safe])
+    assert (first.controller.name, first.mean_error) == ("safe", 1.0)
+    assert second.mean_error == 0.25
+
+
+def test_rounding_makes_no_controller_many_times_worse(trial):
+    """A load that does not reach a level leaves errors of 1e-17, none of which means a thing."""
+    a = trial("a", (1, 1), loads=(1e-17, 2))
+    b = trial("b", (1, 1), loads=(9e-16, 1))
+    assert order([a, b]) == ["b", "a"]
+    assert rank([a, b])[1].criteria["load error"] == 1.5
 
 
 def test_robust_before_stable_before_unsafe_whatever_the_error(trial, resting):
@@ -117,13 +197,20 @@ def test_robust_before_stable_before_unsafe_whatever_the_error(trial, resting):
         "unstable",
         "spilling",
     ]
+    nervous = replace(robust, scores=robust.scores | {"noise_movement[pump_1]": 0.51})
+    assert nervous.standing == Standing.NERVOUS  # of 10 V
+    quiet = replace(robust, scores=robust.scores | {"noise_movement[pump_1]": 0.49})
+    assert quiet.standing == Standing.ROBUST
     standings = [t.standing for t in (robust, stable, unstable, spilling)]
     assert standings == [Standing.ROBUST, Standing.STABLE, Standing.UNSAFE, Standing.UNSAFE]
     reasons = {c.controller.name: c.reason for c in rank([unstable, spilling, stable, robust])}
     assert reasons["robust"].startswith("Robust (max|S| 2.00)")
     assert reasons["stable"].startswith("Stable with thin margins (max|S| 2.01)")
-    assert reasons["unstable"].startswith("Unstable")
-    assert reasons["spilling"].startswith("A level leaves its tank")
+    assert reasons["unstable"].startswith("Unsafe: unstable by its linear model.")
+    assert reasons["spilling"].startswith("Unsafe: a level leaves its tank or a pump trips.")
+    assert reasons["robust"].endswith("Ahead of stable, which is not robust and quiet.")
+    assert reasons["stable"].endswith("Behind robust, which is robust and quiet.")
+    assert reasons["unstable"].endswith("Behind stable, which is stable.")
 
 
 @pytest.mark.parametrize("peak", [math.inf, math.nan])
@@ -170,8 +257,10 @@ def test_scores_runs_and_warnings_go_with_their_controller(trial):
 
 def test_a_single_trial_is_the_best_and_none_is_no_ranking(trial, process):
     (only,) = rank([trial("only", (7.0, 3.0), (2.0, 2.0))])
-    assert "the smallest integral absolute error" in only.reason
-    assert "the least total variation" in only.reason and "times" not in only.reason
+    assert only.reason == (
+        "Robust (max|S| 1.50). Setpoint error 1.00 and load error 1.00 times the best, 1.00 in the "
+        "mean; the least total variation."
+    )
     assert rank([]) == ()
     assert "No controller" in verdict(process, [])
     assert verdict(process, [only]).startswith("only controls Quadruple tank")
@@ -181,12 +270,124 @@ def test_the_multiple_of_the_least_wear_is_said(trial):
     quick, slow = rank([trial("quick", (1, 1), (30, 20)), trial("slow", (2, 2), (10, 10))])
     assert "2.50 times the least total variation" in quick.reason
     assert "; the least total variation" in slow.reason
-    assert "2.00 times the smallest integral absolute error" in slow.reason
+    assert (quick.wear, slow.wear) == (2.5, 1.0)
+
+
+def test_each_is_compared_with_the_next_better_one_in_what_decided(trial):
+    """Means 1, 1.3 and 1.8; b loses by the load error, c against b by the setpoint error."""
+    ranking = rank(
+        [
+            trial("a", (1, 1), loads=(1, 1)),
+            trial("b", (1.1, 1.1), loads=(1.5, 1.5)),
+            trial("c", (2.4, 2.4), loads=(1.2, 1.2)),
+        ]
+    )
+    ends = [candidate.reason.partition("variation. ")[2] for candidate in ranking]
+    assert ends == [
+        "Ahead of b, whose mean is 30 % larger, most of all by the load error (1.50 against 1.00).",
+        "Behind a: its mean is 30 % larger, most of all by the load error (1.50 against 1.00).",
+        "Behind b: its mean is 38 % larger, most of all by the setpoint error (2.40 against 1.10).",
+    ]
+
+
+def test_a_tie_is_said_with_the_wear_that_decided(trial):
+    calm, wild = rank([trial("wild", (1, 1), (3, 3)), trial("calm", (1.01, 1.01), (2, 2))])
+    assert calm.reason.endswith(
+        "Level with wild to within 2 %, which moves its inputs 1.50 times as much."
+    )
+    assert wild.reason.endswith(
+        "Level with calm to within 2 %, but moves its inputs 1.50 times as much."
+    )
+
+
+def test_an_error_without_end_is_said(trial):
+    _, lost = rank([trial("lost", (1, 1), loads=(math.inf, 1.0)), trial("slow", (50.0, 50.0))])
+    assert "load error without end" in lost.reason
+    assert lost.reason.endswith("Behind slow: its load error has no end.")
 
 
 def test_the_rule_says_what_decides():
-    for words in ("robust", "stable", "2.0", "integral absolute error", "2 %", "total variation"):
+    for words in (
+        "robust",
+        "stable",
+        "2.0",
+        "setpoint error",
+        "load error",
+        "integral absolute error",
+        "without the stretch of noise",
+        "outflow change",
+        "outflow variance",
+        "2 %",
+        "total variation",
+    ):
         assert words in RULE
+
+
+@pytest.fixture(scope="module")
+def averaging(resting):
+    """Return a function that makes a trial of the equalisation tank from its scores."""
+    basin = load_process("equalisation-tank")
+    names = [signal.name for signal in (*basin.state, *basin.inputs)]
+    values = {name: np.full(SAMPLES, basin.signal(name).initial) for name in names}
+
+    def make(name, rate, ratio, error=1.0, **changes):
+        run = replace(resting, process=basin, values=values)
+        for signal, value in changes.items():
+            run = changed(run, signal.replace("__", "."), value)
+        scores = {
+            "iae_setpoint[level]": error,
+            "iae_load[level]": error,
+            "outflow_rate[level]": rate,
+            "variance_ratio[level]": ratio,
+            "total_variation[outflow]": 1.0,
+        }
+        controller = replace(resting.controller, name=name)
+        return Trial(controller, run, scores, 1.2, ())
+
+    return make
+
+
+def test_a_buffer_is_ranked_by_its_outflow_and_not_by_its_level(averaging):
+    tight = averaging("tight", rate=900.0, ratio=1.0, error=1.0)
+    loose = averaging("loose", rate=300.0, ratio=0.8, error=80.0)
+    first, second = rank([tight, loose])
+    assert first.controller.name == "loose"
+    assert first.criteria == {"outflow change": 1.0, "outflow variance": 1.0}
+    assert second.criteria == {"outflow change": 3.0, "outflow variance": 1.25}
+    assert second.reason.endswith("most of all by the outflow change (3.00 against 1.00).")
+    sentence = verdict(first.run.process, [first, second])
+    assert "with a mean of outflow change and outflow variance 53 % below that of tight" in sentence
+
+
+def test_a_buffer_that_overflows_is_no_good_however_smooth_its_outflow(averaging):
+    tight = averaging("tight", rate=900.0, ratio=1.0)
+    idle = averaging("idle", rate=0.0, ratio=0.0, basin__level=5.01)
+    assert order([tight, idle]) == ["tight", "idle"]
+    assert rank([idle, tight])[0].mean_error == 1.0
+
+
+def test_a_pump_that_trips_is_unsafe(tmp_path, resting, controller):
+    text = (
+        (resources.files("clepsydra.process") / "catalogue" / "wet-well.toml")
+        .read_text(encoding="utf-8")
+        .replace(
+            "running = true",
+            'running = true\ntrip_below = { well = "0.2 m" }\nhysteresis = "0.1 m"',
+            1,
+        )
+    )
+    path = tmp_path / "wet-well.toml"
+    path.write_text(text, encoding="utf-8")
+    well = load_process(path)
+    signals = (*well.state, *well.inputs, *well.motion.memories)
+    run = replace(
+        resting,
+        process=well,
+        values={signal.name: np.full(SAMPLES, signal.initial) for signal in signals},
+    )
+    quiet = Trial(controller, run, {}, 1.2, ())
+    assert quiet.standing is Standing.ROBUST
+    assert replace(quiet, run=changed(run, "duty.tripped", 1.0)).standing is Standing.UNSAFE
 
 
 def test_the_verdict_compares_the_errors_of_winner_and_best_rival(trial, process):
@@ -198,7 +399,7 @@ def test_the_verdict_compares_the_errors_of_winner_and_best_rival(trial, process
 
 def test_the_verdict_names_robustness_where_it_decided(trial, process):
     sentence = verdict(process, rank([trial("a", (3, 3)), trial("b", (2, 2), peak=2.5)]))
-    assert "robust where b is not" in sentence
+    assert "robust and quiet where b is not" in sentence
 
 
 def test_the_verdict_does_not_name_robustness_where_wear_decided(trial, process):

@@ -1,55 +1,61 @@
-"""LQI: state feedback from measured signals with integral action on the controlled outputs."""
+"""LQI: state feedback with integral action on the controlled outputs."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-
-import casadi as ca
+from typing import get_args
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import AntiWindup, check_anti_windup
-from clepsydra.controllers.blocks.output_stage import output_stage, stage_equations
-from clepsydra.controllers.blocks.validity import all_of, is_number, value_or_zero
+from clepsydra.controllers.blocks.output_stage import output_stage
+from clepsydra.controllers.observers.structure import ObserverStructure
+from clepsydra.controllers.state_reading import StateSignals, weighted_sum
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
 FAMILY = "LQI"
 
 
 def lqi_law(
-    states: int,
+    measurements: int,
     outputs: int,
     controlled: Sequence[int],
     anti_windup: AntiWindup = "back_calculation",
     *,
+    observer: ObserverStructure | None = None,
     measured: Sequence[Signal] | None = None,
     manipulated: Sequence[Signal] | None = None,
 ) -> StepLaw:
     """Write the step law of linear-quadratic-integral control.
 
-    In automatic, with the measurements y, their values y° and the output u° (the bias) at the
-    operating point, and the controlled measurements y_c::
+    In automatic, with the state's deviation x (the measurements' y − y°, or an observer's
+    estimate), the output u° (the bias) at the operating point, and the controlled measurements
+    y_c::
 
-        v  = u° − F (y − y°) + I
+        v  = u° − F x + I
         u  = min(high limit, max(low limit, v))
         I⁺ = I + Δt G (r − y_c) + min(Δt/Tt, 1) (u − v)      back-calculation
-        I⁺ = I + Δt G (r − y_c)  unless it pushes further into saturation      conditional integration
+        I⁺ = I + Δt G (r − y_c)  unless it pushes further into saturation
+                                                             conditional integration
+        I⁺ = I + Δt G (r − y_c)                              none
 
-    The integrators stand behind the integral gain G, in the unit of their output, so that
-    mode, anti-windup and hold act on each output by itself, as in a PI controller
-    (`blocks.output_stage.output_stage`). A fault of any sensor holds all outputs that are in
-    automatic, since each needs the whole state.
+    The second is input-constrained LQI. The integrators stand behind the integral gain G, in
+    the unit of their output, so that mode, anti-windup and hold act on each output by itself,
+    as in a PI controller (`blocks.output_stage.output_stage`). A fault of any sensor holds all
+    outputs that are in automatic, since each needs the whole state; an observer goes on with
+    the inputs that are held.
 
     Parameters
     ----------
-    states : int
-        Number of measurements, one for each state of the process.
-    outputs : int
-        Number of manipulated variables.
+    measurements, outputs : int
+        Numbers of measurements and of manipulated variables; without an observer there is a
+        measurement for each state of the process.
     controlled : sequence of int
         For setpoint_1, setpoint_2, … the number (from 1) of its measurement.
-    anti_windup : {"back_calculation", "conditional_integration"}
+    anti_windup : {"back_calculation", "conditional_integration", "none"}
+    observer : ObserverStructure, optional
+        Without it the measurements are the state.
     measured, manipulated : sequence of Signal, optional
         The process signals: they lend their units and ranges.
 
@@ -58,15 +64,16 @@ def lqi_law(
     StepLaw
         Inputs setpoint_j, measurement_j, sensor_j, mode_i, manual_i, tracking_i and
         time_step [s]; parameters reference_measurement_j, feedback_i_j, integral_gain_i_j
-        [per second], bias_i, low_limit_i, high_limit_i and, for back-calculation,
-        tracking_time_i [s]; state integral_i, last_output_i; outputs manipulated_i,
-        status_i.
+        [per second], bias_i, low_limit_i, high_limit_i, for back-calculation tracking_time_i
+        [s], and those of the observer (`observers.current_observer`); state integral_i,
+        last_output_i, estimate_j; outputs manipulated_i, status_i.
 
     Raises
     ------
     InputError
         A setpoint belongs to no measurement, the signals do not match the numbers, or the
-        anti-windup is unknown.
+        anti-windup is unknown or clamping: the integral is not the whole output here, so that
+        the limits of the output are none for it.
 
     References
     ----------
@@ -90,107 +97,63 @@ def lqi_law(
     (2.0, 0.05)
     """
     check_anti_windup(anti_windup)
-    measured = signals.wired_signals("measurement", states, measured, "LQI law, measured")
-    manipulated = signals.wired_signals("output", outputs, manipulated, "LQI law, manipulated")
-    controlled = tuple(controlled)
-    if not controlled or any(number not in range(1, states + 1) for number in controlled):
+    if anti_windup == "clamping":
+        known = [name for name in get_args(AntiWindup) if name != "clamping"]
         raise InputError(
-            "LQI law, controlled",
-            controlled,
-            f"numbers of measurements from 1 to {states}",
-            "give for each setpoint the measurement that follows it",
+            "LQI law, anti_windup",
+            anti_windup,
+            f"one of {', '.join(known)}: its integral is not the whole output",
+            "choose conditional_integration",
         )
-    references = [
-        signals.gain(
-            f"reference_measurement_{j}",
-            measurement.unit,
-            0.0,
-            f"{measurement.name} at the operating point",
-        )
-        for j, measurement in enumerate(measured, start=1)
-    ]
-    parameters, state, results = references, [], []
-    for i, output in enumerate(manipulated, start=1):
-        parameters = [
-            *parameters,
-            *_gains(i, output, measured, controlled),
+    state = StateSignals(
+        signals.wired_signals("measurement", measurements, measured, "LQI law, measured"),
+        signals.wired_signals("output", outputs, manipulated, "LQI law, manipulated"),
+        tuple(controlled),
+        observer,
+    )
+    parameters = state.reference_parameters()
+    for i, output in enumerate(state.manipulated, start=1):
+        *feedback, bias = state.feedback_parameters(i)
+        parameters += [
+            *feedback,
+            *_integral_gains(i, output, state),
+            bias,
             *signals.output_parameters(i, output, anti_windup),
         ]
-        state += signals.output_state(i, output)
-        results += signals.output_signals(i, output)
-
-    def equations(symbols: Symbols) -> Equations:
-        return _equations(symbols, controlled, outputs, states, anti_windup)
-
     return step_law(
         "linear_quadratic_integral",
-        inputs=[
-            *signals.setpoint_inputs([measured[number - 1] for number in controlled]),
-            *signals.measurement_inputs(measured),
-            *signals.output_inputs(manipulated),
-        ],
+        inputs=state.inputs(),
         parameters=parameters,
-        state=state,
-        outputs=results,
-        equations=equations,
+        state=state.states(),
+        outputs=state.outputs(),
+        equations=lambda symbols: _equations(symbols, state, anti_windup),
     )
 
 
-def _gains(
-    i: int, output: Signal, measured: Sequence[Signal], controlled: Sequence[int]
-) -> list[Signal]:
-    feedback = [
-        signals.gain(
-            f"feedback_{i}_{j}",
-            signals.ratio_of_units(output.unit, measurement.unit),
-            0.0,
-            f"feedback gain from {measurement.name} to {output.name}",
-        )
-        for j, measurement in enumerate(measured, start=1)
-    ]
-    integral = [
+def _integral_gains(i: int, output: Signal, state: StateSignals) -> list[Signal]:
+    followed = [state.measured[number - 1] for number in state.controlled]
+    return [
         signals.gain(
             f"integral_gain_{i}_{j}",
-            signals.ratio_of_units(output.unit, measured[number - 1].unit, "s"),
+            signals.ratio_of_units(output.unit, measurement.unit, "s"),
             0.0,
-            f"integral gain from the error of {measured[number - 1].name} to {output.name}",
+            f"integral gain from the error of {measurement.name} to {output.name}",
         )
-        for j, number in enumerate(controlled, start=1)
+        for j, measurement in enumerate(followed, start=1)
     ]
-    bias = signals.gain(f"bias_{i}", output.unit, 0.0, f"{output.name} at the operating point")
-    return [*feedback, *integral, bias]
 
 
-def _equations(
-    symbols: Symbols,
-    controlled: Sequence[int],
-    outputs: int,
-    states: int,
-    anti_windup: AntiWindup,
-) -> Equations:
-    raw_measurements = [symbols[f"measurement_{j}"] for j in range(1, states + 1)]
-    raw_setpoints = [symbols[f"setpoint_{j}"] for j in range(1, len(controlled) + 1)]
-    valid = [is_number(value) for value in [*raw_measurements, *raw_setpoints]]
-    numbers = [
-        value_or_zero(*pair)
-        for pair in zip([*raw_measurements, *raw_setpoints], valid, strict=True)
-    ]
-    measurements, setpoints = numbers[:states], numbers[states:]
-    sensors_are_good = all_of([symbols[f"sensor_{j}"] for j in range(1, states + 1)])
-    deviations = [
-        measurement - symbols[f"reference_measurement_{j}"]
-        for j, measurement in enumerate(measurements, start=1)
-    ]
+def _equations(symbols: Symbols, state: StateSignals, anti_windup: AntiWindup) -> Equations:
+    reading = state.read(symbols)
     errors = [
-        setpoint - measurements[number - 1]
-        for setpoint, number in zip(setpoints, controlled, strict=True)
+        setpoint - reading.measurements[number - 1]
+        for setpoint, number in zip(reading.setpoints, state.controlled, strict=True)
     ]
     stages = []
-    intermediates = {f"deviation_{j}": value for j, value in enumerate(deviations, start=1)}
-    intermediates |= {f"error_{j}": value for j, value in enumerate(errors, start=1)}
-    for i in range(1, outputs + 1):
-        feedback = _weighted_sum(symbols, f"feedback_{i}", deviations)
-        rate = _weighted_sum(symbols, f"integral_gain_{i}", errors)
+    intermediates = {f"error_{j}": value for j, value in enumerate(errors, start=1)}
+    for i in range(1, len(state.manipulated) + 1):
+        feedback = weighted_sum(symbols, f"feedback_{i}", reading.state)
+        rate = weighted_sum(symbols, f"integral_gain_{i}", errors)
         intermediates |= {f"feedback_{i}": feedback, f"integral_rate_{i}": rate}
         stages.append(
             output_stage(
@@ -198,16 +161,9 @@ def _equations(
                 i,
                 proportional=symbols[f"bias_{i}"] - feedback,
                 increment=symbols["time_step"] * rate,
-                signals_are_numbers=all_of(valid),
-                sensors_are_good=sensors_are_good,
+                signals_are_numbers=reading.signals_are_numbers,
+                sensors_are_good=reading.sensors_are_good,
                 anti_windup=anti_windup,
             )
         )
-    return stage_equations(stages, intermediates)
-
-
-def _weighted_sum(symbols: Symbols, prefix: str, values: list[ca.SX]) -> ca.SX:
-    total = symbols[f"{prefix}_1"] * values[0]
-    for number, value in enumerate(values[1:], start=2):
-        total = total + symbols[f"{prefix}_{number}"] * value
-    return total
+    return state.equations(symbols, reading, stages, intermediates)

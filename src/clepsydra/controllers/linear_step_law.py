@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -13,6 +14,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
 from clepsydra.controllers.parameters import remembered_parameters
+from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.program.step_law import StepLaw
 
 
@@ -49,6 +51,8 @@ class LinearStepLaw:
 class StepLawDerivatives:
     """The derivatives of a step law, built once and evaluated for any parameter values.
 
+    Those of expressions are exact, those of a law in Python are differences.
+
     Parameters
     ----------
     law : StepLaw
@@ -77,6 +81,9 @@ class StepLawDerivatives:
                 f"{law.name}: a step law with a delay ring has no linear model here"
             )
         self.law = law
+        if isinstance(law, PythonLaw):
+            self._function: Callable[..., Any] = law.jacobians
+            return
         state, inputs, parameters = (
             ca.SX.sym(n, law.function.numel_in(k)) for k, n in enumerate("xup")
         )
@@ -109,8 +116,9 @@ class StepLawDerivatives:
         Returns
         -------
         LinearStepLaw
-            Its states are those that something depends on in automatic, in the law's order;
-            the last output, for one, is left out.
+            Its states are those that move and that something depends on in automatic, in the
+            law's order; the last output, for one, is left out, and the bias of proportional
+            control.
         """
         law = self.law
         given = dict(inputs)
@@ -136,6 +144,13 @@ class StepLawDerivatives:
         names = [signal.name for signal in law.inputs]
         setpoints, measurements = _numbered(names, "setpoint_"), _numbered(names, "measurement_")
         read = np.any(step_x != 0.0, axis=0) | np.any(output_x[rows] != 0.0, axis=0)
+        # What nothing moves, as the bias of a P controller, is a constant and no state.
+        inert = np.all(np.hstack([step_x - np.eye(len(step_x)), step_u]) == 0.0, axis=1)
+        read &= ~inert
+        # A bias that stays what it was, as without integral action, is no mode of the loop.
+        moved = np.any(step_x != np.eye(len(step_x)), axis=1)
+        moved |= np.any(step_u[:, [*setpoints, *measurements]] != 0.0, axis=1)
+        read &= moved
         return LinearStepLaw(
             A=step_x[np.ix_(read, read)],
             B_setpoint=step_u[read][:, setpoints],
@@ -148,5 +163,5 @@ class StepLawDerivatives:
 
 def _numbered(names: list[str], prefix: str) -> list[int]:
     """Return where prefix_1, prefix_2, … stand among the names."""
-    count = sum(name.startswith(prefix) for name in names)
+    count = sum(name.startswith(prefix) and name[len(prefix) :].isdigit() for name in names)
     return [names.index(f"{prefix}{number}") for number in range(1, count + 1)]

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.structure.block import Block
+from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.law import structure_law
 from clepsydra.controllers.structure.output_block import OutputBlock
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.program.step_law import StepLaw
+
+Decoupling = Literal["static", "dynamic"]
 
 
 def multiloop_pid_law(
@@ -20,6 +25,7 @@ def multiloop_pid_law(
     measured: Sequence[Signal] | None = None,
     manipulated: Sequence[Signal] | None = None,
     rate_limited: bool = False,
+    decoupling: Decoupling | None = None,
 ) -> StepLaw:
     """Write the step law of PID controllers, loop i from measurement_i to manipulated_i.
 
@@ -43,13 +49,18 @@ def multiloop_pid_law(
         The process signals of loop 1, 2, …: they lend their units and ranges.
     rate_limited : bool
         Whether the outputs have rate limits.
+    decoupling : {"static", "dynamic"}, optional
+        Whether each output also answers to the last values of the others: inverted decoupling,
+        which heeds their limits and modes, see `structure.feedforward_block`.
 
     Returns
     -------
     StepLaw
         Inputs setpoint_i, measurement_i, sensor_i, mode_i, manual_i, tracking_i and
         time_step [s]; parameters as in `pid_parameters.pid_parameters`, low_limit_i and
-        high_limit_i; outputs manipulated_i, status_i.
+        high_limit_i, with decoupling feedforward_gain_i_j and feedforward_reference_i_j for
+        output i from output j, and feedforward_lead_i_j, feedforward_lag_i_j [s] where dynamic;
+        outputs manipulated_i, status_i.
 
     Raises
     ------
@@ -80,15 +91,28 @@ def multiloop_pid_law(
     chosen = form or PidForm()
     measured = signals.wired_signals("measurement", loops, measured, "PID law, measured")
     manipulated = signals.wired_signals("output", loops, manipulated, "PID law, manipulated")
-    blocks: list[PidBlock | OutputBlock] = []
+    blocks: list[Block] = []
     for i, (measurement, output) in enumerate(zip(measured, manipulated, strict=True), start=1):
         loop = f"loop {i}"
-        blocks += [
-            PidBlock(loop, i, chosen, measurement, i, output, i, i),
-            OutputBlock(i, output, loop, rate_limited),
-        ]
+        direct = i if decoupling is None else None
+        blocks.append(PidBlock(loop, i, chosen, measurement, i, output, i, direct))
+        if decoupling is not None:
+            terms = _decoupling_terms(i, manipulated, decoupling == "dynamic")
+            blocks.append(FeedforwardBlock(f"sum {i}", loop, output, terms))
+            loop = f"sum {i}"
+        blocks.append(OutputBlock(i, output, loop, rate_limited))
     return structure_law(
         f"multiloop_{chosen.actions.lower()}", blocks, controlled=measured, measured=measured
+    )
+
+
+def _decoupling_terms(
+    i: int, manipulated: Sequence[Signal], dynamic: bool
+) -> tuple[FeedforwardTerm, ...]:
+    return tuple(
+        FeedforwardTerm(f"{i}_{j}", other, f"last_output_{j}", dynamic)
+        for j, other in enumerate(manipulated, start=1)
+        if j != i
     )
 
 

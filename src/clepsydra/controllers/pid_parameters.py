@@ -68,7 +68,9 @@ def pid_parameters(number: int, form: PidForm, measurement: Signal, moved: Signa
 
 
 def remembered(number: int, form: PidForm) -> list[str]:
-    """Return the parameters whose change moves the integral, so that the output does not jump.
+    """Return the parameters whose last value counts where they change, so that nothing jumps.
+
+    The velocity form has no integral that takes a change up: there it is the filter's alone.
 
     Examples
     --------
@@ -76,7 +78,8 @@ def remembered(number: int, form: PidForm) -> list[str]:
     ['proportional_gain_1', 'setpoint_weight_1']
     """
     if form.algorithm == "velocity":
-        return []
+        names = ["derivative_time", "derivative_filter"] if form.has_derivative else []
+        return [f"{name}_{number}" for name in names]
     names = ["proportional_gain"]
     if form.has_derivative:
         parallel = form.algorithm == "parallel"

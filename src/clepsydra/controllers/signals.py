@@ -228,8 +228,10 @@ def ratio_of_units(numerator: str, *denominators: str) -> str:
     --------
     >>> ratio_of_units("V", "m"), ratio_of_units("V", "V"), ratio_of_units("V", "V", "s")
     ('V/m', 'V/V', 'V/(V s)')
+    >>> ratio_of_units("m^3/s", "mol/m^3")
+    'm^3/s/(mol/m^3)'
     """
-    below = [unit for unit in denominators if unit != "1"]
+    below = [f"({unit})" if "/" in unit else unit for unit in denominators if unit != "1"]
     if not below:
         return numerator
     return f"{numerator}/({' '.join(below)})" if len(below) > 1 else f"{numerator}/{below[0]}"

@@ -85,7 +85,7 @@ for each measurement of the law; name them.
         ("setpoints", setpoints, inputs, "setpoint_"),
         ("manipulated", manipulated, outputs, "manipulated_"),
     ):
-        count = sum(name.startswith(prefix) for name in known)
+        count = sum(name.startswith(prefix) and name not in free for name in known)
         names_given = isinstance(names, (tuple, list)) and all(isinstance(n, str) for n in names)
         if not names_given or len(names) != count:
             raise InputError(

@@ -60,8 +60,8 @@ def check_designed(law: StepLaw, values: Mapping[str, float], method: str) -> No
 
     Examples
     --------
-    >>> from clepsydra.controllers.proportional_integral import multiloop_pi_law
-    >>> law = multiloop_pi_law(1)
+    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> law = multiloop_pid_law(1)
     >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
     >>> check_designed(law, values | {"integral_time_1": 2e-8}, "SIMC")
     Traceback (most recent call last):

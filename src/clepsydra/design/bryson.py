@@ -5,24 +5,68 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.linear_quadratic_integral import FAMILY, lqi_law
-from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.control_authority import DESIGN_STEP, check_ranges, control_authority
 from clepsydra.design.linear_quadratic import METHOD, LqiGains, lqi_gains
-from clepsydra.design.request import positive_number
-from clepsydra.design.sampled_loop import sampled_loop
+from clepsydra.design.measured_states import measurements_of_states, with_outputs
+from clepsydra.design.relevant_states import without_idle_states
+from clepsydra.design.request import in_shown_unit, positive_number
 from clepsydra.design.sampling_period import check_sampling_period
+from clepsydra.design.slowing_down import note_on_slowing, slow_down
+from clepsydra.design.state_controllers import lqi_controller, sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.linearise import linearise, operating_point_of
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import origin_radius, time_constants
 from clepsydra.linear.zeros import zeros
 from clepsydra.process.process import Process
+
+NAME = "LQI, Bryson"
+
+
+class Deviations(NamedTuple):
+    """The largest acceptable deviations, and how long an error may last.
+
+    Parameters
+    ----------
+    errors, moves : dict
+        Output and input names to deviations [their units].
+    horizon : float
+        T [s]
+
+    Examples
+    --------
+    >>> Deviations({"level": 0.1}, {"pump": 3.0}, 30.0).slower(2.0)
+    Deviations(errors={'level': 0.1}, moves={'pump': 1.5}, horizon=60.0)
+    """
+
+    errors: dict[str, float]
+    moves: dict[str, float]
+    horizon: float
+
+    def slower(self, factor: float) -> Deviations:
+        """Return deviations that ask for less: smaller moves and a longer horizon."""
+        moves = {name: value / factor for name, value in self.moves.items()}
+        return Deviations(self.errors, moves, self.horizon * factor)
+
+    def sizes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return errors and moves as arrays [q] and [m]."""
+        return np.array(list(self.errors.values())), np.array(list(self.moves.values()))
+
+    def in_words(self, process: Process) -> str:
+        """Return them as the reader sees them."""
+        parts = [
+            f"{name} {in_shown_unit(process.signal(name), value)}"
+            for name, value in (self.errors | self.moves).items()
+        ]
+        return f"largest acceptable deviations {', '.join(parts)}"
 
 
 def design_lqi(
@@ -37,8 +81,10 @@ def design_lqi(
     The horizon T for which a largest error may last is a third of the slowest time constant
     of the model (a tank that integrates has none and is passed over), or 1/z of its slowest
     zero z in the right half-plane where that is longer: no controller removes an error sooner.
-    The gains are optimal for the process held over each sampling period
-    (`design.linear_quadratic`), however long that is.
+    Of a tank that only integrates it is the time in which the largest moves make the largest
+    error. The gains are optimal for the process held over each sampling period
+    (`design.linear_quadratic`), however long that is. Where the sensitivity peak of the loop
+    is above 2, moves are made smaller and the horizon longer by one factor until it is 2.
 
     Parameters
     ----------
@@ -50,12 +96,14 @@ def design_lqi(
     maximum_moves : mapping, optional
         Input name to its largest acceptable deviation from the operating point [input unit];
         default the distance to the nearer limit.
-    anti_windup : {"back_calculation", "conditional_integration"}
+    anti_windup : {"back_calculation", "conditional_integration", "none"}
+        With conditional integration it is input-constrained LQI.
 
     Returns
     -------
     Controller
-        All states' measurements in the order of the states.
+        All states' measurements in the order of the states; states that act on no output are
+        left out.
 
     Raises
     ------
@@ -78,156 +126,150 @@ def design_lqi(
     if model.delays is not None:
         raise NotApplicable(
             METHOD,
-            "the process has dead time, and its law has no states for what is on its way",
+            "the process has dead time, and its law has no states for what is on its way; LQI "
+            "with a Kalman filter has them",
         )
-    point = operating_point_of(model)
-    process = point.process
-    if len(model.inputs) > len(model.outputs):
-        # With more inputs, integrals that differ without effect would never settle.
-        raise NotApplicable(
-            METHOD,
-            f"{len(model.inputs)} inputs move {len(model.outputs)} controlled outputs, and it "
-            "integrates one error for each input",
-        )
+    process = operating_point_of(model).process
+    refuse_more_inputs(model, METHOD)
     check_ranges(process, model.outputs, model.inputs, METHOD)
-    measurements = _measurements_of_states(process, model)
-    errors = _deviations("maximum_errors", maximum_errors, _default_errors(process, model.outputs))
-    moves = _deviations(
-        "maximum_moves", maximum_moves, _default_moves(process, model.inputs, point.as_dict())
-    )
-    horizon = _horizon(model)
-    gains = lqi_gains(
-        model,
-        np.array(list(errors.values())),
-        np.array(list(moves.values())),
-        horizon,
-        period,
-    )
-    measured = _with_outputs(model, measurements)
-    # The law sees measurements: F x = (F M⁻¹) y where y = M x.
-    feedback = np.linalg.solve(measured.C.T, gains.feedback.T).T
-    controller = _controller(
-        measured, model.outputs, gains._replace(feedback=feedback), horizon, anti_windup
-    )
-    peak = sampled_loop(controller, measured).maximum_sensitivity
-    if math.isinf(peak):
+    model = without_idle_states(model)
+    measurements = measurements_of_states(model, METHOD)
+    deviations = acceptable_deviations(model, maximum_errors, maximum_moves, METHOD)
+    measured = with_outputs(model, measurements)
+
+    def designed(factor: float) -> tuple[Controller, LqiGains]:
+        gains = _gains(model, deviations.slower(factor), period)
+        # The law sees measurements: F x = (F M⁻¹) y where y = M x.
+        feedback = np.linalg.solve(measured.C.T, gains.feedback.T).T
+        times = _tracking_times(model, measurements, feedback, gains, deviations.horizon * factor)
+        controller = lqi_controller(
+            NAME, model, measurements, feedback, gains.integral, times, anti_windup
+        )
+        return controller, gains
+
+    if math.isinf(sensitivity_peak(designed(1.0)[0], model)):
         raise NotApplicable(
             METHOD,
             "the sampled loop with its gains is unstable: they cannot be computed well enough "
             f"at a sampling period of {period:g} s",
         )
-    slowest = _slowest_time_constant(gains.eigenvalues, period)
+    found = slow_down(designed, lambda design: sensitivity_peak(design[0], model), METHOD)
+    controller, gains = found.design
+    slowest = slowest_time_constant(gains.eigenvalues, period)
+    asked = deviations.slower(found.factor)
     return dataclasses.replace(
         controller,
         design=(
-            f"LQI with Bryson's weights, {_in_words(process, errors | moves)}, an error lasting "
-            f"at most {horizon:.3g} s; slowest closed-loop time constant {slowest:.3g} s, "
-            f"sensitivity peak {peak:.2f}."
+            "LQI with Bryson's weights, "
+            f"{asked.in_words(process)}, an error lasting at most {asked.horizon:.3g} s; slowest "
+            f"closed-loop time constant {slowest:.3g} s, sensitivity peak {found.peak:.2f}."
         ),
+        notes=(*controller.notes, *note_on_slowing(found, "the regulator")),
     )
 
 
-def _controller(
-    measured: LinearModel,
-    outputs: tuple[str, ...],
-    gains: LqiGains,
-    horizon: float,
-    anti_windup: AntiWindup,
-) -> Controller:
-    """Return the controller with gains for the measurements, at rest at the operating point."""
-    point = operating_point_of(measured)
+def refuse_more_inputs(model: LinearModel, method: str) -> None:
+    """Refuse more inputs than outputs: integrals that differ without effect never settle.
+
+    Raises
+    ------
+    NotApplicable
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> refuse_more_inputs(analyse(load_process("quadruple-tank")).model, "LQI")
+    """
+    if len(model.inputs) > len(model.outputs):
+        raise NotApplicable(
+            method,
+            f"{len(model.inputs)} inputs move {len(model.outputs)} controlled outputs, and it "
+            "integrates one error for each input",
+        )
+
+
+def acceptable_deviations(
+    model: LinearModel,
+    maximum_errors: Mapping[str, float] | None,
+    maximum_moves: Mapping[str, float] | None,
+    method: str,
+) -> Deviations:
+    """Return Bryson's deviations: the default ones, with those that were given in their place.
+
+    Parameters
+    ----------
+    model, maximum_errors, maximum_moves
+        As for `design_lqi`.
+    method : str
+        For the message.
+
+    Raises
+    ------
+    InputError
+        A mapping names an unknown signal, or a deviation is not above zero.
+    NotApplicable
+        The model has nothing to tell a horizon from.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> acceptable_deviations(model, {"level_1": 0.5}, None, "LQI").errors
+    {'level_1': 0.5, 'level_2': 1.0}
+    """
+    point = operating_point_of(model)
     process, at = point.process, point.as_dict()
-    measurements = measured.outputs
-    controlled = [measurements.index(name) + 1 for name in outputs]
-    law = lqi_law(
-        len(measurements),
-        len(measured.inputs),
-        controlled,
-        anti_windup,
-        measured=[process.signal(name) for name in measurements],
-        manipulated=[process.signal(name) for name in measured.inputs],
+    errors = _given(
+        f"{method}, maximum_errors",
+        maximum_errors,
+        {name: DESIGN_STEP * process.signal(name).span for name in model.outputs},
     )
-    values = {f"reference_measurement_{j}": at[name] for j, name in enumerate(measurements, 1)}
-    initial_state: dict[str, float] = {}
-    for i, name in enumerate(measured.inputs, start=1):
-        signal, row, integral = process.signal(name), gains.feedback[i - 1], gains.integral[i - 1]
-        values |= {f"feedback_{i}_{j}": float(value) for j, value in enumerate(row, start=1)}
-        values |= {
-            f"integral_gain_{i}_{j}": float(value) for j, value in enumerate(integral, start=1)
-        }
-        values |= {
-            f"bias_{i}": at[name],
-            f"low_limit_{i}": signal.low,
-            f"high_limit_{i}": signal.high,
-        }
-        if anti_windup == "back_calculation":
-            values[f"tracking_time_{i}"] = _tracking_time(row, integral, controlled, horizon)
-        initial_state |= {f"integral_{i}": 0.0, f"last_output_{i}": at[name]}
-    check_designed(law, values, METHOD)
-    return Controller(
-        name="LQI, Bryson",
-        family=FAMILY,
-        design="",
-        law=law,
-        values=values,
-        initial_state=initial_state,
-        measurements=measurements,
-        setpoints=outputs,
-        manipulated=measured.inputs,
-        notes=(
-            f"Needs {len(measurements)} sensors: {', '.join(measurements)}; a fault of any of "
-            "them holds every output.",
-        ),
+    moves = _given(
+        f"{method}, maximum_moves",
+        maximum_moves,
+        {name: control_authority(process.signal(name), at[name]) for name in model.inputs},
     )
+    sizes = np.array(list(errors.values())), np.array(list(moves.values()))
+    return Deviations(errors, moves, _horizon(model, *sizes, method))
 
 
-def _with_outputs(model: LinearModel, measurements: tuple[str, ...]) -> LinearModel:
-    """Return the model with other measurements of its process as outputs."""
-    shown = linearise(operating_point_of(model)).select(outputs=measurements)
-    columns = [shown.states.index(name) for name in model.states]
-    no_feedthrough = np.zeros((len(measurements), len(model.inputs)))
-    return dataclasses.replace(model, C=shown.C[:, columns], D=no_feedthrough, outputs=measurements)
+def slowest_time_constant(eigenvalues: np.ndarray, period: float) -> float:
+    """Return the time in which the slowest mode shrinks to 1/e [s].
+
+    Examples
+    --------
+    >>> round(slowest_time_constant(np.array([0.5, math.exp(-0.1)]), 2.0), 9)
+    20.0
+    """
+    largest = float(np.max(np.abs(eigenvalues), initial=0.0))
+    return -period / math.log(largest) if largest > 0.0 else 0.0
 
 
-def _measurements_of_states(process: Process, model: LinearModel) -> tuple[str, ...]:
-    chosen = []
-    for state in model.states:
-        # Where two sensors show a state, the one that is controlled is meant.
-        showing = [name for name, shown in process.measured_state.items() if shown == state]
-        if not showing:
-            raise NotApplicable(METHOD, f"{state} is not measured, and it needs every state")
-        chosen.append(next((name for name in showing if name in model.outputs), showing[0]))
-    for name in model.outputs:
-        if name not in chosen:
-            raise NotApplicable(METHOD, f"{name} shows a state that another sensor shows too")
-    return tuple(chosen)
+def _gains(model: LinearModel, deviations: Deviations, period: float) -> LqiGains:
+    return lqi_gains(model, *deviations.sizes(), deviations.horizon, period)
 
 
-def _horizon(model: LinearModel) -> float:
+def _horizon(model: LinearModel, errors: np.ndarray, moves: np.ndarray, method: str) -> float:
     """Return the time for which a largest error may last [s]."""
+    late = 0.0 if model.delays is None else float(model.delays.times.sum())
+    model = at_rest(model)
     times = [float(time) for time in time_constants(model) if math.isfinite(time) and time > 0.0]
     radius = origin_radius(model.A)
     inverse = [1.0 / abs(zero) for zero in zeros(model) if zero.real > radius]
-    if not times and not inverse:
-        raise NotApplicable(METHOD, "the model has no time constant to scale the weights with")
-    return max(max(times, default=0.0) / 3.0, max(inverse, default=0.0))
+    if times or inverse or late:
+        return max(max(times, default=0.0) / 3.0, max(inverse, default=0.0), late)
+    rates = np.abs(model.C @ model.B) @ moves
+    if not np.all(rates > 0.0):
+        raise NotApplicable(method, "the model has no time constant to scale the weights with")
+    return float(np.max(errors / rates))
 
 
-def _default_errors(process: Process, names: tuple[str, ...]) -> dict[str, float]:
-    return {name: DESIGN_STEP * process.signal(name).span for name in names}
-
-
-def _default_moves(
-    process: Process, names: tuple[str, ...], at: Mapping[str, float]
-) -> dict[str, float]:
-    return {name: control_authority(process.signal(name), at[name]) for name in names}
-
-
-def _deviations(
-    what: str, given: Mapping[str, float] | None, default: dict[str, float]
+def _given(
+    place: str, given: Mapping[str, float] | None, default: dict[str, float]
 ) -> dict[str, float]:
     """Return the default deviations with those that were given in their place, checked."""
-    place = f"{METHOD}, {what}"
     if given is not None and not isinstance(given, Mapping):
         raise InputError(place, given, "names with numbers", "give a dictionary")
     for name, value in (given or {}).items():
@@ -242,24 +284,19 @@ def _deviations(
     return {name: float((given or {}).get(name, value)) for name, value in default.items()}
 
 
-def _tracking_time(
-    feedback: np.ndarray, integral: np.ndarray, controlled: list[int], horizon: float
-) -> float:
+def _tracking_times(
+    model: LinearModel,
+    measurements: tuple[str, ...],
+    feedback: np.ndarray,
+    gains: LqiGains,
+    horizon: float,
+) -> list[float]:
     """Return proportional over integral gain of the controlled outputs, a PI's Ti."""
-    proportional = np.linalg.norm([feedback[number - 1] for number in controlled])
-    size = np.linalg.norm(integral)
-    # An input that the integrators do not move cannot wind up: any time will do.
-    return float(proportional / size) if size > 0.0 and proportional > 0.0 else horizon
-
-
-def _in_words(process: Process, deviations: Mapping[str, float]) -> str:
-    parts = [
-        f"{name} {value:.3g} {process.signal(name).unit}" for name, value in deviations.items()
-    ]
-    return "largest acceptable deviations " + ", ".join(parts)
-
-
-def _slowest_time_constant(eigenvalues: np.ndarray, period: float) -> float:
-    """Return the time in which the slowest mode shrinks to 1/e [s]."""
-    largest = float(np.max(np.abs(eigenvalues)))
-    return -period / math.log(largest) if largest > 0.0 else 0.0
+    columns = [measurements.index(name) for name in model.outputs]
+    times = []
+    for row, integral in zip(feedback, gains.integral, strict=True):
+        proportional, size = np.linalg.norm(row[columns]), np.linalg.norm(integral)
+        # An input that the integrators do not move cannot wind up: any time will do.
+        both = size > 0.0 and proportional > 0.0
+        times.append(float(proportional / size) if both else horizon)
+    return times

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.pi_settings import PiSettings
+from clepsydra.design.pid_settings import PidSettings
 
 #: The largest peak of the sensitivity that is let pass.
 SENSITIVITY_LIMIT = 2.0
@@ -19,7 +19,7 @@ _ACCURACY = 1e-7
 _ITERATIONS = 60
 
 #: Settings of all loops to the peak of their sensitivity, infinite where they are unstable.
-Peak = Callable[[Sequence[PiSettings]], float]
+Peak = Callable[[Sequence[PidSettings]], float]
 
 
 class Detuned(NamedTuple):
@@ -27,17 +27,17 @@ class Detuned(NamedTuple):
 
     Examples
     --------
-    >>> Detuned((PiSettings(3.0, 30.0),), 1.0, 1.6).peak
+    >>> Detuned((PidSettings(3.0, 30.0),), 1.0, 1.6).peak
     1.6
     """
 
-    settings: tuple[PiSettings, ...]
+    settings: tuple[PidSettings, ...]
     factor: float
     peak: float
 
 
 def detune(
-    settings_at: Callable[[float], Sequence[PiSettings]], peak: Peak, method: str
+    settings_at: Callable[[float], Sequence[PidSettings]], peak: Peak, method: str
 ) -> Detuned:
     """Return the fastest settings whose loops, all closed, have a sensitivity peak of 2.
 
@@ -70,7 +70,7 @@ def detune(
     --------
     Where the peak is 1 + K, a gain of 3 has to be divided by 3:
 
-    >>> found = detune(lambda factor: [PiSettings(3.0 / factor, 30.0)],
+    >>> found = detune(lambda factor: [PidSettings(3.0 / factor, 30.0)],
     ...                lambda settings: 1.0 + settings[0].gain, "by hand")
     >>> round(found.factor, 5), round(found.peak, 5)
     (3.0, 2.0)
@@ -87,12 +87,12 @@ def detune(
     return Detuned(tuple(settings_at(factor)), factor, value)
 
 
-def as_given(settings: Sequence[PiSettings], peak: Peak, method: str, choice: str) -> Detuned:
+def as_given(settings: Sequence[PidSettings], peak: Peak, method: str, choice: str) -> Detuned:
     """Return settings that the user chose, undetuned, with the peak that they have.
 
     Parameters
     ----------
-    settings : sequence of PiSettings
+    settings : sequence of PidSettings
     peak : callable
         As for `detune`.
     method, choice : str
@@ -105,7 +105,7 @@ def as_given(settings: Sequence[PiSettings], peak: Peak, method: str, choice: st
 
     Examples
     --------
-    >>> as_given([PiSettings(9.0, 1.0)], lambda settings: math.inf, "SIMC", "a time of 1 s")
+    >>> as_given([PidSettings(9.0, 1.0)], lambda settings: math.inf, "SIMC", "a time of 1 s")
     Traceback (most recent call last):
         ...
     clepsydra.design.applicability.NotApplicable: SIMC is not applicable: the loops together \

@@ -84,6 +84,39 @@ def half_rule(
     >>> model.time_constant, model.delay
     (1.1, 0.1)
     """
+    left, effective, factor = reduced_lags(element, delay, 1, method)
+    gain = element.gain * factor  # of an integrating element it is the slope already
+    slope = gain if math.isinf(left[0]) else gain / left[0]
+    return FirstOrderDelay(slope, left[0], effective)
+
+
+def reduced_lags(
+    element: TransferElement, delay: float, order: int, method: str
+) -> tuple[list[float], float, float]:
+    """Return the lags that the half rule keeps, the effective delay and the factor of the gain.
+
+    Parameters
+    ----------
+    element : TransferElement
+    delay : float
+        Of the loop outside the element [s].
+    order : int
+        How many lags are kept; there may be fewer.
+    method : str
+        For the message.
+
+    Raises
+    ------
+    NotApplicable
+        As for `half_rule`.
+
+    Examples
+    --------
+    Four lags of 1 s as two: 1 s and 1.5 s, with 1.5 s of delay.
+
+    >>> reduced_lags(TransferElement(1.0, (-1.0,) * 4, (), 0), 0.0, 2, "SIMC")
+    ([1.0, 1.5], 1.5, 1.0)
+    """
     _check(element, method)
     lags = sorted((-1.0 / root.real for root in element.poles), reverse=True)
     leads = sorted((-1.0 / root.real for root in element.zeros if root.real < 0.0), reverse=True)
@@ -96,17 +129,16 @@ def half_rule(
         factor, left = _without_leads(lags, leads, effective)
         if not left:
             raise NotApplicable(method, "no lag is left once its zeros are accounted for")
-        second = left[1] if len(left) > 1 else 0.0
-        new = fixed + second / 2.0 + sum(left[2:])
+        shared = left[order] if len(left) > order else 0.0
+        new = fixed + shared / 2.0 + sum(left[order + 1 :])
         if new == effective:
             break
         # Two answers that imply each other: the longer delay is the safer one.
         effective = max(new, effective) if new in tried else new
         tried.add(new)
-    time_constant = left[0] + second / 2.0
-    gain = element.gain * factor  # of an integrating element it is the slope already
-    slope = gain if math.isinf(time_constant) else gain / time_constant
-    return FirstOrderDelay(slope, time_constant, effective)
+    kept = left[:order]
+    kept[-1] += shared / 2.0
+    return kept, effective, factor
 
 
 def _without_leads(

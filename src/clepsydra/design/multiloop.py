@@ -1,27 +1,30 @@
-"""What the designs of multiloop PI controllers share: pairing checked, controller made."""
+"""What the designs of multiloop PID controllers share: pairing checked, controller made."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.blocks.anti_windup import AntiWindup
+from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.proportional_integral import FAMILY, multiloop_pi_law
+from clepsydra.controllers.multiloop_pid import Decoupling, family, multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable, check_designed
 from clepsydra.design.control_authority import check_ranges, largest_proportional_gain
+from clepsydra.design.decoupling import inverted_decoupler
 from clepsydra.design.detuning import SENSITIVITY_LIMIT, Detuned
-from clepsydra.design.pi_settings import PiSettings
+from clepsydra.design.gain_units import unit_of_gain
+from clepsydra.design.law_settings import law_settings
+from clepsydra.design.pairing import Pairing, checked_pairing
+from clepsydra.design.pid_settings import PidSettings
 from clepsydra.design.sampled_loop import SampledLoops
 from clepsydra.design.sampled_process import NotSampled
 from clepsydra.design.transfer_element import TransferElement, transfer_element
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
-
-Pairing = Sequence[tuple[str, str]]
 
 
 class PairedLoop(NamedTuple):
@@ -47,49 +50,63 @@ class PairedLoop(NamedTuple):
         return f"{self.output.name} by {self.input.name}"
 
     @property
+    def gain_unit(self) -> str:
+        """Unit of its gain; empty where input and output are shares."""
+        return unit_of_gain(self.output, self.input)
+
+    @property
     def largest_gain(self) -> float:
         """The largest proportional gain that the room of the input allows."""
         return largest_proportional_gain(self.output, self.input, self.resting_input)
 
 
-class MultiloopPi:
-    """The PI controllers of one pairing on one model, for any settings.
+class MultiloopPid:
+    """The PID controllers of one pairing on one model, for any settings.
 
     Parameters
     ----------
     model : LinearModel
         Of a process at an operating point.
     pairing : sequence of (output, input)
-    anti_windup : {"back_calculation", "conditional_integration"}
+    form : PidForm
     method : str
         Of the design, for names and messages.
+    decoupling : {"static", "dynamic"}, optional
+        Whether the law decouples the loops (`design.decoupling`); each setting is then that of
+        its own element alone.
 
     Raises
     ------
     InputError
-        The model has no operating point, the pairing is empty, names an unknown signal or one
-        signal twice, or the anti-windup is unknown.
+        The model has no operating point, or the pairing is empty, names an unknown signal or one
+        signal twice.
     NotApplicable
         A signal has no range, or one beyond what a controller takes, an input does not move
-        its output, or dead times have no place in a transfer function or a sampled loop.
+        its output, dead times have no place in a transfer function or a sampled loop, or there
+        is no decoupler.
 
     Examples
     --------
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> loops = MultiloopPi(analysis.model, analysis.pairing, "conditional_integration", "by hand")
+    >>> loops = MultiloopPid(analysis.model, analysis.pairing, PidForm("PID"), "by hand")
     >>> [(loop.pair, loop.resting_input) for loop in loops.loops]
     [('level_1 by pump_1', 3.0), ('level_2 by pump_2', 3.0)]
     """
 
     def __init__(
-        self, model: LinearModel, pairing: Pairing, anti_windup: AntiWindup, method: str
+        self,
+        model: LinearModel,
+        pairing: Pairing,
+        form: PidForm,
+        method: str,
+        decoupling: Decoupling | None = None,
     ) -> None:
-        self.method = method
+        self.method, self.form, self.decoupling = method, form, decoupling
         self.point = operating_point_of(model)
         self.process = self.point.process
-        outputs, inputs = _checked(pairing, model)
+        outputs, inputs = checked_pairing(pairing, model)
         check_ranges(self.process, outputs, inputs, method)
         at = self.point.as_dict()
         self.loops: list[PairedLoop] = []
@@ -99,7 +116,8 @@ class MultiloopPi:
                 raise NotApplicable(method, f"{input_name} does not move {output}")
             signals = self.process.signal(output), self.process.signal(input_name)
             self.loops.append(PairedLoop(*signals, found, at[input_name]))
-        self._without_settings = self._blank(outputs, inputs, anti_windup)
+        self._fixed = self._fixed_values(model)
+        self._without_settings = self._blank(outputs, inputs)
         try:
             self._sampled = SampledLoops(self._without_settings, model)
         except NotSampled as refusal:
@@ -107,15 +125,14 @@ class MultiloopPi:
                 method, f"its sampled loops need {refusal.expected}; {refusal.remedy}"
             ) from None
 
-    def peak(self, settings: Sequence[PiSettings]) -> float:
+    def peak(self, settings: Sequence[PidSettings]) -> float:
         """Return the sensitivity peak of all loops closed; infinite if they are unstable."""
         return self._sampled.at(self._values(settings)).maximum_sensitivity
 
     def controller(self, found: Detuned, design: str, notes: Sequence[str]) -> Controller:
         """Return the controller with these settings, at rest at the operating point.
 
-        The setpoint weight is 1, the tracking time the integral time, and the limits are the
-        ranges of the inputs.
+        The setpoint weight is 1 and the limits are the ranges of the inputs.
 
         Parameters
         ----------
@@ -138,58 +155,132 @@ class MultiloopPi:
                 f"together {found.peak:.2f}."
             ),
             values=values,
+            initial_state=self._at_rest(values),
             notes=tuple(notes),
         )
 
-    def _blank(
-        self, outputs: tuple[str, ...], inputs: tuple[str, ...], anti_windup: AntiWindup
-    ) -> Controller:
-        law = multiloop_pi_law(
+    def _blank(self, outputs: tuple[str, ...], inputs: tuple[str, ...]) -> Controller:
+        law = multiloop_pid_law(
             len(self.loops),
-            anti_windup,
+            self.form,
             measured=[loop.output for loop in self.loops],
             manipulated=[loop.input for loop in self.loops],
+            decoupling=self.decoupling,
         )
-        values = {parameter.name: parameter.initial for parameter in law.parameters}
+        values = {parameter.name: parameter.initial for parameter in law.parameters} | self._fixed
         check_designed(law, values, self.method)
-        # At rest r = y and b = 1, so the integral is the whole output.
-        initial_state = {
-            f"{name}_{i}": loop.resting_input
-            for i, loop in enumerate(self.loops, start=1)
-            for name in ("integral", "last_output")
-        }
+        self._law = law
         return Controller(
-            name=f"PI, {self.method}",
-            family=FAMILY,
+            name=f"{self.form.actions}, {self.method}" + self._decoupled(", "),
+            family=family(self.form) + self._decoupled(" with "),
             design="",
             law=law,
             values=values,
-            initial_state=initial_state,
+            initial_state=self._at_rest(values),
             measurements=outputs,
             setpoints=outputs,
             manipulated=inputs,
         )
 
-    def _values(self, settings: Sequence[PiSettings]) -> dict[str, float]:
-        values = dict(self._without_settings.values)
-        for i, (loop, setting) in enumerate(zip(self.loops, settings, strict=True), start=1):
-            values |= {
-                f"proportional_gain_{i}": setting.gain,
-                f"integral_time_{i}": setting.integral_time,
-                f"setpoint_weight_{i}": 1.0,
-                f"low_limit_{i}": loop.input.low,
-                f"high_limit_{i}": loop.input.high,
-            }
-            if f"tracking_time_{i}" in values:
-                values[f"tracking_time_{i}"] = setting.integral_time
+    def _decoupled(self, joined: str) -> str:
+        return "" if self.decoupling is None else f"{joined}{self.decoupling} decoupling"
+
+    def _fixed_values(self, model: LinearModel) -> dict[str, float]:
+        """Return limits and decoupling terms, which no setting of a loop changes."""
+        values: dict[str, float] = {}
+        for i, loop in enumerate(self.loops, start=1):
+            values |= {f"low_limit_{i}": loop.input.low, f"high_limit_{i}": loop.input.high}
+        if self.decoupling is None:
+            return values
+        pairs = [(loop.output.name, loop.input.name) for loop in self.loops]
+        try:
+            found = inverted_decoupler(model, pairs, kind=self.decoupling)
+        except NotApplicable as refusal:
+            raise NotApplicable(f"{self.method} with decoupling", refusal.reason) from None
+        for i, row in enumerate(found.gain):
+            for j, other in enumerate(self.loops):
+                if i == j:
+                    continue
+                place = f"{i + 1}_{j + 1}"
+                values[f"feedforward_gain_{place}"] = float(row[j])
+                values[f"feedforward_reference_{place}"] = other.resting_input
+                if self.decoupling == "dynamic":
+                    values[f"feedforward_lead_{place}"] = float(found.lead[i, j])
+                    values[f"feedforward_lag_{place}"] = float(found.lag[i, j])
         return values
 
-    def _in_words(self, settings: Sequence[PiSettings]) -> str:
+    def _at_rest(self, values: dict[str, float]) -> dict[str, float]:
+        at = self.point.as_dict()
+        inputs: dict[str, float] = {}
+        for i, loop in enumerate(self.loops, start=1):
+            measured = at[loop.output.name]
+            inputs |= {f"setpoint_{i}": measured, f"measurement_{i}": measured}
+            inputs[f"tracking_{i}"] = loop.resting_input
+        return state_at_rest(self._law, values, inputs)
+
+    def _values(self, settings: Sequence[PidSettings]) -> dict[str, float]:
+        values = dict(self._without_settings.values)
+        for i, setting in enumerate(settings, start=1):
+            own = law_settings(setting, self.form, self.method)
+            own |= {"setpoint_weight": 1.0}
+            values |= {
+                f"{name}_{i}": value for name, value in own.items() if f"{name}_{i}" in values
+            }
+        return values
+
+    def _in_words(self, settings: Sequence[PidSettings]) -> str:
         return "; ".join(
-            f"{loop.pair}: K = {setting.gain:.3g} {loop.input.unit}/{loop.output.unit}, "
-            f"Ti = {setting.integral_time:.3g} s"
+            f"{loop.pair}: K = {setting.gain:.3g}{_with_space(loop.gain_unit)}"
+            + (f", Ti = {setting.integral_time:.3g} s" if self.form.has_integral else "")
+            + (f", Td = {setting.derivative_time:.3g} s" if self.form.has_derivative else "")
             for loop, setting in zip(self.loops, settings, strict=True)
         )
+
+
+def _with_space(unit: str) -> str:
+    return f" {unit}" if unit else ""
+
+
+def checked_form(form: PidForm | None, method: str) -> tuple[PidForm, Literal["PI", "PID"]]:
+    """Return the form asked for, PI where none is, and its actions.
+
+    Raises
+    ------
+    InputError
+        It is no form, or has other actions than PI and PID.
+
+    Examples
+    --------
+    >>> checked_form(None, "SIMC")[1], checked_form(PidForm("PID"), "SIMC")[1]
+    ('PI', 'PID')
+    """
+    form = PidForm() if form is None else form
+    if not isinstance(form, PidForm) or form.actions not in ("PI", "PID"):
+        raise InputError(
+            f"{method}, form",
+            getattr(form, "actions", form),
+            "a PidForm with the actions PI or PID",
+            "choose one of the two",
+        )
+    return form, form.actions
+
+
+def pi_only(form: PidForm | None, method: str) -> PidForm:
+    """Return the form asked for, which must have the actions PI.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> pi_only(None, "lambda").actions
+    'PI'
+    """
+    form, actions = checked_form(form, method)
+    if actions != "PI":
+        raise InputError(f"{method}, form", actions, "PI: it has no rule for Td", "ask for PI")
+    return form
 
 
 def note_on_peak(found: Detuned, remedy: str) -> list[str]:
@@ -197,23 +288,9 @@ def note_on_peak(found: Detuned, remedy: str) -> list[str]:
 
     Examples
     --------
-    >>> note_on_peak(Detuned((PiSettings(9.0, 30.0),), 1.0, 2.5), "choose a lower crossover")
+    >>> note_on_peak(Detuned((PidSettings(9.0, 30.0),), 1.0, 2.5), "choose a lower crossover")
     ['The sensitivity peak is 2.50, above 2: choose a lower crossover.']
     """
     if found.peak <= SENSITIVITY_LIMIT:
         return []
     return [f"The sensitivity peak is {found.peak:.2f}, above {SENSITIVITY_LIMIT:g}: {remedy}."]
-
-
-def _checked(pairing: Pairing, model: LinearModel) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the outputs and the inputs of a pairing."""
-    whole = isinstance(pairing, (list, tuple)) and all(
-        isinstance(pair, (list, tuple)) and len(pair) == 2 for pair in pairing
-    )
-    if not whole or not pairing:
-        raise InputError(
-            "pairing", pairing, "at least one pair (output, input)", "pair output and input"
-        )
-    outputs, inputs = zip(*pairing, strict=True)
-    model.select(outputs, inputs)
-    return outputs, inputs

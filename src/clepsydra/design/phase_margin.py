@@ -1,83 +1,49 @@
-"""Multiloop PI from a phase margin and a crossover frequency, in closed form."""
+"""Multiloop PI and PID from a phase margin and a crossover frequency."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Literal
 
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable, reasons_about
 from clepsydra.design.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
-from clepsydra.design.multiloop import MultiloopPi, PairedLoop, Pairing, note_on_peak
-from clepsydra.design.pi_settings import PiSettings, slowed_down
+from clepsydra.design.margin_settings import (
+    METHOD,
+    lag_needed,
+    margin_of,
+    pi_for_margin,
+    pid_for_margin,
+)
+from clepsydra.design.multiloop import MultiloopPid, PairedLoop, checked_form, note_on_peak
+from clepsydra.design.pairing import Pairing
+from clepsydra.design.pid_settings import slowed_down
 from clepsydra.design.request import positive_number
 from clepsydra.design.transfer_element import TransferElement
 from clepsydra.linear.linear_model import LinearModel
 
-METHOD = "phase margin"
 #: The lag of the PI at the default crossover is at least this, which makes ω Ti at most 3.
 SMALLEST_LAG = math.atan(1.0 / 3.0)
+#: The lead of the PID at the default crossover is at most this [rad].
+LARGEST_LEAD = math.radians(30.0)
 _BISECTIONS = 60
 _POINTS_A_DECADE = 50
 
 
-def pi_for_margin(
-    element: TransferElement, delay: float, phase_margin: float, crossover: float
-) -> PiSettings:
-    """Return the PI that gives an element this phase margin at this crossover.
-
-    The PI must lag by φ = π − φm + arg g(jω) − ωθ at the crossover ω, and make |g C| one there.
-    Since arg C = −atan(1/(ω Ti)) and \\|C| = K/cos φ::
-
-        Ti = 1/(ω tan φ),   K = cos φ/|g(jω)|
-
-    Parameters
-    ----------
-    element : TransferElement
-        Stable, or integrating.
-    delay : float
-        θ [s]
-    phase_margin : float
-        φm [rad]
-    crossover : float
-        ω [rad/s]
-
-    Raises
-    ------
-    NotApplicable
-        φ is not between 0° and 90°: no PI has that phase.
-
-    References
-    ----------
-    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, chapter 6.
-
-    Examples
-    --------
-    An integrator 1/s, 45° at 1 rad/s: the PI lags by 45° itself.
-
-    >>> setting = pi_for_margin(TransferElement(1.0, (), (), 1), 0.0, math.pi / 4, 1.0)
-    >>> round(setting.gain, 6), round(setting.integral_time, 6)
-    (0.707107, 1.0)
-    """
-    lag = _lag(element, delay, phase_margin, crossover)
-    if not 0.0 < lag < math.pi / 2.0:
-        needed = "lead by" if lag <= 0.0 else "lag by"
-        raise NotApplicable(
-            METHOD,
-            f"at {crossover:.3g} rad/s the controller would have to {needed} "
-            f"{abs(math.degrees(lag)):.0f}° for a margin of {math.degrees(phase_margin):.0f}°, and "
-            f"a PI lags by 0° to 90°; choose a {'lower' if lag <= 0.0 else 'higher'} crossover",
-        )
-    gain = element.sign * math.cos(lag) / element.magnitude(crossover)
-    return PiSettings(gain, 1.0 / (crossover * math.tan(lag)))
-
-
 def default_crossover(
-    element: TransferElement, delay: float, phase_margin: float, largest_gain: float
+    element: TransferElement,
+    delay: float,
+    phase_margin: float,
+    largest_gain: float,
+    actions: Literal["PI", "PID"] = "PI",
 ) -> float:
-    """Return the highest crossover [rad/s] with ω Ti ≤ 3 and a gain within the input's room.
+    """Return the highest crossover [rad/s] with a gain within the input's room.
+
+    A PI must have ω Ti ≤ 3 there, a PID must not have to lead by more than 30°.
 
     Parameters
     ----------
@@ -88,11 +54,12 @@ def default_crossover(
         [rad]
     largest_gain : float
         Largest magnitude of the proportional gain, `control_authority.largest_proportional_gain`.
+    actions : {"PI", "PID"}
 
     Raises
     ------
     NotApplicable
-        There is no frequency at which a PI gives this margin with ω Ti ≤ 3.
+        There is no such frequency.
 
     Examples
     --------
@@ -110,15 +77,24 @@ def default_crossover(
     count = max(2, int(_POINTS_A_DECADE * math.log10(fastest / slowest)))
     grid = [slowest * (fastest / slowest) ** (k / (count - 1)) for k in range(count)]
 
+    rule, smallest = (
+        (pi_for_margin, SMALLEST_LAG) if actions == "PI" else (pid_for_margin, -LARGEST_LEAD)
+    )
+
     def too_fast(omega: float) -> bool:
-        lag = _lag(element, delay, phase_margin, omega)
-        if lag < SMALLEST_LAG:
+        lag = lag_needed(element, delay, phase_margin, omega)
+        if lag < smallest:
             return True
-        return lag < math.pi / 2.0 and math.cos(lag) / element.magnitude(omega) > largest_gain
+        if lag >= math.pi / 2.0:
+            return False
+        return abs(rule(element, delay, phase_margin, omega).gain) > largest_gain
 
     # The lowest frequency that is too fast: beyond it the phase has run out for good.
     first = next((k for k, omega in enumerate(grid) if too_fast(omega)), None)
-    impossible = f"a PI cannot give a margin of {math.degrees(phase_margin):.0f}° with ω Ti ≤ 3"
+    within = "ω Ti ≤ 3" if actions == "PI" else f"a lead of {math.degrees(LARGEST_LEAD):.0f}°"
+    impossible = (
+        f"a {actions} cannot give a margin of {math.degrees(phase_margin):.0f}° with {within}"
+    )
     if first is None:
         raise NotApplicable(METHOD, "nothing bounds the crossover from above: give one")
     if first == 0:
@@ -127,7 +103,7 @@ def default_crossover(
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if too_fast(middle) else (middle, high)
-    if _lag(element, delay, phase_margin, low) >= math.pi / 2.0:
+    if lag_needed(element, delay, phase_margin, low) >= math.pi / 2.0:
         raise NotApplicable(METHOD, impossible)
     return low
 
@@ -136,29 +112,31 @@ def design_phase_margin(
     model: LinearModel,
     pairing: Pairing,
     *,
+    form: PidForm | None = None,
     phase_margin: float = math.pi / 3.0,
     crossover: float | None = None,
-    anti_windup: AntiWindup = "back_calculation",
 ) -> Controller:
-    """Design a PI controller for each pair from its phase margin.
+    """Design a PI or PID controller for each pair from its phase margin.
 
     Each loop by itself, taken as continuous with half a sampling period of delay, gets exactly
-    this margin. Without a given crossover each takes the highest at which ω Ti ≤ 3 and a
-    setpoint step of a tenth of the measurement's range does not saturate the input; then all
-    are slowed down by one factor, K/F and F·Ti, until the sampled loops together have a
-    sensitivity peak of 2 (`design.detuning`), which changes the margins: the notes give what
-    they became. A given crossover is used as it is.
+    this margin. Without a given crossover each takes the highest at which a PI has ω Ti ≤ 3, or
+    a PID has to lead by no more than 30°, and a setpoint step of a tenth of the measurement's
+    range does not saturate the input; then all are slowed down by one factor, K/F and F·Ti,
+    until the sampled loops together have a sensitivity peak of 2 (`design.detuning`), which
+    changes the margins: the notes give what they became. A given crossover is used as it is,
+    and where no form is given a loop that a PI cannot lead enough gets a PID.
 
     Parameters
     ----------
     model : LinearModel
         Of a process at an operating point.
     pairing : sequence of (output, input)
+    form : PidForm, optional
+        PI in ISA form if left out, and PID where the crossover asks for it.
     phase_margin : float
         Of each loop by itself [rad].
     crossover : float, optional
         Of all loops [rad/s].
-    anti_windup : {"back_calculation", "conditional_integration"}
 
     Returns
     -------
@@ -168,11 +146,11 @@ def design_phase_margin(
     Raises
     ------
     NotApplicable
-        No PI gives this margin, an element is unstable, the loops are unstable together, or
-        a setting is outside of what a controller takes.
+        No such controller gives this margin, an element is unstable, the loops are unstable
+        together, or a setting is outside of what a controller takes.
     InputError
-        The model has no operating point, the pairing is no pairing of the model, the
-        anti-windup is unknown, or a number is out of range.
+        The model has no operating point, the pairing is no pairing of the model, the form is
+        neither PI nor PID, or a number is out of range.
 
     Examples
     --------
@@ -184,16 +162,26 @@ def design_phase_margin(
     3.0
     """
     _check(phase_margin, crossover)
-    together = MultiloopPi(model, pairing, anti_windup, METHOD)
+    asked, actions = checked_form(form, METHOD)
+    together = MultiloopPid(model, pairing, asked, METHOD)
     delay = together.process.sampling_period / 2.0
-    crossovers, settings = [], []
     for loop in together.loops:
         with reasons_about(loop.pair):
             _check_element(loop.element)
+    if form is None and crossover is not None:
+        lags = [lag_needed(loop.element, delay, phase_margin, crossover) for loop in together.loops]
+        if min(lags) <= 0.0:
+            actions = "PID"
+            together = MultiloopPid(model, pairing, replace(asked, actions=actions), METHOD)
+    crossovers, settings = [], []
+    for loop in together.loops:
+        with reasons_about(loop.pair):
             frequency = crossover or default_crossover(
-                loop.element, delay, phase_margin, loop.largest_gain
+                loop.element, delay, phase_margin, loop.largest_gain, actions
             )
-            settings.append(pi_for_margin(loop.element, delay, phase_margin, frequency))
+            needs_lead = lag_needed(loop.element, delay, phase_margin, frequency) <= 0.0
+            rule = pid_for_margin if actions == "PID" and (needs_lead or form) else pi_for_margin
+            settings.append(rule(loop.element, delay, phase_margin, frequency))
         crossovers.append(frequency)
     if crossover is None:
         found = detune(lambda factor: slowed_down(settings, factor), together.peak, METHOD)
@@ -207,38 +195,6 @@ def design_phase_margin(
         + (f", slowed down {found.factor:.3g} times" if found.factor > 1.0 else ""),
         _notes(found, together.loops, delay),
     )
-
-
-def margin_of(element: TransferElement, delay: float, setting: PiSettings) -> tuple[float, float]:
-    """Return the crossover [rad/s] and phase margin [rad] of one loop by itself.
-
-    The crossover is where |g C| falls through one; it is unique for an element without
-    resonance, whose magnitude falls with frequency.
-
-    Examples
-    --------
-    >>> integrator = TransferElement(1.0, (), (), 1)
-    >>> crossover, margin = margin_of(integrator, 0.0, PiSettings(0.5**0.5, 1.0))
-    >>> round(crossover, 6), round(math.degrees(margin), 6)
-    (1.0, 45.0)
-    """
-
-    def loop_gain(omega: float) -> float:
-        controller = abs(setting.gain) * math.hypot(1.0, 1.0 / (omega * setting.integral_time))
-        return controller * element.magnitude(omega)
-
-    low, high = 1e-9, 1e-9
-    while loop_gain(high) > 1.0 and high < 1e9:
-        low, high = high, 2.0 * high
-    for _ in range(_BISECTIONS):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if loop_gain(middle) > 1.0 else (low, middle)
-    lag = math.atan(1.0 / (high * setting.integral_time))
-    return high, math.pi + element.phase(high) - high * delay - lag
-
-
-def _lag(element: TransferElement, delay: float, phase_margin: float, omega: float) -> float:
-    return math.pi - phase_margin + element.phase(omega) - omega * delay
 
 
 def _check(phase_margin: float, crossover: float | None) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.base.units import from_si
 from clepsydra.controllers.parameters import is_finite_number
 
 
@@ -31,3 +33,15 @@ def positive_number(place: str, value: float, expected: str, remedy: str) -> flo
     if not is_finite_number(value) or value <= 0.0:
         raise InputError(place, value, expected, remedy)
     return float(value)
+
+
+def in_shown_unit(signal: Signal, value: float) -> str:
+    """Return a value [signal unit] with three digits in the unit that the reader sees.
+
+    Examples
+    --------
+    >>> in_shown_unit(Signal("level", "A", display_unit="mA"), 0.0016)
+    '1.6 mA'
+    """
+    shown = from_si(value, signal.unit, signal.shown_unit)
+    return f"{shown:.3g} {signal.shown_unit}" if signal.shown_unit != "1" else f"{shown:.3g}"

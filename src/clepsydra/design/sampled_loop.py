@@ -145,7 +145,7 @@ class SampledLoops:
             name: at[wire.removesuffix(".setpoint")]
             for name, wire in controller.input_wires.items()
             if wire.removesuffix(".setpoint") in at
-        } | {"time_step": period}
+        } | {**controller.free_inputs, "time_step": period}
         self._held, self._moved = sampled_process(seen, period)
         rows = [seen.outputs.index(name) for name in controller.measurements]
         self._measured = self._widened(seen.C[rows])

@@ -87,6 +87,28 @@ def sampled_process(model: LinearModel, period: float) -> SampledProcess:
     return _Cascade(model, model.delays, period).sampled()
 
 
+def sampled_states(model: LinearModel, period: float) -> list[tuple[str, float]]:
+    """Return which signal each state of the sampled model is, and of how long ago [s].
+
+    Parameters
+    ----------
+    model, period
+        As for `sampled_process`.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> sampled_states(tank, 50.0)
+    [('tank.level', 0.0)]
+    """
+    now = [(name, 0.0) for name in model.states]
+    if model.delays is None:
+        return now
+    return now + _Cascade(model, model.delays, period).on_the_way()
+
+
 def held_over(A: np.ndarray, B: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the state and input matrices over one period with the input held.
 
@@ -143,6 +165,16 @@ class _Cascade:
                 f"dead times of fewer sampling periods of {period:g} s",
                 "sample more slowly",
             )
+
+    def on_the_way(self) -> list[tuple[str, float]]:
+        """Return name and age of what the register holds, in its order."""
+        states, inputs = self.model.states, self.model.inputs
+        found = [
+            (states[place], late + back * self.period)
+            for late, back in self.places
+            for place in self.kept
+        ]
+        return found + [(name, back * self.period) for back in self.input_places for name in inputs]
 
     def sampled(self) -> SampledProcess:
         """Return the sampled model: register and held input to the next register."""

@@ -1,22 +1,23 @@
-"""Multiloop PI by SIMC, Skogestad's analytic rules."""
+"""Multiloop PI and PID by SIMC, Skogestad's analytic rules."""
 
 from __future__ import annotations
 
-from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
-from clepsydra.design.applicability import reasons_about
-from clepsydra.design.control_authority import DESIGN_STEP
-from clepsydra.design.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
+from clepsydra.controllers.multiloop_pid import Decoupling
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.design.applicability import NotApplicable, reasons_about
+from clepsydra.design.closed_loop_time import TimedLoop, design_by_time
 from clepsydra.design.first_order_delay import FirstOrderDelay, half_rule
-from clepsydra.design.multiloop import MultiloopPi, PairedLoop, Pairing, note_on_peak
-from clepsydra.design.pi_settings import PiSettings
-from clepsydra.design.request import positive_number
+from clepsydra.design.multiloop import MultiloopPid, PairedLoop, checked_form
+from clepsydra.design.pairing import Pairing
+from clepsydra.design.pid_settings import PidSettings, SeriesSettings, from_series
+from clepsydra.design.second_order_delay import SecondOrderDelay, half_rule_of_second_order
 from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "SIMC"
 
 
-def simc_settings(model: FirstOrderDelay, closed_loop_time_constant: float) -> PiSettings:
+def simc_settings(model: FirstOrderDelay, closed_loop_time_constant: float) -> PidSettings:
     """Return Skogestad's PI settings for a first-order model with delay.
 
     K = 1/(k') · 1/(τc + θ) with k' = k/τ, and Ti = min(τ, 4 (τc + θ)).
@@ -35,36 +36,74 @@ def simc_settings(model: FirstOrderDelay, closed_loop_time_constant: float) -> P
     Examples
     --------
     >>> simc_settings(FirstOrderDelay(1.0 / 1.1, 1.1, 0.1), 0.1)
-    PiSettings(gain=5.5, integral_time=0.8)
+    PidSettings(gain=5.5, integral_time=0.8, derivative_time=0.0)
     """
     horizon = closed_loop_time_constant + model.delay
-    return PiSettings(1.0 / (model.slope * horizon), min(model.time_constant, 4.0 * horizon))
+    return PidSettings(1.0 / (model.slope * horizon), min(model.time_constant, 4.0 * horizon))
+
+
+def simc_pid_settings(model: SecondOrderDelay, closed_loop_time_constant: float) -> PidSettings:
+    """Return Skogestad's PID settings for a second-order model with delay, in ISA form.
+
+    In series form, K' = 1/(k' (τc + θ)) with k' = k/τ1, Ti' = min(τ1, 4 (τc + θ)), Td' = τ2.
+
+    Parameters
+    ----------
+    model : SecondOrderDelay
+    closed_loop_time_constant : float
+        τc [s]
+
+    References
+    ----------
+    S. Skogestad, Journal of Process Control 13(4), 2003, 291-309, eq. (23) to (25), and (36)
+    for the conversion, doi 10.1016/S0959-1524(02)00062-8.
+
+    Examples
+    --------
+    A double lag of 2 s and 1 s with a delay of 0.25 s: K' = 4, Ti' = 2 s, Td' = 1 s.
+
+    >>> simc_pid_settings(SecondOrderDelay(0.5, 2.0, 1.0, 0.25), 0.25)
+    PidSettings(gain=6.0, integral_time=3.0, derivative_time=0.6666666666666666)
+    """
+    horizon = closed_loop_time_constant + model.delay
+    return from_series(
+        SeriesSettings(
+            1.0 / (model.slope * horizon),
+            min(model.time_constant, 4.0 * horizon),
+            model.second_time_constant,
+        )
+    )
 
 
 def design_simc(
     model: LinearModel,
     pairing: Pairing,
     *,
-    anti_windup: AntiWindup = "back_calculation",
+    form: PidForm | None = None,
     closed_loop_time_constant: float | None = None,
+    decoupling: Decoupling | None = None,
 ) -> Controller:
-    """Design a PI controller for each pair by SIMC.
+    """Design a PI or PID controller for each pair by SIMC.
 
-    Each paired element is reduced by the half rule, with its dead time and half a sampling
-    period as delay. Without a given closed-loop time constant, each loop takes the shortest τc
-    that is not below its effective delay and at which a setpoint step of a tenth of the
-    measurement's range does not saturate the input; then all are lengthened by one factor
-    until the sampled loops together have a sensitivity peak of 2 (`design.detuning`). A given
-    τc is used as it is.
+    Each paired element is reduced by the half rule, to first order for PI and to second order
+    for PID, with its dead time and half a sampling period as delay. Without a given
+    closed-loop time constant, each loop takes the shortest τc that is not below its effective
+    delay and at which a setpoint step of a tenth of the measurement's range does not saturate
+    the input by the gain of the rule; then all are lengthened by one factor until the sampled
+    loops together have a sensitivity peak of 2 (`design.detuning`). A given τc is used as it
+    is.
 
     Parameters
     ----------
     model : LinearModel
         Of a process at an operating point.
     pairing : sequence of (output, input)
-    anti_windup : {"back_calculation", "conditional_integration"}
+    form : PidForm, optional
+        PI in ISA form if left out.
     closed_loop_time_constant : float, optional
         τc of all loops [s].
+    decoupling : {"static", "dynamic"}, optional
+        Decouple the loops (`design.decoupling`).
 
     Returns
     -------
@@ -74,11 +113,12 @@ def design_simc(
     Raises
     ------
     NotApplicable
-        An element has no first-order model, the loops are unstable together, or a setting is
-        outside of what a controller takes.
+        An element has no such model, no element has a second lag for a PID to work on, the
+        loops are unstable together, there is no decoupler, or a setting is outside of what a
+        controller takes.
     InputError
-        The model has no operating point, the pairing is no pairing of the model, the
-        anti-windup is unknown, or τc is not above zero.
+        The model has no operating point, the pairing is no pairing of the model, the form is
+        neither PI nor PID, or τc is not above zero.
 
     References
     ----------
@@ -96,65 +136,47 @@ def design_simc(
     >>> round(controller.values["proportional_gain_1"], 6)
     3.0
     """
-    together = MultiloopPi(model, pairing, anti_windup, METHOD)
-    reduced = [_reduced(loop, together.process.sampling_period / 2.0) for loop in together.loops]
-
-    def settings_at(times: list[float]) -> list[PiSettings]:
-        return [simc_settings(each, time) for each, time in zip(reduced, times, strict=True)]
-
-    if closed_loop_time_constant is None:
-        shortest = [_shortest(*pair) for pair in zip(together.loops, reduced, strict=True)]
-        found = detune(
-            lambda factor: settings_at([factor * time for time in shortest]), together.peak, METHOD
-        )
-        times = [found.factor * time for time in shortest]
-    else:
-        time = _given_time(closed_loop_time_constant)
-        times = [time] * len(reduced)
-        choice = f"a closed-loop time constant of {time:g} s"
-        found = as_given(settings_at(times), together.peak, METHOD, choice)
-    return together.controller(
-        found, "SIMC (Skogestad 2003)", _notes(found, together.loops, reduced, times)
-    )
+    form, actions = checked_form(form, METHOD)
+    together = MultiloopPid(model, pairing, form, METHOD, decoupling)
+    delay = together.process.sampling_period / 2.0
+    source = "SIMC (Skogestad 2003)"
+    if actions == "PI":
+        loops = [_first_order(loop, delay) for loop in together.loops]
+        models = "First-order models by the half rule"
+        return design_by_time(together, loops, closed_loop_time_constant, source, models)
+    reduced = [_reduced_to_second_order(loop, delay) for loop in together.loops]
+    if not any(each.second_time_constant for each in reduced):
+        raise NotApplicable(METHOD, "no element has a second lag, so that its PID would be the PI")
+    loops = [_second_order(*pair) for pair in zip(together.loops, reduced, strict=True)]
+    models = "Second-order models by the half rule"
+    return design_by_time(together, loops, closed_loop_time_constant, source, models)
 
 
-def _reduced(loop: PairedLoop, delay: float) -> FirstOrderDelay:
+def _first_order(loop: PairedLoop, delay: float) -> TimedLoop:
     with reasons_about(loop.pair):
-        return half_rule(loop.element, delay, method=METHOD)
-
-
-def _shortest(loop: PairedLoop, reduced: FirstOrderDelay) -> float:
-    """Return the shortest closed-loop time constant that delay and input allow [s]."""
-    return max(reduced.delay, 1.0 / (abs(reduced.slope) * loop.largest_gain) - reduced.delay)
-
-
-def _given_time(value: float) -> float:
-    place = f"{METHOD}, closed_loop_time_constant"
-    return positive_number(place, value, "a time above 0 s", "give it in seconds")
-
-
-def _notes(
-    found: Detuned,
-    loops: list[PairedLoop],
-    reduced: list[FirstOrderDelay],
-    times: list[float],
-) -> list[str]:
-    approximations = "; ".join(
-        f"{loop.pair}: slope {each.slope:.3g}/s, time constant {each.time_constant:.3g} s, "
-        f"delay {each.delay:.3g} s, closed-loop time constant {time:.3g} s"
-        for loop, each, time in zip(loops, reduced, times, strict=True)
+        model = half_rule(loop.element, delay, method=METHOD)
+    return TimedLoop(
+        lambda time: simc_settings(model, time),
+        _shortest(loop, model),
+        f"slope {model.slope:.3g}/s, time constant {model.time_constant:.3g} s, "
+        f"delay {model.delay:.3g} s",
     )
-    notes = [f"First-order models by the half rule: {approximations}."]
-    if found.factor > 1.0:
-        notes.append(
-            f"The closed-loop time constants were lengthened {found.factor:.3g} times, so that "
-            f"the interacting loops keep a sensitivity peak of {SENSITIVITY_LIMIT:g}."
-        )
-    elif found.peak > SENSITIVITY_LIMIT:
-        notes += note_on_peak(found, "choose a longer closed-loop time constant")
-    else:
-        notes.append(
-            f"A setpoint step of {100 * DESIGN_STEP:.0f} % of the range was taken for the choice "
-            "of the closed-loop time constants."
-        )
-    return notes
+
+
+def _reduced_to_second_order(loop: PairedLoop, delay: float) -> SecondOrderDelay:
+    with reasons_about(loop.pair):
+        return half_rule_of_second_order(loop.element, delay, method=METHOD)
+
+
+def _second_order(loop: PairedLoop, model: SecondOrderDelay) -> TimedLoop:
+    return TimedLoop(
+        lambda time: simc_pid_settings(model, time),
+        _shortest(loop, model),
+        f"slope {model.slope:.3g}/s, time constants {model.time_constant:.3g} s and "
+        f"{model.second_time_constant:.3g} s, delay {model.delay:.3g} s",
+    )
+
+
+def _shortest(loop: PairedLoop, model: FirstOrderDelay | SecondOrderDelay) -> float:
+    """Return the shortest closed-loop time constant that delay and input allow [s]."""
+    return max(model.delay, 1.0 / (abs(model.slope) * loop.largest_gain) - model.delay)

@@ -215,7 +215,7 @@ class Job:
         state = self.initial[:, : len(program.state)].copy()
         records = -(-self.samples // self.every) if self.kernel.records else 0
         record = np.empty((groups, records, len(program.outputs), self.lanes))
-        rings = self._initial_rings(groups)
+        rings = self.initial_rings()
         call = self.kernel.function(self.lanes).call
 
         def part(start: int, stop: int) -> None:
@@ -235,8 +235,9 @@ class Job:
         final = state.transpose(1, 0, 2).reshape(len(program.state), groups * self.lanes)
         return Trajectories(program, self.scenarios, final[:, : self.scenarios], record)
 
-    def _initial_rings(self, groups: int) -> Array:
-        program = self.kernel.program
+    def initial_rings(self) -> Array:
+        """Return what the delay rings hold at first [groups, entries of all rings, lanes]."""
+        program, groups = self.kernel.program, len(self.initial)
         filled = [
             np.repeat(self.initial[:, index : index + 1, :], entry.length, axis=1)
             for index, entry in enumerate((*program.state, *program.rings))

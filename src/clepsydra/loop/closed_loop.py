@@ -10,6 +10,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.loop.motion_block import MotionBlock, spilt_totals
+from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.step_size import check_substeps
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
@@ -27,6 +28,7 @@ def closed_loop(
     substeps: int,
     constant: Mapping[str, float] | None = None,
     running_scores: bool = False,
+    scores: RunningScores | None = None,
     statuses: bool = False,
 ) -> Program:
     """Join a process and a controller to the program of one sampling period.
@@ -49,7 +51,10 @@ def closed_loop(
         Add the states "sum_of_absolute_errors[y]" [y s] and "sum_of_squared_errors[y]" [y² s]
         of every controlled measurement y, for batches that store no trajectories: the sum over
         the samples of sampling period × error at the sample, without noise. They are left
-        sums, where the scores `iae` and `ise` integrate from sample to sample.
+        sums, the cheapest there are, where the scores `iae` and `ise` integrate from sample
+        to sample.
+    scores : RunningScores, optional
+        Scores of this process to keep as states by the rule of `clepsydra.scores`.
     statuses : bool
         Check each integration step and keep a status of the scenario, see
         `clepsydra.loop.lane_status`.
@@ -84,8 +89,8 @@ def closed_loop(
     check_signals(controller, process)
     check_substeps(substeps, process)
     given = dict(constant or {})
-    _check_constant(given, process)
-    return _Join(process, controller, given, substeps, running_scores, statuses).program()
+    _check_constant(given, process, controller)
+    return _Join(process, controller, given, substeps, running_scores, scores, statuses).program()
 
 
 def check_signals(controller: Controller, process: Process) -> None:
@@ -131,8 +136,10 @@ quadruple-tank: pump_1, pump_2; correct the name.
                 )
 
 
-def _check_constant(constant: Mapping[str, float], process: Process) -> None:
-    known = [signal.name for signal in loop_inputs(process)]
+def _check_constant(
+    constant: Mapping[str, float], process: Process, controller: Controller
+) -> None:
+    known = [signal.name for signal in (*loop_inputs(process), *free_inputs(controller))]
     for name, value in constant.items():
         if name not in known:
             raise InputError(
@@ -175,6 +182,29 @@ def loop_inputs(process: Process) -> tuple[Signal, ...]:
     )
 
 
+def free_inputs(controller: Controller) -> tuple[Signal, ...]:
+    """Return the inputs of a law that nothing of the process drives, named as in the loop.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> free_inputs(design_simc(analysis.model, analysis.pairing))
+    ()
+    """
+    return tuple(
+        replace(
+            signal,
+            name=controller_name(signal.name),
+            initial=controller.free_inputs[signal.name],
+        )
+        for signal in controller.law.inputs
+        if signal.name in controller.free_inputs
+    )
+
+
 def controller_name(signal: str) -> str:
     """Return the name that a state or parameter of a step law has in the closed loop.
 
@@ -194,18 +224,22 @@ class _Join:
         constant: dict[str, float],
         substeps: int,
         running_scores: bool,
+        scores: RunningScores | None,
         statuses: bool,
     ) -> None:
         self.process, self.controller, self.substeps = process, controller, substeps
         law = controller.law
         self.scored = process.controlled if running_scores else ()
         measured = [process.signal(name) for name in self.scored]
-        scores = [
+        sums = [
             Signal(f"{score}[{y.name}]", f"{y.unit}{power} s")
             for score, power in ((_ABSOLUTE, ""), (_SQUARED, "^2"))
             for y in measured
         ]
-        self.inputs = tuple(s for s in loop_inputs(process) if s.name not in constant)
+        self.scores = scores or RunningScores(process, ())
+        told = self.scores.inputs if self.scores.names else ()
+        every = (*loop_inputs(process), *free_inputs(controller), *told)
+        self.inputs = tuple(s for s in every if s.name not in constant)
         self.motion = MotionBlock(
             process.motion,
             process.sampling_period,
@@ -213,7 +247,12 @@ class _Join:
             spilt_totals(process),
             process if statuses else None,
         )
-        self.state = (*self.motion.state, *(_renamed(entry) for entry in law.state), *scores)
+        self.state = (
+            *self.motion.state,
+            *(_renamed(entry) for entry in law.state),
+            *sums,
+            *self.scores.state,
+        )
         self.parameters = (
             *process.parameters,
             *(replace(p, name=controller_name(p.name)) for p in law.parameters),
@@ -258,7 +297,8 @@ class _Join:
             [
                 *next_state,
                 *next_law,
-                *self._scores(readings, time_step),
+                *self._sums(readings, time_step),
+                *self.scores.append(builder, value | readings, process.sampling_period),
                 *(value[signal.name] for signal in recorded),
             ]
         )
@@ -285,7 +325,7 @@ class _Join:
         value |= {self.controller.output_wires[s.name]: number for s, number in outputs}
         return results[: len(law.state)]
 
-    def _scores(self, readings: dict[str, int], time_step: int) -> list[int]:
+    def _sums(self, readings: dict[str, int], time_step: int) -> list[int]:
         builder, value = self.builder, self.value
         errors = [
             builder.operation("subtract", value[f"{name}.setpoint"], readings[name])

@@ -144,19 +144,49 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
         add_segment("setpoint", name, -size)
     for column, name, size in loads:
         disturbances[add_segment("load", name, size).start :, column] += size
+    add_noise(process, noise, disturbances, add_segment("noise", "", 0.0), seed)
+    return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed)
+
+
+def add_noise(
+    process: Process, noise: np.ndarray, disturbances: np.ndarray, stretch: slice, seed: int
+) -> None:
+    """Add measurement noise, and the noise of disturbances that have some, to a stretch.
+
+    Parameters
+    ----------
+    process : Process
+    noise : ndarray [samples, measurements]
+    disturbances : ndarray [samples, disturbances]
+    stretch : slice
+        Of the samples.
+    seed : int
+
+    Raises
+    ------
+    InputError
+        A measurement has neither a noise nor a finite range.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> noise, loads = np.zeros((6, 4)), np.zeros((6, 2))
+    >>> add_noise(load_process("quadruple-tank"), noise, loads, slice(2, 6), seed=1)
+    >>> bool(np.all(noise[:2] == 0.0)), bool(np.all(noise[2:] != 0.0)), bool(np.any(loads))
+    (True, True, False)
+    """
     deviation = [
         process.noise[signal.name]
         if signal.name in process.noise
         else NOISE_SHARE * _span(process, signal)
         for signal in process.measurements
     ]
-    stretch = add_segment("noise", "", 0.0)
     random = np.random.Generator(np.random.PCG64(seed))
     noise[stretch] = random.normal(0.0, deviation, noise[stretch].shape)
     for column, signal in enumerate(process.disturbances):
         if signal.name in process.noise:
-            disturbances[stretch, column] += random.normal(0.0, process.noise[signal.name], each)
-    return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed)
+            wide = disturbances[stretch, column]
+            wide += random.normal(0.0, process.noise[signal.name], wide.shape)
 
 
 def _setpoint_step(

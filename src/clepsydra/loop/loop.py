@@ -10,6 +10,7 @@ from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.reference import LawEvaluation
 from clepsydra.linear.linear_model import LinearModel
@@ -19,9 +20,11 @@ from clepsydra.loop.closed_loop import (
     check_signals,
     closed_loop,
     controller_name,
+    free_inputs,
     loop_inputs,
 )
 from clepsydra.loop.motion_block import motion_at_rest, recorded_signals, spilt_totals
+from clepsydra.loop.python_loop import naming_sample, python_loop
 from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.refinement import TOLERANCE, refined
 from clepsydra.loop.run import Run
@@ -96,8 +99,8 @@ class Loop:
         scenario : Scenario
             On the sampling period of the process.
         solver : {"kernel", "reference"}
-            The compiled kernel with RK4, or CVODES with the law evaluated by CasADi and switches
-            located by SciPy's DOP853.
+            The compiled kernel with RK4 (a law in Python stands beside it, sample by sample), or
+            CVODES with the law evaluated by CasADi and switches located by SciPy's DOP853.
         substeps : int, optional
             RK4 steps in a sampling period; chosen from the fastest eigenvalue if omitted.
 
@@ -107,7 +110,7 @@ class Loop:
             The scenario has another sampling period, or signals that the process lacks; the
             solver is unknown, or the number of steps is not from 1 to 10,000.
         """
-        self._check(scenario)
+        self.check(scenario)
         check_solver(solver)
         count = self.substeps if substeps is None else substeps
         check_substeps(count, self.process)
@@ -131,7 +134,8 @@ class Loop:
         )
         return replace(run, error_estimate=estimate)
 
-    def _check(self, scenario: Scenario) -> None:
+    def check(self, scenario: Scenario) -> None:
+        """Refuse a scenario that is none of this process, see `run`."""
         require_type(
             scenario, Scenario, "scenario", "a Scenario", "make one, for example default_scenario"
         )
@@ -163,6 +167,8 @@ class Loop:
         }
 
     def _by_kernel(self, scenario: Scenario, substeps: int) -> dict[str, np.ndarray]:
+        if isinstance(self.controller.law, PythonLaw):
+            return python_loop(self, scenario, substeps)
         given = self.inputs_of(scenario)
         constant = {k: v for k, v in self.at_rest().items() if k not in given}
         program = closed_loop(self.process, self.controller, substeps=substeps, constant=constant)
@@ -207,7 +213,8 @@ class Loop:
             noise = [now[f"{y.name}.noise"] for y in process.measurements]
             shown = np.array(process.display(true + noise)).ravel()
             now |= {y.name: float(v) for y, v in zip(process.measurements, shown, strict=True)}
-            outputs = evaluation.step(self.law_inputs(now))
+            with naming_sample(k, scenario.sampling_period):
+                outputs = evaluation.step(self.law_inputs(now))
             for signal, value in zip(law.outputs, outputs, strict=True):
                 now[controller.output_wires[signal.name]] = float(value)
             rows.append(now)
@@ -218,7 +225,8 @@ class Loop:
     def at_rest(self) -> dict[str, float]:
         """Return the inputs of the closed loop at the operating point, in automatic."""
         at = self.point.as_dict()
-        values = {signal.name: signal.initial for signal in loop_inputs(self.process)}
+        every = (*loop_inputs(self.process), *free_inputs(self.controller))
+        values = {signal.name: signal.initial for signal in every}
         values |= {f"{name}.setpoint": at[name] for name in self.process.controlled}
         values |= {d.name: at[d.name] for d in self.process.disturbances}
         for u in self.process.inputs:

@@ -1,4 +1,4 @@
-"""A process file as text: found, read whole, and parsed, or the reason why not."""
+"""A process or study file as text: found, read whole, and parsed, or the reason why not."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from clepsydra.base.errors import InputError
 from clepsydra.process.toml_lines import key_lines, line_of
@@ -15,10 +15,19 @@ from clepsydra.process.toml_lines import key_lines, line_of
 LARGEST_FILE = 1_000_000
 _LONGEST_LINE = 1_000
 
+Kind = Literal["process", "study"]
+#: Keys that only a study file has.
+_ONLY_STUDY = ("process", "controllers", "scenario", "ranking")
+#: How to begin with a file of each kind.
+_BEGIN = {
+    "process": "begin with a copy of a file of the catalogue",
+    "study": "begin with one that clepsydra new --study writes",
+}
+
 
 @dataclass(frozen=True)
 class Document:
-    """The tables of a process file and where each key stands.
+    """The tables of a file and where each key stands.
 
     Parameters
     ----------
@@ -54,8 +63,14 @@ class Document:
         return f"{where}, {'.'.join(parts)}" if path else where
 
 
-def read_bytes(path: Path) -> bytes:
+def read_bytes(path: Path, kind: Kind = "process") -> bytes:
     """Read a file whole.
+
+    Parameters
+    ----------
+    path : Path
+    kind : {"process", "study"}
+        What it should be, for messages.
 
     Raises
     ------
@@ -68,7 +83,7 @@ def read_bytes(path: Path) -> bytes:
     >>> read_bytes(Path(str(catalogue_file("quadruple-tank")))).startswith(b"#")
     True
     """
-    expected, remedy = "a process file", "check the path"
+    expected, remedy = f"a {kind} file", "check the path"
     try:
         if not path.exists():
             raise InputError(str(path), "no such file", expected, remedy)
@@ -85,20 +100,22 @@ def read_bytes(path: Path) -> bytes:
         raise InputError(
             str(path),
             "more than 1 MB",
-            "a process file of at most 1 MB",
+            f"a {kind} file of at most 1 MB",
             "check that this is the file you mean",
         )
     return content
 
 
-def parse(content: bytes, file: str) -> Document:
-    """Parse the content of a process file.
+def parse(content: bytes, file: str, kind: Kind = "process") -> Document:
+    """Parse the content of a file.
 
     Parameters
     ----------
     content : bytes
     file : str
         Its name, for messages.
+    kind : {"process", "study"}
+        What it should be, for messages.
 
     Raises
     ------
@@ -118,13 +135,11 @@ def parse(content: bytes, file: str) -> Document:
             f"{file}, line {line}",
             f"byte 0x{content[error.start]:02x}",
             "text in UTF-8",
-            "check that this is a process file, and save it as UTF-8",
+            f"check that this is a {kind} file, and save it as UTF-8",
         ) from None
     text = text.replace("\r\n", "\n")
     if not text.strip():
-        raise InputError(
-            file, "an empty file", "a process", "begin with a copy of a file of the catalogue"
-        )
+        raise InputError(file, "an empty file", f"a {kind}", _BEGIN[kind])
     for number, line_text in enumerate(text.split("\n"), 1):
         if len(line_text) > _LONGEST_LINE:
             raise InputError(
@@ -137,11 +152,24 @@ def parse(content: bytes, file: str) -> Document:
         tables = tomllib.loads(text)
     except RecursionError:
         raise InputError(
-            file, "brackets in brackets without end", "a process file", "check the brackets"
+            file, "brackets in brackets without end", f"a {kind} file", "check the brackets"
         ) from None
     except ValueError as error:
         raise _syntax_error(error, text, file) from None
     return Document(file, tables, key_lines(text))
+
+
+def kind_of(document: Document) -> Kind:
+    """Return whether a file is a process, which has tanks, or a study, which names its process.
+
+    Examples
+    --------
+    >>> kind_of(parse(b"process = 'three-tanks'", "a.toml")), kind_of(parse(b"[tanks.a]", "b.toml"))
+    ('study', 'process')
+    """
+    tables = document.tables
+    is_study = "tanks" not in tables and any(key in tables for key in _ONLY_STUDY)
+    return "study" if is_study else "process"
 
 
 def _syntax_error(error: ValueError, text: str, file: str) -> InputError:

@@ -13,7 +13,7 @@ from clepsydra.process.component import Component
 from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Delay, Event
-from clepsydra.process.motion import Motion
+from clepsydra.process.motion import FlowPath, Motion
 from clepsydra.process.wiring import flow_order
 
 #: Totals of what crosses the boundary of the plant, for the balance of a run.
@@ -114,6 +114,7 @@ class _Evaluated:
     sent: ca.SX
     totals: ca.SX
     symbols: dict[str, ca.SX]
+    flows: tuple[Flow, ...]
 
 
 class _Join:
@@ -215,6 +216,12 @@ class _Join:
             updates=ca.Function("updates", arguments, [_stacked(self.memories, updates)]),
             stored=ca.Function("stored", [c, p], [stored], ["c", "p"], ["stored"]),
             stored_names=tuple(name for name, _ in self._conserved()),
+            flows=ca.Function(
+                "flows", arguments, [ca.vertcat(*(f.rate for f in moving.flows))], names, ["q"]
+            ),
+            flow_paths=tuple(
+                FlowPath(flow.element, flow.source, flow.destination) for flow in moving.flows
+            ),
         )  # fmt: skip
         dynamics = self._state_rates(steady.rates, x, to_contents)
         reading = _stacked(self.measurements, self._merged("readings", held | states))
@@ -266,6 +273,7 @@ class _Join:
             _stacked(self.delays, sent),
             _stacked(self.totals, rates),
             symbols,
+            tuple(flows),
         )
 
     def _flows(

@@ -3,11 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.process.hybrid import Delay
+
+
+class FlowPath(NamedTuple):
+    """Where a flow runs: the element that causes it, and its ends; empty outside the plant.
+
+    Examples
+    --------
+    >>> FlowPath("pump_1", "basin", "tank_1").source
+    'basin'
+    """
+
+    element: str
+    source: str
+    destination: str
 
 
 @dataclass(frozen=True)
@@ -44,6 +59,10 @@ class Motion:
         (c, p) → liquid in the tanks [m³], then the amount of each component.
     stored_names : tuple of str
         "liquid", then the components.
+    flows : casadi.Function
+        (c, z, m, u, d, p) → every flow [m³/s], for those who look at a motion from outside.
+    flow_paths : tuple of FlowPath
+        Where each of the flows runs.
 
     Examples
     --------
@@ -66,6 +85,8 @@ class Motion:
     updates: ca.Function
     stored: ca.Function
     stored_names: tuple[str, ...]
+    flows: ca.Function
+    flow_paths: tuple[FlowPath, ...]
 
     @property
     def plain(self) -> bool:
@@ -107,4 +128,6 @@ def plain_motion(state: tuple[Signal, ...], dynamics: ca.Function) -> Motion:
         updates=ca.Function("updates", held, [none]),
         stored=ca.Function("stored", [x, p], [none]),
         stored_names=(),
+        flows=ca.Function("flows", held, [none]),
+        flow_paths=(),
     )

@@ -7,18 +7,15 @@ is to run that Python file with all rights of the user: open only files that you
 from __future__ import annotations
 
 import functools
-import hashlib
 import inspect
-import sys
-import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
+from clepsydra.base.user_code import line_of, run_user_code, shortened, words_of
 from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Delay, Event
@@ -138,7 +135,7 @@ def joining_own(kinds: Sequence[type[Element]], general: TableReader) -> Iterato
             raise
         raise general.refused(
             "elements",
-            _words(error),
+            words_of(error),
             "elements that fit together",
             "see that each of your elements names only what is there, and returns a rate for "
             "each of its states and a reading for each of its measurements",
@@ -172,7 +169,7 @@ def _file(general: TableReader, path: Path, written: str) -> Path:
 @functools.lru_cache(maxsize=64)
 def _kinds(file: Path, content: bytes) -> tuple[type[Element], ...]:
     """Return the kinds in a file; the same content gives the same kinds."""
-    module = _module(file, content)
+    module = run_user_code(file, content, "own_elements")
     found = [
         value
         for value in dict.fromkeys(v for v in vars(module).values() if inspect.isclass(v))
@@ -183,22 +180,6 @@ def _kinds(file: Path, content: bytes) -> tuple[type[Element], ...]:
     for kind in kinds:
         _check_kind(kind, file)
     return tuple(_guarded(kind, file) for kind in kinds)
-
-
-def _module(file: Path, content: bytes) -> ModuleType:
-    """Run what was read; Python's own cache of compiled files knows a change by size and second."""
-    digest = hashlib.sha256(bytes(file) + b"\0" + content).hexdigest()
-    module = ModuleType(f"clepsydra_own_elements_{digest}")
-    module.__file__ = str(file)
-    sys.modules[module.__name__] = module  # dataclasses look their module up here
-    try:
-        exec(compile(content, str(file), "exec", dont_inherit=True), module.__dict__)
-    except (Exception, SystemExit) as error:
-        del sys.modules[module.__name__]
-        raise InputError(
-            _line(error, file), _words(error), "Python that runs", "correct it"
-        ) from None
-    return module
 
 
 def _check_kind(kind: type[Element], file: Path) -> None:
@@ -226,7 +207,7 @@ def _check_kind(kind: type[Element], file: Path) -> None:
         if not isinstance(value, str) or not value.isprintable() or not value.strip():
             raise InputError(
                 f"{place}.{attribute}",
-                f"no {attribute}" if value is None else _short(repr(value)),
+                f"no {attribute}" if value is None else shortened(repr(value)),
                 "a text",
                 f"write as in {attribute} = {example}",
             )
@@ -235,7 +216,7 @@ def _check_kind(kind: type[Element], file: Path) -> None:
     if not isinstance(keys, tuple) or not all(isinstance(key, str) for key in keys):
         raise InputError(
             f"{place}.keys",
-            "no keys" if keys is None else _short(repr(keys)),
+            "no keys" if keys is None else shortened(repr(keys)),
             "a tuple of texts",
             'write as in keys = ("source", "destination")',
         )
@@ -276,7 +257,10 @@ def _guard(method: Callable[..., Any], kind: type, name: str, file: Path) -> Cal
             raise
         except Exception as error:
             raise InputError(
-                f"{_line(error, file)}, {where}", _words(error), "a method that works", "correct it"
+                f"{line_of(error, file)}, {where}",
+                words_of(error),
+                "a method that works",
+                "correct it",
             ) from None
         if name == "read":
             proper = isinstance(result, arguments[0]) and result.name == arguments[1]
@@ -284,7 +268,9 @@ def _guard(method: Callable[..., Any], kind: type, name: str, file: Path) -> Cal
         else:
             wanted = _unfit(name, result)
         if wanted:
-            raise InputError(f"{file.name}, {where}", _short(repr(result)), wanted, "return that")
+            raise InputError(
+                f"{file.name}, {where}", shortened(repr(result)), wanted, "return that"
+            )
         return result
 
     return guarded
@@ -302,26 +288,3 @@ def _unfit(name: str, result: object) -> str:
 
 def _class_place(kind: type, file: Path) -> str:
     return f"{file.name}, class {kind.__name__}"
-
-
-def _line(error: BaseException, file: Path) -> str:
-    """Return the file and its line in which an error came about."""
-    lines = [
-        frame.lineno
-        for frame in traceback.extract_tb(error.__traceback__)
-        if Path(frame.filename) == file
-    ]
-    line = error.lineno if isinstance(error, SyntaxError) else lines[-1] if lines else None
-    return file.name if line is None else f"{file.name}, line {line}"
-
-
-def _words(error: BaseException) -> str:
-    """Return the kind and the first line of an error; of a syntax error without its place."""
-    text = error.msg if isinstance(error, SyntaxError) else str(error)
-    first = next(iter(text.strip().splitlines()), "")
-    return _short(f"{type(error).__name__}: {first}" if first else type(error).__name__)
-
-
-def _short(text: str) -> str:
-    text = text if text.isprintable() else ascii(text)
-    return text[:150] + "…" if len(text) > 150 else text

@@ -69,6 +69,8 @@ class Process:
     noise : mapping
         Measurement or disturbance to the standard deviation of its noise [its unit], where the
         file gives it.
+    averaging : tuple of str
+        Those controlled measurements whose tank is there to smooth the flow through it.
 
     Examples
     --------
@@ -100,6 +102,7 @@ class Process:
     components: tuple[Component, ...] = ()
     joined_display: ca.Function | None = None
     noise: Mapping[str, float] = field(default_factory=dict)
+    averaging: tuple[str, ...] = ()
 
     @cached_property
     def display(self) -> ca.Function:

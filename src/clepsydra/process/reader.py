@@ -10,13 +10,15 @@ from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
+from clepsydra.process.averaging import read_averaging
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.component import Component
 from clepsydra.process.components import check_components, read_components
-from clepsydra.process.document import Document, parse, read_bytes
+from clepsydra.process.document import Document, kind_of, parse, read_bytes
 from clepsydra.process.element import Element
 from clepsydra.process.equations import join
 from clepsydra.process.kinds import KINDS
+from clepsydra.process.names_among import names_among
 from clepsydra.process.operating_outputs import check_sensor_ranges, read_nominal_outputs
 from clepsydra.process.own_elements import joining_own, read_own_kinds
 from clepsydra.process.process import Process
@@ -39,6 +41,7 @@ _GENERAL_KEYS = (
     "gravity",
     "sampling_period",
     "controlled",
+    "averaging",
     "manipulated",
     "components",
     "elements",
@@ -126,6 +129,13 @@ def _exists(text: str) -> bool:
 
 def _process(document: Document, path: Path | None, asked: tuple[str, ...] | None) -> Process:
     """Build a process from a parsed file; every mistake in it ends here as an `InputError`."""
+    if kind_of(document) == "study":
+        raise InputError(
+            document.file,
+            "a study file",
+            "a process file, with tanks",
+            "give it to clepsydra study, or name the process that it is about",
+        )
     chosen = choose_variants(document, asked)
     document = chosen.document
     known = (*_GENERAL_KEYS, *(kind.table for kind in KINDS))
@@ -157,6 +167,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
     manipulated = _manipulated(general, elements)
     with joining_own(own_kinds, general):
         joined = join(elements, gravity, components=components, manipulated=manipulated)
+    controlled = _controlled(general, joined.measurements, len(joined.inputs))
     return Process(
         name=name,
         title=general.text("title", "one line of text", "correct it", default=name),
@@ -165,7 +176,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         inputs=joined.inputs,
         disturbances=joined.disturbances,
         measurements=joined.measurements,
-        controlled=_controlled(general, joined.measurements, len(joined.inputs)),
+        controlled=controlled,
         parameters=joined.parameters,
         dynamics=joined.dynamics,
         measure=joined.measure,
@@ -188,6 +199,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         joined_display=joined.display,
         noise=joined.noise,
         components=components,
+        averaging=read_averaging(general, controlled, joined.inputs, elements),
     )
 
 
@@ -236,7 +248,7 @@ def _manipulated(general: TableReader, elements: Sequence[Element]) -> tuple[str
     if not general.has("manipulated"):
         return None
     known = [s.name for e in elements for s in (*e.inputs(), *e.disturbances())]
-    return _names_among(
+    return names_among(
         known,
         general,
         "manipulated",
@@ -251,7 +263,7 @@ def _controlled(
 ) -> tuple[str, ...]:
     """Read the measurements that follow setpoints."""
     known = [signal.name for signal in measurements]
-    names = _names_among(
+    names = names_among(
         known,
         general,
         "controlled",
@@ -266,23 +278,4 @@ def _controlled(
             f"at most as many as there are pumps, {inputs}",
             "leave the others uncontrolled, or add a pump",
         )
-    return names
-
-
-def _names_among(
-    known: Sequence[str],
-    general: TableReader,
-    key: str,
-    *,
-    expected: str,
-    remedy: str,
-    each: str,
-) -> tuple[str, ...]:
-    """Read a list of names, each of which must be known."""
-    names = general.names(key, expected, remedy)
-    for name in names:
-        if name not in known:
-            raise general.refused(
-                key, name[:60], each, suggestion(name, known, f"choose from {', '.join(known)}")
-            )
     return names

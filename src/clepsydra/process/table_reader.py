@@ -1,7 +1,8 @@
-"""A table of a process file, read key by key with a message for everything that is wrong."""
+"""A table of a file, read key by key with a message for everything that is wrong."""
 
 from __future__ import annotations
 
+import copy
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -30,7 +31,8 @@ class TableReader:
     ----------
     document : Document
     path : tuple of str
-        The keys that lead to the table; empty for the whole file.
+        The keys that lead to the table; empty for the whole file. In a list of tables they are
+        numbered from "1".
     keys : iterable of str or None
         The keys that the table may have; None for any.
     components : tuple of Component
@@ -67,7 +69,7 @@ class TableReader:
         self._path = path
         content: Any = document.tables
         for key in path:
-            content = content[key]
+            content = content[int(key) - 1] if isinstance(content, list) else content[key]
         if not isinstance(content, dict):
             raise InputError(
                 document.place(*path), shown_value(content), "a table", f"write [{'.'.join(path)}]"
@@ -114,6 +116,27 @@ class TableReader:
         """Return the table below a key; any keys where none are given."""
         self._require(key, expected, remedy)
         return TableReader(self._document, (*self._path, key), keys, components=self.components)
+
+    def tables(
+        self, key: str, expected: str, remedy: str, keys: Iterable[str] | None = None
+    ) -> tuple[TableReader, ...]:
+        """Return the tables of a list; none where the key is missing."""
+        rows = self._content.get(key, [])
+        if not isinstance(rows, list):
+            raise self.refused(key, shown_value(rows), expected, remedy)
+        known = None if keys is None else tuple(keys)
+        return tuple(
+            TableReader(
+                self._document, (*self._path, key, str(number)), known, components=self.components
+            )
+            for number in range(1, len(rows) + 1)
+        )
+
+    def with_value(self, key: str, value: object) -> TableReader:
+        """Return this table with another value at a key: one of a list, so that it can be read."""
+        other = copy.copy(self)
+        other._content = {**self._content, key: value}
+        return other
 
     def vessel_of(self, tank: str) -> Vessel | None:
         """Return the shape of a tank; None where no tank has that name."""

@@ -7,8 +7,8 @@ import tomllib
 
 Path = tuple[str, ...]
 
-# No process file nests deeper: variants, name, table, element, key and two tables in it. A
-# deeper key is found at the line of its first parts.
+# No file of ours nests deeper: variants, name, table, element, key and two tables in it. A deeper
+# key is found at the line of its first parts.
 _DEEPEST = 7
 
 _BLANK = re.compile(r"(?:[ \t\r\n]+|#[^\n]*)*+")
@@ -28,7 +28,8 @@ def key_lines(text: str) -> dict[Path, int]:
     """Return the line on which each key and each table of a valid TOML text begins.
 
     A key inside an inline table is not listed: it stands on the line of the table's own key,
-    which `line_of` finds.
+    which `line_of` finds. The tables of an array are numbered from 1: the second ``[[step]]`` is
+    ("step", "2").
 
     Parameters
     ----------
@@ -42,6 +43,7 @@ def key_lines(text: str) -> dict[Path, int]:
     (1, 3, 4)
     """
     lines: dict[Path, int] = {}
+    counts: dict[Path, int] = {}
     table: Path = ()
     position, line = 0, 1
     while True:
@@ -50,8 +52,12 @@ def key_lines(text: str) -> dict[Path, int]:
         if position >= len(text):
             return lines
         if text[position] == "[":
-            position += 2 if text.startswith("[[", position) else 1
-            table, position = _key(text, position)
+            repeated = text.startswith("[[", position)
+            table, position = _key(text, position + 1 + repeated)
+            table = _numbered(table, counts)
+            if repeated:
+                counts[table] = counts.get(table, 0) + 1
+                table = (*table, str(counts[table]))
             path, position = table, text.find("]", position)
         else:
             path, position = _key(text, position)
@@ -75,6 +81,16 @@ def line_of(lines: dict[Path, int], path: Path) -> int:
         if path[:length] in lines:
             return lines[path[:length]]
     return 1
+
+
+def _numbered(path: Path, counts: dict[Path, int]) -> Path:
+    """Return the path of a table with the number of the last table of every array around it."""
+    found: Path = ()
+    for part in path:
+        if found in counts:
+            found = (*found, str(counts[found]))
+        found = (*found, part)
+    return found
 
 
 def _end_of_blank(text: str, position: int) -> int:

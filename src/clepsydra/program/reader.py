@@ -86,7 +86,7 @@ def inline(
     Raises
     ------
     ClepsydraError
-        The function is not an SX function or uses an operation that no target prints.
+        The function is Python, no SX function, or uses an operation that no target prints.
 
     Examples
     --------
@@ -108,6 +108,11 @@ def _read(
     builder: BlockBuilder, function: ca.Function, arguments: Sequence[int], fused: bool
 ) -> dict[tuple[int, int], int]:
     """Append the instructions; return the value of every structural nonzero of every output."""
+    if not isinstance(function, ca.Function):
+        raise ClepsydraError(
+            f"{getattr(function, 'name', 'law')}: a law in Python has no program to compile, to "
+            "print or to run as a batch; write it as expressions, by step_law"
+        )
     if not function.is_a("SXFunction"):
         raise ClepsydraError(
             f"{function.name()}: a {function.class_name()} cannot become a step program; "

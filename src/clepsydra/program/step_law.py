@@ -58,6 +58,10 @@ class StepLaw:
         SX function (state [n], inputs [m], parameters [p]) →
         (next state [n], outputs [q], intermediates [r]); the entry of a delay ring is its
         oldest value on the way in and the value to write on the way out.
+    description : tuple of str
+        What it computes, a line each, for its reader.
+    blocks : tuple
+        What it was joined from, for who draws or tabulates it.
 
     Examples
     --------
@@ -84,6 +88,8 @@ class StepLaw:
     outputs: tuple[Signal, ...]
     intermediates: tuple[Signal, ...]
     function: ca.Function
+    description: tuple[str, ...] = ()
+    blocks: tuple[Any, ...] = ()
 
 
 def step_law(
@@ -94,6 +100,8 @@ def step_law(
     state: Iterable[Signal | DelayRing],
     outputs: Iterable[Signal],
     equations: Callable[[Symbols], Equations],
+    description: Iterable[str] = (),
+    blocks: Iterable[Any] = (),
 ) -> StepLaw:
     """Write a step law from equations over named scalars.
 
@@ -106,6 +114,8 @@ def step_law(
     equations : callable
         Takes a mapping from name to CasADi SX scalar (inputs, parameters and state together)
         and returns the `Equations`.
+    description, blocks : iterable
+        As in `StepLaw`.
 
     Raises
     ------
@@ -152,7 +162,17 @@ def step_law(
         ["next_state", "outputs", "intermediates"],
     )
     intermediates = tuple(Signal(entry) for entry in written.intermediates)
-    return StepLaw(name, inputs, parameters, state, outputs, intermediates, function)
+    return StepLaw(
+        name,
+        inputs,
+        parameters,
+        state,
+        outputs,
+        intermediates,
+        function,
+        tuple(description),
+        tuple(blocks),
+    )
 
 
 def _stack(law: str, what: str, names: list[str], values: Mapping[str, Any]) -> ca.SX:

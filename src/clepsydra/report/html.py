@@ -18,13 +18,16 @@ from clepsydra.report.controller_tables import (
     wiring,
 )
 from clepsydra.report.drawing import process_drawing
+from clepsydra.report.loop_picture import loop_figure
+from clepsydra.report.margin_tables import margin_grid
 from clepsydra.report.panels import all_panels, controlled_panels
+from clepsydra.report.pid_tables import LoopSettings, loop_settings
 from clepsydra.report.quantities import short_text
 from clepsydra.report.score_tables import (
-    RANKING_COLUMNS,
     RANKING_NOTE,
     ScoreTable,
     is_recommended,
+    ranking_columns,
     ranking_rows,
     score_tables,
 )
@@ -39,11 +42,14 @@ class _Page:
     """What the template shows of one controller."""
 
     candidate: Candidate
+    loops: list[LoopSettings]
+    margins: Grid | None
     parameters: list[ParameterTable]
     wiring: list[tuple[str, str]]
     scores: list[ScoreTable]
     status: list[str]
     picture: str
+    loop_picture: str
 
 
 def write_report(result: StudyResult, path: str | Path) -> None:
@@ -105,7 +111,7 @@ def report_text(result: StudyResult) -> str:
         recommended=is_recommended(result),
         overview=Markup(overview),
         drawing=Markup(process_drawing(result.process, result.point)),
-        columns=RANKING_COLUMNS,
+        columns=ranking_columns(result),
         note=RANKING_NOTE,
         rows=ranking_rows(result),
         operating_point=operating_point_grid(result.point),
@@ -122,13 +128,22 @@ def _page(result: StudyResult, place: int) -> _Page:
     candidate = result.ranking[place]
     figure = trend_figure(candidate.run, all_panels(candidate.run))
     title = f"Levels, manipulated variables and disturbances under {candidate.controller.name}"
+    response = candidate.response
+    margins, loop_picture = None, ""
+    if response is not None:
+        margins = margin_grid(response)
+        words = f"Loops and sensitivity of {candidate.controller.name}"
+        loop_picture = svg_text(loop_figure(response, result.process), words, f"loop{place + 1}")
     return _Page(
         candidate,
+        loop_settings(candidate.controller),
+        margins,
         parameter_tables(candidate.controller),
         wiring(candidate.controller),
         score_tables(result.process, candidate),
         status_words(candidate.run),
         svg_text(figure, title, f"run{place + 1}"),
+        loop_picture,
     )
 
 

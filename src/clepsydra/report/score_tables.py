@@ -6,10 +6,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from clepsydra.base.signal import Signal
 from clepsydra.process.process import Process
 from clepsydra.report.quantities import display_factor, number_text, unit_text
-from clepsydra.scores.catalogue import SCORES
+from clepsydra.scores.catalogue import PLANT_SCORES, SCORES, ScoreDescription
 from clepsydra.study.ranking import RULE
 from clepsydra.study.result import Candidate, Standing, StudyResult
 
@@ -32,7 +31,7 @@ class RankingColumn:
 
 @dataclass(frozen=True)
 class RankingRow:
-    """One controller in the ranking: `cells` follow `RANKING_COLUMNS`, decimals aligned.
+    """One controller in the ranking: `cells` follow `ranking_columns`, decimals aligned.
 
     Examples
     --------
@@ -61,21 +60,37 @@ def _worst(score: str, in_percent: bool = False) -> Callable[[Process, Candidate
     return value
 
 
-#: What a ranking shows of each controller; each number is that of the worst signal.
-RANKING_COLUMNS = (
-    RankingColumn("IAE", "% s", _worst("iae", in_percent=True)),
-    RankingColumn("overshoot", "%", _worst("overshoot")),
-    RankingColumn("settling", "s", _worst("settling_time")),
-    RankingColumn("load peak", "%", _worst("peak_deviation", in_percent=True)),
-    RankingColumn("moves", "%", _worst("total_variation", in_percent=True)),
-    RankingColumn("at limit", "s", _worst("time_in_saturation")),
-    RankingColumn("max|S|", "", lambda _, candidate: candidate.maximum_sensitivity),
-)
+def _criterion(title: str) -> RankingColumn:
+    return RankingColumn(title, "× best", lambda _, candidate: candidate.criteria[title])
+
+
+def ranking_columns(result: StudyResult) -> tuple[RankingColumn, ...]:
+    """Return what a ranking shows of each controller: what decided first.
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> [column.title for column in ranking_columns(run_study("quadruple-tank"))][:4]
+    ['setpoint error', 'load error', 'mean', 'moves']
+    """
+    titles = tuple(result.ranking[0].criteria) if result.ranking else ()
+    deciding = [_criterion(title) for title in titles]
+    if len(titles) > 1:
+        deciding.append(RankingColumn("mean", "× best", lambda _, c: c.mean_error))
+    return (
+        *deciding,
+        RankingColumn("moves", "× least", lambda _, candidate: candidate.wear),
+        RankingColumn("noise", "% range", _worst("noise_movement", in_percent=True)),
+        RankingColumn("overshoot", "%", _worst("overshoot")),
+        RankingColumn("max|S|", "", lambda _, candidate: candidate.maximum_sensitivity),
+    )
+
 
 RANKING_NOTE = (
-    "Each number is that of the worst signal. IAE, load peak and moves (total variation) are in "
-    "percent of the signal's range; max|S| is the peak of the sensitivity."
-    f" Order: {RULE}"
+    "Errors, and moves (total variation), are multiples of the best, averaged over the signals. "
+    "Noise is the standard deviation with which measurement noise throws the worst manipulated "
+    "variable about, overshoot that of the worst setpoint step, max|S| the peak of the "
+    f"sensitivity. Order: {RULE}"
 )
 
 
@@ -93,12 +108,12 @@ def ranking_rows(result: StudyResult) -> list[RankingRow]:
     Examples
     --------
     >>> from clepsydra.study.study import run_study
-    >>> [row.rank for row in ranking_rows(run_study("quadruple-tank"))]
+    >>> [row.rank for row in ranking_rows(run_study("quadruple-tank"))][:3]
     [1, 2, 3]
     """
     columns = [
         _aligned([column.value(result.process, candidate) for candidate in result.ranking])
-        for column in RANKING_COLUMNS
+        for column in ranking_columns(result)
     ]
     return [
         RankingRow(
@@ -157,7 +172,7 @@ class ScoreTable:
 
 
 def score_tables(process: Process, candidate: Candidate) -> list[ScoreTable]:
-    """Return the scores of a controller, those of outputs and those of inputs apart.
+    """Return the scores of a controller: of outputs, of inputs, and of pumps and tanks.
 
     Values and units are those that the reader sees of each signal.
 
@@ -165,32 +180,48 @@ def score_tables(process: Process, candidate: Candidate) -> list[ScoreTable]:
     --------
     >>> from clepsydra.study.study import run_study
     >>> result = run_study("quadruple-tank")
-    >>> outputs, inputs = score_tables(result.process, result.ranking[0])
-    >>> [title for title, _, _ in inputs.rows]
-    ['Total variation', 'Time in saturation']
+    >>> outputs, inputs, plant = score_tables(result.process, result.ranking[0])
+    >>> [title for title, _, _ in inputs.rows][:3]
+    ['Total variation', 'Largest move', 'Time in saturation']
     """
-    tables = []
-    for names in (process.controlled, tuple(signal.name for signal in process.inputs)):
-        rows = []
-        for key, description in SCORES.items():
-            if not any(f"{key}[{name}]" in candidate.scores for name in names):
-                continue
-            cells = tuple(
-                _score_text(
-                    process.signal(name),
-                    candidate.scores.get(f"{key}[{name}]", math.nan),
-                    description.unit_rule,
-                )
-                for name in names
+    of_signals = [key for key in SCORES if key not in PLANT_SCORES]
+    named = [key.partition("[") for key in candidate.scores]
+    plant = tuple(
+        dict.fromkeys(name.removesuffix("]") for key, _, name in named if key in PLANT_SCORES)
+    )
+    return [
+        _score_table(process, candidate, tuple(process.controlled), of_signals),
+        _score_table(process, candidate, tuple(u.name for u in process.inputs), of_signals),
+        _score_table(process, candidate, plant, PLANT_SCORES),
+    ]
+
+
+def _score_table(
+    process: Process, candidate: Candidate, names: tuple[str, ...], keys: Sequence[str]
+) -> ScoreTable:
+    rows = []
+    for key, description in SCORES.items():
+        if key not in keys or not any(f"{key}[{name}]" in candidate.scores for name in names):
+            continue
+        cells = tuple(
+            _score_text(
+                process, name, candidate.scores.get(f"{key}[{name}]", math.nan), description
             )
-            rows.append((description.title, description.description, cells))
-        tables.append(ScoreTable(tuple(names), tuple(rows)))
-    return tables
+            for name in names
+        )
+        rows.append((description.title, description.description, cells))
+    return ScoreTable(names if rows else (), tuple(rows))
 
 
-def _score_text(signal: Signal, value: float, unit_rule: str) -> tuple[str, str]:
+def _score_text(
+    process: Process, name: str, value: float, score: ScoreDescription
+) -> tuple[str, str]:
     """Return a score [SI] and its unit as the reader sees them."""
+    rule = score.unit_rule
+    if "signal unit" not in rule:
+        return number_text(value), rule.replace(" × ", " ")
+    signal = process.signal(name)
     unit = unit_text(signal.shown_unit)
-    power = 2 if "signal unit²" in unit_rule else 1 if "signal unit" in unit_rule else 0
-    words = unit_rule.replace("signal unit²", f"{unit}²").replace("signal unit", unit)
+    power = 2 if "signal unit²" in rule else 1
+    words = rule.replace("signal unit²", f"{unit}²").replace("signal unit", unit)
     return number_text(value * display_factor(signal) ** power), words.replace(" × ", " ")

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from clepsydra.linear.analysis import Analysis
 from clepsydra.report.analysis_tables import Grid, analysis_grids, operating_point_grid
 from clepsydra.report.score_tables import (
-    RANKING_COLUMNS,
     RANKING_NOTE,
     is_recommended,
+    ranking_columns,
     ranking_rows,
 )
 from clepsydra.study.result import StudyResult
@@ -51,7 +51,7 @@ def ranking_table(result: StudyResult) -> RenderableType:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
     table.add_column("", justify="right")
     table.add_column("controller", overflow="fold", max_width=26)
-    for column in RANKING_COLUMNS:
+    for column in ranking_columns(result):
         table.add_column(f"{column.title}\n{column.unit}", justify="right", no_wrap=True)
     rows = ranking_rows(result)
     for row in rows:

@@ -2,20 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.scores.effort import time_in_saturation, total_variation
-from clepsydra.scores.integral_errors import integral_absolute_error, integral_squared_error
+from clepsydra.scores.actuator_wear import reversals, travel
+from clepsydra.scores.averaging import largest_rate_of_change, variance_ratio, volume_used
+from clepsydra.scores.effort import noise_movement, peak_move, time_in_saturation, total_variation
+from clepsydra.scores.generalised_squared_error import generalised_squared_error
+from clepsydra.scores.integral_errors import (
+    integral_absolute_error,
+    integral_error,
+    integral_squared_error,
+)
 from clepsydra.scores.load_response import peak_deviation, return_time
+from clepsydra.scores.noisy_settling import settling_time_under_noise
+from clepsydra.scores.offset import offset
+from clepsydra.scores.plant import BufferTrajectories, PlantTrajectories
+from clepsydra.scores.pumping import (
+    energy_to_liquid,
+    starts_per_hour,
+    volume_pumped,
+    volume_spilt,
+)
 from clepsydra.scores.step_response import overshoot, rise_time, settling_time
+from clepsydra.scores.time_weighted_errors import (
+    integral_time_absolute_error,
+    integral_time_squared_error,
+)
 from clepsydra.scores.trajectory import FloatArray
 
 #: Half the width of the band of settling and return, as a share of the setpoint step.
 BAND = 0.05
+#: The narrower band of the settling time.
+NARROW_BAND = 0.02
+_JOULES_PER_KILOWATT_HOUR = 3.6e6
+_SECONDS_PER_HOUR = 3600.0
 
 
 class ScoredSegment(Protocol):
@@ -61,19 +85,35 @@ def score_run(
     inputs: Mapping[str, FloatArray],
     input_limits: Mapping[str, tuple[float, float]],
     segments: Iterable[ScoredSegment],
+    *,
+    measured: Mapping[str, FloatArray] | None = None,
+    plant: PlantTrajectories | None = None,
 ) -> dict[str, float]:
-    """Return every score of a run that its segments allow.
+    """Return every score of a run that its segments and its process allow.
 
-    - ``iae[y]`` and ``ise[y]``: over the whole run.
-    - ``overshoot[y]``, ``rise_time[y]``, ``settling_time[y]``: the worst of the setpoint
-      steps of y, up and down.
+    - ``iae[y]``, ``ise[y]``, ``itae[y]``, ``itse[y]``, ``iseg[y]``: over the whole run, time
+      counting from the start of each segment, so that a late one weighs no more.
+    - ``ie[y]``: the magnitudes of the integrals over all segments with a step, added up; over the
+      whole run where there is none.
+    - ``iae_setpoint[y]``, ``iae_load[y]``: over the segments of all setpoint steps, and of all
+      load steps; the segment of noise is in neither.
+    - ``overshoot[y]``, ``rise_time[y]``, ``settling_time[y]`` (5 %), ``settling_time_2[y]``,
+      ``settling_time_noisy[y]``: the worst of the setpoint steps of y, up and down. The last
+      one needs `measured`.
     - ``peak_deviation[y]``, ``return_time[y]``: the worst of all load steps. The band of the
       return is that of the settling time, 5 % of the largest setpoint step of y; in a run
       without one it is 5 % of the peak deviation.
-    - ``total_variation[u]``, ``time_in_saturation[u]``: over the whole run.
+    - ``offset[y]``: the worst of all segments with a step.
+    - ``total_variation[u]``, ``peak_move[u]``, ``time_in_saturation[u]``: over the whole run; of
+      an input with a finite range also ``travel[u]`` and ``reversals[u]``. Where a segment has
+      nothing but noise, ``noise_movement[u]``.
+    - Of the plant: ``starts_per_hour[pump]``, ``volume_pumped[pump]``, ``energy[pump]`` where the
+      pump has a curve, ``volume_spilt[tank]`` where the tank has a weir, and for averaging
+      control ``outflow_rate[y]``, ``variance_ratio[y]`` and ``volume_used[y]`` during loads.
 
-    A score that no segment asks for is left out. A response that never gets there, and any
-    score of a signal with a value that is not finite, is infinite.
+    A score that no segment asks for is left out, and so is one for which the process says too
+    little. A response that never gets there, and any score of a signal with a value that is not
+    finite, is infinite.
 
     Parameters
     ----------
@@ -89,6 +129,10 @@ def score_run(
         The same names to (low, high).
     segments : iterable of ScoredSegment
         What happened when.
+    measured : mapping, optional
+        The names of the setpoints to what the controller got [n], with noise.
+    plant : PlantTrajectories, optional
+        What the run says of pumps and tanks, see `clepsydra.scores.plant`.
 
     Returns
     -------
@@ -98,8 +142,9 @@ def score_run(
     Raises
     ------
     InputError
-        A setpoint has no output or an input no limits, a segment steps the setpoint of an
-        unknown signal or holds fewer than two samples, or trajectories differ in length.
+        A setpoint has no output or measurement or an input no limits, a segment steps the
+        setpoint of an unknown signal or holds fewer than two samples, or trajectories differ in
+        length.
 
     Examples
     --------
@@ -111,6 +156,8 @@ def score_run(
     """
     _require_same_names("outputs", setpoints, outputs)
     _require_same_names("input_limits", inputs, input_limits)
+    if measured is not None:
+        _require_same_names("measured", setpoints, measured)
     happened = tuple(segments)
     for segment in happened:
         if segment.kind == "setpoint" and segment.signal not in setpoints:
@@ -123,20 +170,94 @@ def score_run(
     scores: dict[str, float] = {}
     for name, setpoint in setpoints.items():
         output = outputs[name]
-        found = {
-            "iae": integral_absolute_error(time, setpoint, output),
-            "ise": integral_squared_error(time, setpoint, output),
-        }
+        found = _integral_scores(time, setpoint, output, happened)
         steps = [s for s in happened if s.kind == "setpoint" and s.signal == name]
         found |= _worst(_step_scores(time, setpoint, output, segment) for segment in steps)
+        if measured is not None:
+            seen = measured[name]
+            noise = _noise_deviation(time, seen - output, happened)
+            found |= _worst(_noisy_scores(time, setpoint, seen, s, noise) for s in steps)
         band = BAND * max((abs(segment.size) for segment in steps), default=0.0)
         loads = [segment for segment in happened if segment.kind == "load"]
         found |= _worst(_load_scores(time, setpoint, output, segment, band) for segment in loads)
+        if not np.all(np.isfinite(output)):
+            found = dict.fromkeys(found, float("inf"))
         scores |= {f"{score}[{name}]": value for score, value in found.items()}
     for name, held in inputs.items():
-        scores[f"total_variation[{name}]"] = total_variation(time, held)
-        scores[f"time_in_saturation[{name}]"] = time_in_saturation(time, held, *input_limits[name])
+        found = _effort_scores(time, held, *input_limits[name])
+        quiet = [_samples(time, s, with_stop=False) for s in happened if s.kind == "noise"]
+        if quiet:
+            found["noise_movement"] = max(noise_movement(time[at], held[at]) for at in quiet)
+        scores |= {f"{score}[{name}]": value for score, value in found.items()}
+    return scores | _plant_scores(time, plant or PlantTrajectories(), happened)
+
+
+def _integral_scores(
+    time: FloatArray, setpoint: FloatArray, output: FloatArray, segments: Sequence[ScoredSegment]
+) -> dict[str, float]:
+    stretches = [(s.kind, _samples(time, s)) for s in segments]
+    starts = [time[samples.start] for _, samples in stretches]
+    run = (time, setpoint, output)
+    found = {
+        "iae": integral_absolute_error(*run),
+        "ise": integral_squared_error(*run),
+        "itae": integral_time_absolute_error(*run, starts),
+        "itse": integral_time_squared_error(*run, starts),
+        "iseg": generalised_squared_error(*run),
+    }
+    responses = [(kind, _cut(run, cut)) for kind, cut in stretches if kind != "noise"]
+    found["ie"] = sum(abs(integral_error(*r)) for _, r in responses or [("", run)])
+    for kind in ("setpoint", "load"):
+        of_kind = [response for found_kind, response in responses if found_kind == kind]
+        if of_kind:
+            found[f"iae_{kind}"] = sum(integral_absolute_error(*r) for r in of_kind)
+    if responses:
+        found["offset"] = max(abs(offset(*response)) for _, response in responses)
+    return found
+
+
+def _effort_scores(time: FloatArray, held: FloatArray, low: float, high: float) -> dict[str, float]:
+    found = {
+        "total_variation": total_variation(time, held),
+        "peak_move": peak_move(time, held),
+        "time_in_saturation": time_in_saturation(time, held, low, high),
+    }
+    if np.isfinite(high - low):
+        found["travel"] = travel(time, held, low, high)
+        found["reversals"] = reversals(time, held, low, high)
+    return found
+
+
+def _plant_scores(
+    time: FloatArray, plant: PlantTrajectories, segments: Sequence[ScoredSegment]
+) -> dict[str, float]:
+    scores: dict[str, float] = {}
+    for name, flow in plant.pumped.items():
+        scores[f"volume_pumped[{name}]"] = volume_pumped(time, flow)
+    for name, running in plant.running.items():
+        scores[f"starts_per_hour[{name}]"] = starts_per_hour(time, running)
+    for name, head in plant.heads.items():
+        energy = energy_to_liquid(time, plant.pumped[name], head, plant.gravity)
+        scores[f"energy[{name}]"] = energy / _JOULES_PER_KILOWATT_HOUR
+    for name, total in plant.spilt.items():
+        scores[f"volume_spilt[{name}]"] = volume_spilt(time, total)
+    loads = [_samples(time, s, with_stop=False) for s in segments if s.kind == "load"]
+    for name, buffer in plant.buffers.items() if loads else ():
+        found = _averaging_scores(time, buffer, loads)
+        scores |= {f"{score}[{name}]": value for score, value in found.items()}
     return scores
+
+
+def _averaging_scores(
+    time: FloatArray, buffer: BufferTrajectories, loads: Sequence[slice]
+) -> dict[str, float]:
+    rate = largest_rate_of_change(time, buffer.outflow, loads)
+    found = {
+        "outflow_rate": rate * _SECONDS_PER_HOUR**2,
+        "volume_used": volume_used(time, buffer.filling, loads),
+    }
+    ratio = variance_ratio(time, buffer.inflow, buffer.outflow, loads)
+    return found if ratio is None else found | {"variance_ratio": ratio}
 
 
 def _step_scores(
@@ -149,7 +270,33 @@ def _step_scores(
         "overshoot": overshoot(*response),
         "rise_time": rise_time(*response),
         "settling_time": settling_time(*response, band=BAND),
+        "settling_time_2": settling_time(*response, band=NARROW_BAND),
     }
+
+
+def _noisy_scores(
+    time: FloatArray,
+    setpoint: FloatArray,
+    seen: FloatArray,
+    segment: ScoredSegment,
+    deviation: float,
+) -> dict[str, float]:
+    samples = _samples(time, segment)
+    target = float(setpoint[samples.start])
+    response = (time[samples], seen[samples], target - segment.size, target)
+    return {"settling_time_noisy": settling_time_under_noise(*response, deviation, band=BAND)}
+
+
+def _noise_deviation(
+    time: FloatArray, noise: FloatArray, segments: Sequence[ScoredSegment]
+) -> float:
+    """Return the standard deviation of what the measurement adds, where there is noise.
+
+    A scenario may have its noise in a segment of its own; the steps are then judged by it.
+    """
+    noisy = [_samples(time, s, with_stop=False) for s in segments if s.kind == "noise"]
+    parts = np.concatenate([noise[samples] for samples in noisy]) if noisy else noise
+    return float(np.std(parts)) if np.all(np.isfinite(parts)) else 0.0
 
 
 def _load_scores(
@@ -170,16 +317,16 @@ def _load_scores(
     return {"peak_deviation": peak, "return_time": return_time(*response, band or BAND * peak)}
 
 
-def _samples(time: FloatArray, segment: ScoredSegment) -> slice:
-    """Return the samples of a segment, the one at its stop included.
+def _samples(time: FloatArray, segment: ScoredSegment, *, with_stop: bool = True) -> slice:
+    """Return the samples of a segment, the one at its stop included unless asked otherwise.
 
     At the stop the output still is what this segment made of it: only inputs jump there.
     """
     # Start and stop were computed as products with the sampling period, time perhaps not.
     tolerance = 1e-6 * float(np.min(np.diff(time)))
     first = int(np.searchsorted(time, segment.start - tolerance))
-    after = int(np.searchsorted(time, segment.stop + tolerance))
-    if after - first < 2:
+    after = int(np.searchsorted(time, segment.stop + (tolerance if with_stop else -tolerance)))
+    if after - first < (2 if with_stop else 1):
         raise InputError(
             "segments",
             f"{segment.kind} segment from {segment.start} s to {segment.stop} s",
@@ -187,6 +334,13 @@ def _samples(time: FloatArray, segment: ScoredSegment) -> slice:
             "lengthen the segment or the run",
         )
     return slice(first, after)
+
+
+def _cut(
+    run: tuple[FloatArray, FloatArray, FloatArray], samples: slice
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    time, setpoint, output = run
+    return time[samples], setpoint[samples], output[samples]
 
 
 def _worst(candidates: Iterable[dict[str, float]]) -> dict[str, float]:

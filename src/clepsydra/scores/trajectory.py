@@ -108,6 +108,46 @@ def from_sample(
     return clock[index:] - clock[index], response, bool(np.all(np.isfinite(response)))
 
 
+def sample_errors(
+    time: FloatArray, setpoint: FloatArray, output: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return length, first error and last error of each sample but the last.
+
+    The setpoint is held during a sample, and the output moves on a straight line to the next.
+
+    Parameters
+    ----------
+    time, setpoint, output : ndarray [n]
+
+    Returns
+    -------
+    tuple of ndarray [n - 1]
+        Length [s], r_k - y_k and r_k - y_{k+1} [signal unit].
+
+    Examples
+    --------
+    >>> both = np.array([0.0, 2.0]), np.array([5.0, 9.0]), np.array([1.0, 4.0])
+    >>> [values.tolist() for values in sample_errors(*both)]
+    [[2.0], [4.0], [1.0]]
+    """
+    return np.diff(time), setpoint[:-1] - output[:-1], setpoint[:-1] - output[1:]
+
+
+def held_durations(time: FloatArray) -> FloatArray:
+    """Return how long the value of each sample is held [s]; the last one as long as that before.
+
+    Parameters
+    ----------
+    time : ndarray [n]
+
+    Examples
+    --------
+    >>> held_durations(np.array([0.0, 1.0, 3.0])).tolist()
+    [1.0, 2.0, 2.0]
+    """
+    return np.diff(time, append=2.0 * time[-1] - time[-2])
+
+
 def first_crossing(elapsed: FloatArray, signal: FloatArray, threshold: float) -> float:
     """Return when a signal first reaches a threshold from below, between samples by a line.
 

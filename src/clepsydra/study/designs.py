@@ -5,14 +5,64 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.design.amigo import design_amigo
+from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.arrest_time import design_arrest_time
 from clepsydra.design.bryson import design_lqi
+from clepsydra.design.lambda_tuning import design_lambda
+from clepsydra.design.linear_quadratic_regulator import design_lqr
+from clepsydra.design.lqi_kalman import design_lqi_kalman
 from clepsydra.design.phase_margin import design_phase_margin
+from clepsydra.design.pole_placement import design_pole_placement
 from clepsydra.design.simc import design_simc
+from clepsydra.design.tyreus_luyben import design_tyreus_luyben
+from clepsydra.design.ziegler_nichols import design_ziegler_nichols
 from clepsydra.linear.analysis import Analysis
 
+Design = Callable[[Analysis], Controller]
+
+_PID = PidForm("PID")
+
+
+def _differentiated(controller: Controller, analysis: Analysis) -> Controller:
+    """Refuse PID control whose derivative times are below the sampling period.
+
+    It would differentiate the noise of single samples. Who asks for it in a study file gets it,
+    with a warning.
+    """
+    period = analysis.operating_point.process.sampling_period
+    times = [v for name, v in controller.values.items() if name.startswith("derivative_time_")]
+    if max(times) < period:
+        raise NotApplicable(
+            controller.name,
+            f"its longest derivative time of {max(times):.3g} s is shorter than the sampling "
+            f"period of {period:g} s; sample faster, or use PI control",
+        )
+    return controller
+
+
 #: What the reader calls it, and how it is designed; a design that does not apply says why.
-DESIGNS: dict[str, Callable[[Analysis], Controller]] = {
-    "PI, SIMC": lambda analysis: design_simc(analysis.model, analysis.pairing),
-    "PI, phase margin": lambda analysis: design_phase_margin(analysis.model, analysis.pairing),
-    "LQI, Bryson": lambda analysis: design_lqi(analysis.model),
+DESIGNS: dict[str, Design] = {
+    "PI, arrest time": lambda a: design_arrest_time(a.model, a.pairing),
+    "PI, SIMC": lambda a: design_simc(a.model, a.pairing),
+    "PI, lambda": lambda a: design_lambda(a.model, a.pairing),
+    "PI, phase margin": lambda a: design_phase_margin(a.model, a.pairing),
+    "PI, AMIGO": lambda a: design_amigo(a.model, a.pairing),
+    "PI, Ziegler-Nichols": lambda a: design_ziegler_nichols(a.model, a.pairing),
+    "PI, Tyreus-Luyben": lambda a: design_tyreus_luyben(a.model, a.pairing),
+    "PI, SIMC, static decoupling": lambda a: design_simc(a.model, a.pairing, decoupling="static"),
+    "PI, SIMC, dynamic decoupling": lambda a: design_simc(a.model, a.pairing, decoupling="dynamic"),
+    "PID, SIMC": lambda a: _differentiated(design_simc(a.model, a.pairing, form=_PID), a),
+    "PID, phase margin": lambda a: _differentiated(
+        design_phase_margin(a.model, a.pairing, form=_PID), a
+    ),
+    "PID, AMIGO": lambda a: _differentiated(design_amigo(a.model, a.pairing, form=_PID), a),
+    "PID, Ziegler-Nichols": lambda a: _differentiated(
+        design_ziegler_nichols(a.model, a.pairing, form=_PID), a
+    ),
+    "LQI, Bryson": lambda a: design_lqi(a.model),
+    "LQI with Kalman filter": lambda a: design_lqi_kalman(a.model),
+    "LQR with precompensator": lambda a: design_lqr(a.model),
+    "State feedback, pole placement": lambda a: design_pole_placement(a.model),
 }

@@ -1,60 +1,94 @@
-"""The order of the controllers of a study by a printed rule, and the reason in words."""
+"""The order of the controllers of a study by a printed rule."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.loop.run import Run
 from clepsydra.process.process import Process
+from clepsydra.study.ranking_words import STANDINGS, TIE, percent, reason
 from clepsydra.study.result import Candidate, Standing
-from clepsydra.study.warnings import leaves_its_tanks
+from clepsydra.study.tuning.result import TuningResult
+from clepsydra.study.warnings.levels import leaves_its_tanks
+from clepsydra.study.warnings.loop_response import LoopResponse
 
 RULE = (
-    "safe and robust controllers first (levels stay in their tanks, max|S| at most 2.0), then "
-    "stable ones, then the rest; among these the smaller integral absolute error, averaged over "
-    "the controlled variables as multiples of the best; within 2 % of each other the smaller "
-    "total variation of the manipulated variables."
+    "safe, robust and quiet controllers first (levels stay in their tanks, no pump trips, max|S| at "
+    "most 2.0, measurement noise throws no manipulated variable about by more than 5 % of its "
+    "range), then nervous ones, which are not quiet, then stable ones, then the rest. Among these the smaller mean of setpoint error and "
+    "load error: the integral absolute error over all setpoint steps and over all load steps, "
+    "without the stretch of noise, each averaged over the controlled variables as multiples of "
+    "the best among the first of these groups. Where a level is there to average a flow, outflow change "
+    "and outflow variance, its largest rate of change and its variance ratio over the load steps, "
+    "stand in place of its errors. A run without such steps is judged by the error over the whole "
+    "of it. Within 2 % of each other the smaller total variation of the "
+    "manipulated variables, averaged as multiples in the same way."
 )
 
-_STANDINGS = {Standing.ROBUST: "robust", Standing.STABLE: "stable"}
-_ROBUST = 2.0
+#: Largest max|S| of a robust controller.
+ROBUST = 2.0
+#: Largest noise movement of a quiet controller, share of the input's range.
+QUIET = 0.05
 #: The designs stop exactly at the limit; this much above it is rounding.
 _ROUNDING = 1e-6
-_TIE = 1.02
+#: What is smaller is rounding, and no reason to call a controller many times worse than another:
+#: a mean error and a move in shares of the signal's range, a variance ratio [1], and a rate of
+#: change of an outflow [m³/h per h].
+_SMALLEST_SHARE, _SMALLEST_RATIO, _SMALLEST_CHANGE = 1e-9, 1e-6, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """One controller with its run and scores, before it has a rank."""
+    """One controller with its run and scores, before it has a rank.
+
+    Parameters
+    ----------
+    controller : Controller
+    run : Run
+    scores : dict
+        As `clepsydra.scores.evaluate.score_run` returns them.
+    maximum_sensitivity : float
+    warnings : tuple of str
+    response : LoopResponse or None
+        Of its linear loop, where there is one.
+    tuning : TuningResult or None
+        How it was tuned.
+    """
 
     controller: Controller
     run: Run
     scores: dict[str, float]
     maximum_sensitivity: float
     warnings: tuple[str, ...]
+    response: LoopResponse | None = None
+    tuning: TuningResult | None = None
 
     @property
     def standing(self) -> Standing:
         """How far it can be trusted."""
-        if not math.isfinite(self.maximum_sensitivity) or leaves_its_tanks(self.run):
+        if not math.isfinite(self.maximum_sensitivity):
             return Standing.UNSAFE
-        if self.maximum_sensitivity <= _ROBUST * (1 + _ROUNDING):
-            return Standing.ROBUST
-        return Standing.STABLE
+        if leaves_its_tanks(self.run) or _trips(self.run):
+            return Standing.UNSAFE
+        if self.maximum_sensitivity > ROBUST * (1 + _ROUNDING):
+            return Standing.STABLE
+        return Standing.ROBUST if self.noise_movement <= QUIET else Standing.NERVOUS
 
-    def mean_score(self, score: str, best: dict[str, float]) -> float:
-        """Return the mean over signals of a score as a multiple of the best one."""
-        ratios = [
-            _ratio(value, best[key])
-            for key, value in self.scores.items()
-            if key.startswith(f"{score}[")
-        ]
-        return float(np.mean(ratios)) if ratios else math.inf
+    @property
+    def noise_movement(self) -> float:
+        """The largest share of an input's range by which noise throws it about."""
+        return max(
+            (
+                self.scores.get(f"noise_movement[{u.name}]", 0.0) / u.span
+                for u in self.run.process.inputs
+            ),
+            default=0.0,
+        )
 
 
 def rank(trials: Sequence[Trial]) -> tuple[Candidate, ...]:
@@ -64,42 +98,69 @@ def rank(trials: Sequence[Trial]) -> tuple[Candidate, ...]:
     ----------
     trials : sequence of Trial
         All of one process and one scenario.
+
+    Returns
+    -------
+    tuple of Candidate
+        With the numbers that decided: `criteria`, their mean `mean_error`, and `wear`.
     """
-    best = {
-        key: min(trial.scores[key] for trial in trials)
-        for key in (trials[0].scores if trials else {})
-    }
-    errors = {id(trial): trial.mean_score("iae", best) for trial in trials}
-    wear = {id(trial): trial.mean_score("total_variation", best) for trial in trials}
-    ordered: list[Trial] = []
-    waiting = sorted(trials, key=lambda trial: (trial.standing, errors[id(trial)]))
-    while waiting:
-        first = waiting[0]
-        tied = [
-            trial
-            for trial in waiting
-            if trial.standing == first.standing and errors[id(trial)] <= _TIE * errors[id(first)]
-        ]
-        ordered += sorted(tied, key=lambda trial: wear[id(trial)])
-        waiting = [trial for trial in waiting if trial not in tied]
-    return tuple(
-        Candidate(
-            controller=trial.controller,
-            run=trial.run,
-            scores=trial.scores,
-            maximum_sensitivity=trial.maximum_sensitivity,
-            standing=trial.standing,
-            mean_error=errors[id(trial)],
-            rank=place,
-            reason=_reason(trial, errors[id(trial)], wear[id(trial)]),
-            warnings=trial.warnings,
+    if not trials:
+        return ()
+    standings = [trial.standing for trial in trials]
+    first = [t for t, s in zip(trials, standings, strict=True) if s is min(standings)]
+    judge = _Judge(trials[0], first)
+    candidates = []
+    for trial, standing in zip(trials, standings, strict=True):
+        criteria = judge.criteria(trial)
+        candidates.append(
+            Candidate(
+                controller=trial.controller,
+                run=trial.run,
+                scores=trial.scores,
+                maximum_sensitivity=trial.maximum_sensitivity,
+                standing=standing,
+                mean_error=float(np.mean(list(criteria.values()))),
+                rank=0,
+                reason="",
+                warnings=trial.warnings,
+                criteria=criteria,
+                wear=judge.wear(trial),
+                response=trial.response,
+                tuning=trial.tuning,
+            )
         )
-        for place, trial in enumerate(ordered, 1)
-    )
+    groups = _groups(candidates)
+    ordered = [(candidate, number) for number, group in enumerate(groups) for candidate in group]
+    ranking = []
+    for place, (candidate, group) in enumerate(ordered):
+        better = ordered[place - 1] if place else None
+        worse = ordered[1] if not place and len(ordered) > 1 else None
+        rival = better or worse
+        words = reason(
+            candidate,
+            better and better[0],
+            worse and worse[0],
+            tied=rival is not None and rival[1] == group,
+        )
+        ranking.append(replace(candidate, rank=place + 1, reason=words))
+    return tuple(ranking)
 
 
 def verdict(process: Process, ranking: Sequence[Candidate]) -> str:
-    """Return the answer of a study in one sentence."""
+    """Return the answer of a study in one sentence.
+
+    Parameters
+    ----------
+    process : Process
+    ranking : sequence of Candidate
+        Best first.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> verdict(load_process("three-tanks"), [])
+    'No controller of this study applies to Three coupled tanks; the reasons are listed.'
+    """
     if not ranking:
         return f"No controller of this study applies to {process.title}; the reasons are listed."
     best = ranking[0]
@@ -126,36 +187,96 @@ def _lead(best: Candidate, others: Sequence[Candidate]) -> str:
     rival = others[0]
     name = rival.controller.name
     if best.standing is not rival.standing:
-        return f", {_STANDINGS[best.standing]} where {name} is not"
-    if rival.mean_error > _TIE * best.mean_error:
+        return f", {STANDINGS[best.standing]} where {name} is not"
+    if rival.mean_error > TIE * best.mean_error:
         saved = 100 * (1 - best.mean_error / rival.mean_error)
-        return f", with an integral absolute error {saved:.0f} % below that of {name}"
-    return f", as precise as {name} with less movement of the inputs"
+        judged = " and ".join(best.criteria)
+        what = f"a mean of {judged}" if len(best.criteria) > 1 else f"an {judged}"
+        return f", with {what} {percent(saved)} below that of {name}"
+    return f", as good as {name} with less movement of the inputs"
 
 
-def _ratio(value: float, best: float) -> float:
-    if math.isinf(value):
-        return math.inf
-    return value / best if best > 0 else (1.0 if value == 0 else math.inf)
+def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
+    """Return the candidates best first, in groups within which the wear decides."""
+    groups = []
+    waiting = sorted(candidates, key=lambda candidate: (candidate.standing, candidate.mean_error))
+    while waiting:
+        first = waiting[0]
+        tied = [
+            candidate
+            for candidate in waiting
+            if candidate.standing is first.standing
+            and candidate.mean_error <= TIE * first.mean_error
+        ]
+        groups.append(sorted(tied, key=lambda candidate: candidate.wear))
+        waiting = waiting[len(tied) :]
+    return groups
 
 
-def _reason(trial: Trial, error: float, wear: float) -> str:
-    standing = {
-        Standing.ROBUST: f"robust (max|S| {trial.maximum_sensitivity:.2f})",
-        Standing.STABLE: f"stable with thin margins (max|S| {trial.maximum_sensitivity:.2f})",
-        Standing.UNSAFE: (
-            "unstable by its linear model"
-            if not math.isfinite(trial.maximum_sensitivity)
-            else "a level leaves its tank"
-        ),
-    }[trial.standing]
-    words = (
-        standing[0].upper() + standing[1:],
-        _compared(error, "smallest integral absolute error"),
-        _compared(wear, "least total variation"),
+class _Judge:
+    """The scores that count for a process, as multiples of the best."""
+
+    def __init__(self, example: Trial, best_of: Sequence[Trial]) -> None:
+        process = example.run.process
+        self.process = process
+        self.duration = float(example.run.time[-1] - example.run.time[0])
+        self.best_of = best_of
+        self.judged = {
+            title: keys
+            for title, score, signals in _judged_by(process)
+            if (keys := [k for name in signals if (k := f"{score}[{name}]") in example.scores])
+        } or {"error": [f"iae[{name}]" for name in process.controlled]}
+
+    def criteria(self, trial: Trial) -> dict[str, float]:
+        """Return the mean multiple of each criterion."""
+        return {title: self._mean(trial, keys) for title, keys in self.judged.items()}
+
+    def wear(self, trial: Trial) -> float:
+        """Return the mean multiple of the total variation."""
+        return self._mean(trial, [f"total_variation[{u.name}]" for u in self.process.inputs])
+
+    def _mean(self, trial: Trial, keys: Sequence[str]) -> float:
+        return float(np.mean([self._multiple(key, trial.scores[key]) for key in keys]))
+
+    def _multiple(self, key: str, value: float) -> float:
+        if not math.isfinite(value):
+            return math.inf
+        smallest = self._smallest(key)
+        best = min(trial.scores[key] for trial in self.best_of)
+        if not math.isfinite(best):
+            return 1.0
+        if max(best, smallest) == 0.0:
+            return 1.0 if value == 0.0 else math.inf
+        return max(value, smallest) / max(best, smallest)
+
+    def _smallest(self, key: str) -> float:
+        """Return what of a score is only rounding."""
+        score, _, name = key.removesuffix("]").partition("[")
+        if score == "variance_ratio":
+            return _SMALLEST_RATIO
+        if score == "outflow_rate":
+            return _SMALLEST_CHANGE
+        span = self.process.signal(name).span
+        if not math.isfinite(span):
+            return 0.0
+        if score == "total_variation":
+            return _SMALLEST_SHARE * span
+        return _SMALLEST_SHARE * span * self.duration
+
+
+def _judged_by(process: Process) -> tuple[tuple[str, str, tuple[str, ...]], ...]:
+    """Return title, score and signals of what controllers of a process are judged by."""
+    averaging = process.averaging
+    held = tuple(name for name in process.controlled if name not in averaging)
+    return (
+        ("setpoint error", "iae_setpoint", held),
+        ("load error", "iae_load", held),
+        ("outflow change", "outflow_rate", averaging),
+        ("outflow variance", "variance_ratio", averaging),
     )
-    return "; ".join(words) + "."
 
 
-def _compared(ratio: float, best: str) -> str:
-    return f"the {best}" if ratio < 1.005 else f"{ratio:.2f} times the {best}"
+def _trips(run: Run) -> bool:
+    """Return whether a level switch turns a pump off that should run."""
+    tripped = [m.name for m in run.process.motion.memories if m.name.endswith(".tripped")]
+    return any(np.any(run.values[name] > 0.5) for name in tripped if name in run.values)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from enum import IntEnum
 from typing import Any
 
@@ -13,14 +14,17 @@ from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
+from clepsydra.study.tuning.result import TuningResult
+from clepsydra.study.warnings.loop_response import LoopResponse
 
 
 class Standing(IntEnum):
     """How far a controller can be trusted; a smaller number ranks first."""
 
     ROBUST = 0
-    STABLE = 1
-    UNSAFE = 2
+    NERVOUS = 1
+    STABLE = 2
+    UNSAFE = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +41,23 @@ class Candidate:
         Largest singular value of S over frequency, at the process output.
     standing : Standing
     mean_error : float
-        Mean over the controlled variables of the integral absolute error, each as a multiple
-        of the best in the study.
+        What decides among controllers of one standing: the mean of `criteria`.
     rank : int
         1 is best.
     reason : str
-        Why it stands where it stands, one sentence.
+        Why it stands where it stands, in words.
     warnings : tuple of str
+    criteria : mapping
+        What it is judged by, in the words of a column's title, to the mean over its signals of
+        that score, each as a multiple of the best in the study: "setpoint error" and "load
+        error", for averaging levels "outflow change" and "outflow variance".
+    wear : float
+        Mean over the manipulated variables of the total variation, each as a multiple of the
+        best; it decides between controllers within 2 % of each other.
+    response : LoopResponse or None
+        Sensitivity and margins of its exact sampled loop, where it has one.
+    tuning : TuningResult or None
+        How it was tuned by simulation, if it was.
     """
 
     controller: Controller
@@ -55,6 +69,10 @@ class Candidate:
     rank: int
     reason: str
     warnings: tuple[str, ...]
+    criteria: Mapping[str, float] = field(default_factory=dict)
+    wear: float = 1.0
+    response: LoopResponse | None = None
+    tuning: TuningResult | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +143,9 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
         "pairing": list(zip(controller.setpoints, controller.manipulated, strict=True)),
         "scores": dict(candidate.scores),
         "maximum_sensitivity": candidate.maximum_sensitivity,
+        "mean_error": candidate.mean_error,
+        "criteria": dict(candidate.criteria),
+        "wear": candidate.wear,
         "reason": candidate.reason,
         "warnings": list(candidate.warnings),
         "error_estimate": run.error_estimate,

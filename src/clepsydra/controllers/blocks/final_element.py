@@ -99,6 +99,8 @@ def final_element(
         slowed = limit(manipulated, last_output - step, last_output + step)
         hurried = slowed != manipulated
         manipulated = limit(slowed, low, high)
+    # A limit of minus infinity at run time is none that an actuator could be brought to.
+    manipulated = ca.if_else(is_number(manipulated), manipulated, last_output)
 
     input_unusable = ca.logic_or(
         ca.logic_not(asked.numbers), ca.logic_not(ca.logic_or(in_automatic, follows))

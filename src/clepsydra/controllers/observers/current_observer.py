@@ -59,43 +59,37 @@ def observer_state(structure: ObserverStructure) -> list[Signal]:
     ]
 
 
-def corrected_estimate(
+def surprises(
     symbols: Symbols,
     structure: ObserverStructure,
     deviations: Sequence[ca.SX],
     measurements_known: ca.SX,
 ) -> list[ca.SX]:
-    """Return x̂ + M (y − C x̂): the estimate with the measurement of this sample.
+    """Return y − C x̂: what the measurements of this sample show that was not expected.
 
-    Where a measurement is unusable the expectation stands uncorrected: the observer goes on
-    with what the inputs do.
+    Where a measurement is unusable there is none, and the observer goes on with what the
+    inputs do.
 
     Parameters
     ----------
     symbols : mapping
-        estimate_j, observation_j_k, correction_j_k.
+        estimate_j, observation_j_k.
     structure : ObserverStructure
     deviations : sequence of casadi.SX
         y, each measurement less its value at the operating point.
     measurements_known : casadi.SX
         Whether all are numbers from sound sensors.
 
-    References
-    ----------
-    K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, section 4.5.
-
     Examples
     --------
-    An expected 2 m, 2.5 m measured, and half of the difference is believed:
-
     >>> yes = np.ones((1, 1), bool)
     >>> structure = ObserverStructure((Signal("tank.level", "m"),), yes, yes, yes, yes)
-    >>> numbers = dict(estimate_1=ca.DM(2), observation_1_1=ca.DM(1), correction_1_1=ca.DM(0.5))
-    >>> float(corrected_estimate(numbers, structure, [ca.DM(2.5)], ca.DM(1))[0])
-    2.25
+    >>> numbers = dict(estimate_1=ca.DM(2), observation_1_1=ca.DM(50))
+    >>> float(surprises(numbers, structure, [ca.DM(110)], ca.DM(1))[0])
+    10.0
     """
     expected = [symbols[f"estimate_{j}"] for j in range(1, structure.size + 1)]
-    surprises = [
+    return [
         ca.if_else(
             measurements_known,
             deviation - _row(symbols, "observation", structure.shown, j, expected),
@@ -103,9 +97,38 @@ def corrected_estimate(
         )
         for j, deviation in enumerate(deviations)
     ]
+
+
+def corrected_estimate(
+    symbols: Symbols, structure: ObserverStructure, surprise: Sequence[ca.SX]
+) -> list[ca.SX]:
+    """Return x̂ + M (y − C x̂): the estimate with the measurement of this sample.
+
+    Parameters
+    ----------
+    symbols : mapping
+        estimate_j, correction_j_k.
+    structure : ObserverStructure
+    surprise : sequence of casadi.SX
+        y − C x̂
+
+    References
+    ----------
+    K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, section 4.5.
+
+    Examples
+    --------
+    2 m were expected, 0.5 m more are measured, and half of that is believed:
+
+    >>> yes = np.ones((1, 1), bool)
+    >>> structure = ObserverStructure((Signal("tank.level", "m"),), yes, yes, yes, yes)
+    >>> numbers = dict(estimate_1=ca.DM(2), correction_1_1=ca.DM(0.5))
+    >>> float(corrected_estimate(numbers, structure, [ca.DM(0.5)])[0])
+    2.25
+    """
     return [
-        value + _row(symbols, "correction", structure.corrected, j, surprises)
-        for j, value in enumerate(expected)
+        symbols[f"estimate_{j + 1}"] + _row(symbols, "correction", structure.corrected, j, surprise)
+        for j in range(structure.size)
     ]
 
 
@@ -194,12 +217,10 @@ def _numbers(
     ]
 
 
-def _row(
-    symbols: Symbols, name: str, used: np.ndarray, row: int, values: Sequence[ca.SX]
-) -> ca.SX:
+def _row(symbols: Symbols, name: str, used: np.ndarray, row: int, values: Sequence[ca.SX]) -> ca.SX:
     """Return the sum of the numbers of one row of a matrix times the values."""
     total = ca.SX(0)
-    for place, column in enumerate(np.flatnonzero(used[row])):
+    for place, column in enumerate(np.flatnonzero(used[row]).tolist()):
         product = symbols[f"{name}_{row + 1}_{column + 1}"] * values[column]
         total = total + product if place else product
     return total

@@ -171,7 +171,9 @@ class FeedforwardBlock:
 
         def close(applied: Sequence[Applied]) -> Closed:
             (result,) = applied
-            told = Applied(result.value - added, result.in_force, result.follows)
+            # What was applied as asked is told to the last bit: no rounding looks like a limit.
+            got = ca.if_else(result.value == value, source.value, result.value - added)
+            told = Applied(got, result.in_force, result.follows)
             return Closed(following, {}, (told,))
 
         return Opened((Asked(value, source.usable, source.numbers, sensors),), close)

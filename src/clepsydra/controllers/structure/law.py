@@ -71,6 +71,7 @@ def structure_law(
         state=[signal for block in blocks for signal in block.state()],
         outputs=[signal for block in blocks for signal in block.outputs()],
         equations=equations,
+        blocks=blocks,
     )
 
 

@@ -199,10 +199,11 @@ class PidBlock:
                     symbols, value, terms.measurement, known, result
                 )
             if self._chooses:
-                source = symbols[name("setpoint_source")]
                 last = symbols[name("last_setpoint_source")]
                 heard = ca.logic_and(known, ca.logic_or(result.in_force, result.follows))
-                state[name("last_setpoint_source")] = ca.if_else(heard, source, last)
+                state[name("last_setpoint_source")] = ca.if_else(
+                    heard, self._source(symbols), last
+                )
             told = (
                 self._told(
                     symbols, terms.measurement, value, setpoint, known, terms.unlimited, result
@@ -216,6 +217,12 @@ class PidBlock:
         if self.direct is not None:
             return symbols[f"last_output_{self.direct}"]
         return symbols[self._named("last_applied")]
+
+    def _source(self, symbols: Symbols) -> ca.SX:
+        """Return the source of the setpoint; what stands for none leaves the last one."""
+        source = symbols[self._named("setpoint_source")]
+        known = ca.logic_or(source == 0, source == 1)
+        return ca.if_else(known, source, symbols[self._named("last_setpoint_source")])
 
     def _chosen(self, symbols: Symbols, asked: Sequence[Asked]) -> Setpoint:
         name = self._named
@@ -238,7 +245,7 @@ class PidBlock:
         return chosen_setpoint(
             local,
             remote,
-            symbols[name("setpoint_source")],
+            self._source(symbols),
             symbols[name("last_setpoint_source")],
             symbols[name("working_setpoint")],
         )

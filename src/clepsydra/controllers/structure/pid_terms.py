@@ -86,8 +86,10 @@ def pid_terms(
     """Write the terms of loop `number`; the equations of each form stand in `PidForm`.
 
     An integral time at or below zero switches integral action off: nothing is divided by it.
-    Where a gain, or the source of the setpoint, differs from the last sample, the integral is
-    set so that the output goes on from what was applied.
+    Where a parameter differs from the last sample, the integral takes up what that changes in
+    the rest of the sum, so that the output is the one that the former parameters ask for, and
+    gains may be scheduled in every sample. Where the source of the setpoint differs, the output
+    goes on from what was applied.
 
     Parameters
     ----------
@@ -131,17 +133,19 @@ class _Writer:
 
     def positional(self, limits: Limits) -> PidTerms:
         form, loop, name = self.form, self.loop, self._name
-        derivative = self._derivative() if form.has_derivative else None
-        nonintegral, acting = self._nonintegral(derivative)
+        derivative = self._derivative(self._value) if form.has_derivative else None
+        nonintegral, acting = self._nonintegral(derivative, self._value)
         integral_gain = self._integral_gain() if form.has_integral else ca.SX(0)
         increment = (loop.time_step * integral_gain) * acting
-        restarts = self._restarts()
-        integral = ca.if_else(restarts, loop.last_applied - nonintegral, self._value("integral"))
+        known = loop.known
+        if derivative is not None:  # there is none without a time step
+            known = ca.logic_and(known, loop.time_step_good)
+        integral = self._integral(nonintegral, known)
         action = IntegralAction(
             integral=integral,
             proportional=nonintegral,
             increment=increment,
-            known=loop.known,
+            known=known,
             last_applied=loop.last_applied,
             anti_windup=form.winding,
             time_step=loop.time_step,
@@ -156,12 +160,8 @@ class _Writer:
             state = {name("integral"): kept}
             if derivative is not None:
                 state[name("filtered_signal")] = self._kept_filter(derivative)
-            heard = ca.logic_or(applied.in_force, ca.logic_and(applied.follows, loop.known))
-            for parameter in remembered(self.number, form):
-                value, last = self.symbols[parameter], self.symbols[f"last_{parameter}"]
-                taken = ca.logic_and(heard, is_number(value))
-                state[f"last_{parameter}"] = ca.if_else(taken, value, last)
-            return state
+            heard = ca.logic_or(applied.in_force, ca.logic_and(applied.follows, known))
+            return state | self._remembered(heard)
 
         unlimited = nonintegral + integral
         named = {
@@ -169,7 +169,7 @@ class _Writer:
             name("integral_gain_used"): integral_gain,
             name("proportional"): nonintegral,
             name("increment"): increment,
-            name("restarts"): restarts,
+            name("integral_used"): integral,
             name("unlimited"): unlimited,
         }
         return PidTerms(unlimited, loop.measurement, next_state, named)
@@ -182,9 +182,12 @@ class _Writer:
             loop.measurement - self._value("last_measurement")
         )
         change = self.gain * moved + (loop.time_step * self._integral_gain()) * self.error
-        derivative = self._derivative() if form.has_derivative else None
+        derivative = self._derivative(self._value) if form.has_derivative else None
         if derivative is not None:
-            turned = derivative.rate - self._value("last_derivative")
+            # A change of the filter, or of the source of the setpoint, is no turn of the signal.
+            turned = self._derivative(self._former).rate - self._value("last_derivative")
+            if form.derivative_on == "error":
+                turned = ca.if_else(loop.switched, 0, turned)
             change = change + (self.gain * self._value("derivative_time")) * turned
         unlimited = loop.last_applied + change
 
@@ -196,7 +199,7 @@ class _Writer:
             if derivative is not None:
                 state[name("filtered_signal")] = self._kept_filter(derivative)
                 state[name("last_derivative")] = self._kept(derivative.rate, "last_derivative")
-            return state
+            return state | self._remembered(ca.logic_and(loop.known, loop.time_step_good))
 
         named = {
             name("error"): self.error,
@@ -205,35 +208,37 @@ class _Writer:
         }
         return PidTerms(unlimited, loop.measurement, next_state, named)
 
-    def _nonintegral(self, derivative: FilteredDerivative | None) -> tuple[ca.SX, ca.SX]:
+    def _nonintegral(
+        self, derivative: FilteredDerivative | None, read: Callable[[str], ca.SX]
+    ) -> tuple[ca.SX, ca.SX]:
         """Return what does not come from the integral, and the error that it integrates."""
-        form, loop = self.form, self.loop
+        form, loop, gain = self.form, self.loop, read("proportional_gain")
         if form.error == "linear":
-            weight = self._value("setpoint_weight")
+            weight = read("setpoint_weight")
             acting, weighted = self.error, weight * loop.setpoint - loop.measurement
         elif form.error == "gap":
-            acting = gap_error(self.error, self._value("gap"), self._value("gap_gain"))
+            acting = gap_error(self.error, read("gap"), read("gap_gain"))
             weighted = acting
         else:
-            acting = squared_error(self.error, self._value("squared_error_scale"))
+            acting = squared_error(self.error, read("squared_error_scale"))
             weighted = acting
         if derivative is None:
-            return self.gain * weighted, acting
+            return gain * weighted, acting
         if form.algorithm == "parallel":
-            return self.gain * weighted + self._value("derivative_gain") * derivative.rate, acting
-        lead = self._value("derivative_time") * derivative.rate
+            return gain * weighted + read("derivative_gain") * derivative.rate, acting
+        lead = read("derivative_time") * derivative.rate
         acting = acting + lead if form.algorithm == "series" else acting
-        return self.gain * (weighted + lead), acting
+        return gain * (weighted + lead), acting
 
-    def _derivative(self) -> FilteredDerivative:
+    def _derivative(self, read: Callable[[str], ca.SX]) -> FilteredDerivative:
         """Return the derivative of the error, or of the measurement with the other sign."""
         loop = self.loop
         if self.form.algorithm == "parallel":
-            filter_time = ca.fmax(0, self._value("filter_time"))
+            filter_time = ca.fmax(0, read("filter_time"))
         else:
-            ratio = self._value("derivative_filter")
+            ratio = read("derivative_filter")
             given = ratio > 0
-            filter_time = ca.fmax(0, self._value("derivative_time")) / ca.if_else(given, ratio, 1)
+            filter_time = ca.fmax(0, read("derivative_time")) / ca.if_else(given, ratio, 1)
         filtered = self._value("filtered_signal")
         if self.form.derivative_on == "measurement":
             found = filtered_derivative(loop.measurement, filtered, filter_time, loop.time_step)
@@ -249,12 +254,32 @@ class _Writer:
         acts = integral_time > 0
         return ca.if_else(acts, self.gain / ca.if_else(acts, integral_time, 1), 0)
 
-    def _restarts(self) -> ca.SX:
-        changed = self.loop.switched
-        for parameter in remembered(self.number, self.form):
+    def _former(self, what: str) -> ca.SX:
+        """Return a parameter as it was in the last sample, if a change of it matters."""
+        return self.symbols.get(f"last_{self._name(what)}", self._value(what))
+
+    def _integral(self, nonintegral: ca.SX, known: ca.SX) -> ca.SX:
+        """Return the integral with which this sample goes on without a bump."""
+        form, integral = self.form, self._value("integral")
+        derivative = self._derivative(self._former) if form.has_derivative else None
+        former, _ = self._nonintegral(derivative, self._former)
+        changed = ca.SX(0)
+        for parameter in remembered(self.number, form):
             differs = self.symbols[parameter] != self.symbols[f"last_{parameter}"]
             changed = ca.logic_or(changed, differs)
-        return changed
+        taken_up = ca.if_else(
+            ca.logic_and(changed, known), integral + (former - nonintegral), integral
+        )
+        restarted = self.loop.last_applied - nonintegral
+        return ca.if_else(ca.logic_and(self.loop.switched, known), restarted, taken_up)
+
+    def _remembered(self, heard: ca.SX) -> dict[str, ca.SX]:
+        state = {}
+        for parameter in remembered(self.number, self.form):
+            value, last = self.symbols[parameter], self.symbols[f"last_{parameter}"]
+            taken = ca.logic_and(heard, is_number(value))
+            state[f"last_{parameter}"] = ca.if_else(taken, value, last)
+        return state
 
     def _kept(self, value: ca.SX, last: str) -> ca.SX:
         usable = ca.logic_and(self.loop.known, self.loop.time_step_good)

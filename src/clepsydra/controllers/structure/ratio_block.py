@@ -40,7 +40,7 @@ class RatioBlock:
     --------
     >>> block = RatioBlock("ratio", 1, Signal("feed", "l/s"), 2, Signal("acid", "l/s"), None)
     >>> [(p.name, p.unit) for p in block.parameters()]
-    [('ratio_1', 'l/s/l/s')]
+    [('ratio_1', 'l/s/(l/s)')]
     """
 
     name: str
@@ -115,7 +115,9 @@ class RatioBlock:
 
         def close(applied: Sequence[Applied]) -> Closed:
             (result,) = applied
-            got = result.value / ca.if_else(divisible, wild, 1)
+            # What was applied as asked is told to the last bit: no rounding looks like a limit.
+            quotient = result.value / ca.if_else(divisible, wild, 1)
+            got = ca.if_else(result.value == product.value, ratio, quotient)
             known = ca.logic_and(divisible, good)
             told = Applied(
                 ca.if_else(known, got, ratio),

@@ -132,23 +132,26 @@ class SplitRangeBlock:
         (source,) = asked
         parts = [_Part(symbols, leg) for leg in self.legs]
         shares = [part.share_of(source.value) for part in parts]
+        values = [part.value_at(share) for part, share in zip(parts, shares, strict=True)]
         told = tuple(
-            Asked(part.value_at(share), source.usable, source.numbers, source.sensors)
-            for part, share in zip(parts, shares, strict=True)
+            Asked(value, source.usable, source.numbers, source.sensors) for value in values
         )
         ends = self.limits(symbols, limits)[0]
 
         def close(applied: Sequence[Applied]) -> Closed:
             in_force, follows = ca.SX(0), ca.SX(1)
-            value = ends.low
-            for result in applied:
+            # What was asked, less what the actuators in automatic missed of it: beside one that
+            # is moved by hand they go on as they are. Else where the last of them stands.
+            reached, stands = limit(source.value, ends.low, ends.high), ends.low
+            for part, share, value, result in zip(parts, shares, values, applied, strict=True):
                 in_force = ca.logic_or(in_force, result.in_force)
-            for part, share, result in zip(parts, shares, applied, strict=True):
-                # Beside an actuator that is moved by hand the others go on as they are.
-                counts = ca.logic_or(result.in_force, ca.logic_not(in_force))
-                reached = ca.if_else(counts, part.share_at(result.value), share)
-                value = value + part.width * reached
                 follows = ca.logic_and(follows, ca.logic_or(result.follows, result.in_force))
+                got = part.share_at(result.value)
+                missed = ca.logic_and(result.in_force, result.value != value)
+                reached = reached + ca.if_else(missed, part.width * (got - share), 0)
+                place = part.start + part.width * got
+                stands = ca.if_else(got > 0, ca.fmax(stands, place), stands)
+            value = ca.if_else(in_force, reached, stands)
             result = Applied(value, in_force, ca.logic_and(follows, ca.logic_not(in_force)))
             return Closed({}, {}, (result,))
 

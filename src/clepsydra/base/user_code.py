@@ -1,0 +1,98 @@
+"""A user's Python file: run it, and say where it fails without a traceback."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+
+from clepsydra.base.errors import InputError
+
+_LONGEST = 150
+
+
+def run_user_code(file: Path, content: bytes, purpose: str) -> ModuleType:
+    """Run what was read of a Python file, with all rights of the user.
+
+    What was read is run, and not what lies there: Python's own cache of compiled files knows a
+    change by size and second.
+
+    Parameters
+    ----------
+    file : Path
+    content : bytes
+        Of the file.
+    purpose : str
+        An identifier, part of the module's name.
+
+    Raises
+    ------
+    InputError
+        The code fails.
+
+    Examples
+    --------
+    >>> run_user_code(Path("law.py"), b"gain = 2.0", "law").gain
+    2.0
+    >>> try:
+    ...     run_user_code(Path("law.py"), b"gain = 2.0 / 0", "law")
+    ... except InputError as error:
+    ...     print(error.place, "|", error.value)
+    law.py, line 1 | ZeroDivisionError: float division by zero
+    """
+    digest = hashlib.sha256(bytes(file) + b"\0" + content).hexdigest()
+    module = ModuleType(f"clepsydra_{purpose}_{digest}")
+    module.__file__ = str(file)
+    sys.modules[module.__name__] = module  # dataclasses look their module up here
+    try:
+        exec(compile(content, str(file), "exec", dont_inherit=True), module.__dict__)
+    except (Exception, SystemExit) as error:
+        del sys.modules[module.__name__]
+        raise InputError(
+            line_of(error, file), words_of(error), "Python that runs", "correct it"
+        ) from None
+    return module
+
+
+def line_of(error: BaseException, file: Path) -> str:
+    """Return the file and its line in which an error came about.
+
+    Examples
+    --------
+    >>> line_of(ValueError("elsewhere"), Path("law.py"))
+    'law.py'
+    """
+    lines = [
+        frame.lineno
+        for frame in traceback.extract_tb(error.__traceback__)
+        if Path(frame.filename) == file
+    ]
+    line = error.lineno if isinstance(error, SyntaxError) else lines[-1] if lines else None
+    return file.name if line is None else f"{file.name}, line {line}"
+
+
+def words_of(error: BaseException) -> str:
+    """Return the kind and the first line of an error; of a syntax error without its place.
+
+    Examples
+    --------
+    >>> words_of(KeyError("gain"))
+    "KeyError: 'gain'"
+    """
+    text = error.msg if isinstance(error, SyntaxError) else str(error)
+    first = next(iter(text.strip().splitlines()), "")
+    return shortened(f"{type(error).__name__}: {first}" if first else type(error).__name__)
+
+
+def shortened(text: str) -> str:
+    """Return a text that fits a message: printable, and not too long.
+
+    Examples
+    --------
+    >>> shortened(200 * "a") == 150 * "a" + "…"
+    True
+    """
+    text = text if text.isprintable() else ascii(text)
+    return text[:_LONGEST] + "…" if len(text) > _LONGEST else text

@@ -1,0 +1,132 @@
+"""A user's own step law, from a Python file: expressions, or any Python."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.base.user_code import line_of, run_user_code, shortened, words_of
+from clepsydra.controllers.own_signals import OwnSignals
+from clepsydra.controllers.python_law import python_law
+from clepsydra.program.step_law import StepLaw
+
+_EXAMPLE = "law = step_law(…), or a function step(state, inputs, parameters, time_step)"
+
+
+def load_law(path: str | Path) -> StepLaw:
+    """Run a Python file and return the step law that it writes.
+
+    To load a law is to run the file with all rights of the user: open only files that you trust.
+    The file holds one of these:
+
+    - ``law = step_law(…)``, a law of expressions: it is compiled, batched and exported;
+    - a function ``step(state, inputs, parameters, time_step)`` that returns the next state and the
+      outputs, and beside it ``inputs``, ``outputs``, ``parameters`` and ``state``, each a list of
+      signals or names, or a dictionary of names with their values: a law in Python, the slow path;
+    - ``law``, a class or an object with such a method and such attributes.
+
+    A law that gives status_1 beside manipulated_1 is taken as it is. All others give what is asked
+    for in automatic, and mode, limits, sensor faults and the status word are added
+    (`OwnSignals`).
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Raises
+    ------
+    InputError
+        There is no such file, it fails, or it holds no proper law.
+
+    Examples
+    --------
+    >>> load_law("no-such-law.py")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: no-such-law.py: got 'no such file', expected a Python file \
+with a step law; check the path.
+    """
+    file = Path(path)
+    try:
+        content = file.read_bytes()
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        missing = isinstance(error, FileNotFoundError)
+        raise InputError(
+            str(path), "no such file" if missing else reason, "a Python file with a step law",
+            "check the path" if missing else "see why it cannot be read",
+        ) from None  # fmt: skip
+    file = file.resolve()
+    module = run_user_code(file, content, "own_law")
+    law = getattr(module, "law", None)
+    if isinstance(law, StepLaw):
+        return _whole(law, file)
+    if law is None and not callable(getattr(module, "step", None)):
+        raise InputError(file.name, "no law", _EXAMPLE, "add one of the two")
+    return _python(module if law is None else law, file)
+
+
+def _whole(law: StepLaw, file: Path) -> StepLaw:
+    """Return a law of expressions with what a plant needs."""
+    given = {signal.name for signal in law.outputs}
+    if any(name.startswith("status_") for name in given):
+        for signal in law.outputs:
+            number = signal.name.rpartition("_")[2]
+            if {f"manipulated_{number}", f"status_{number}"} - given:
+                raise InputError(
+                    f"{file.name}, outputs", signal.name,
+                    "manipulated_1 and status_1, and so on, or no status at all",
+                    "give both, or leave the status to be added",
+                )  # fmt: skip
+        return law
+    return OwnSignals(file.name, law.inputs, law.parameters, law.outputs, law.state).whole_law(law)
+
+
+def _python(holder: Any, file: Path) -> StepLaw:
+    """Return a law in Python from what declares it: a module, a class or an object."""
+    if inspect.isclass(holder):
+        try:
+            holder = holder()
+        except Exception as error:
+            raise InputError(
+                f"{line_of(error, file)}, law", words_of(error),
+                "a class that is made without arguments", "give its arguments default values",
+            ) from None  # fmt: skip
+    step = getattr(holder, "step", None)
+    if not callable(step):
+        raise InputError(f"{file.name}, law", shortened(repr(holder)), _EXAMPLE, "add its step")
+    found = {
+        what: _signals(getattr(holder, what, ()), f"{file.name}, {what}")
+        for what in ("inputs", "outputs", "parameters", "state")
+    }
+    name = re.sub(r"\W", "_", file.stem)
+    name = name if name[0].isalpha() else f"law_{name}"
+    return python_law(name, step, **found, file=file)
+
+
+def _signals(declared: object, place: str) -> tuple[Signal, ...]:
+    """Return signals from a list of signals or names, or names with values."""
+    if isinstance(declared, Mapping):
+        entries: list[object] = []
+        for name, value in declared.items():
+            proper = isinstance(name, str) and isinstance(value, (int, float))
+            entries.append(Signal(name, initial=float(value)) if proper else (name, value))
+    elif isinstance(declared, (list, tuple)):
+        entries = [Signal(entry) if isinstance(entry, str) else entry for entry in declared]
+    else:
+        entries = [declared]
+    signals = []
+    for entry in entries:
+        if not isinstance(entry, Signal) or not entry.name.isidentifier():
+            raise InputError(
+                place, shortened(repr(entry)),
+                "a list of names or signals, or a dictionary of names and numbers",
+                'write as in parameters = {"gain": 2.0}',
+            )  # fmt: skip
+        signals.append(entry)
+    return tuple(signals)

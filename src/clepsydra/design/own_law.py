@@ -1,0 +1,98 @@
+"""A controller with a user's own step law, wired to a process at its operating point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.python_law import PythonLaw
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.program.step_law import StepLaw
+
+
+def own_controller(
+    model: LinearModel,
+    law: StepLaw,
+    *,
+    measurements: Sequence[str],
+    setpoints: Sequence[str],
+    manipulated: Sequence[str],
+    values: Mapping[str, float] | None = None,
+    initial_state: Mapping[str, float] | None = None,
+    free_inputs: Mapping[str, float] | None = None,
+    name: str = "Own law",
+) -> Controller:
+    """Return a controller with an own law, whose outputs start at the operating point.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    law : StepLaw
+        Of `controllers.own_law.load_law`, say.
+    measurements, setpoints, manipulated : sequence of str
+        Process signals of measurement_1, …, setpoint_1, … and manipulated_1, …
+    values : mapping, optional
+        Parameters that differ from their initial values; the limits of an output are the range
+        of what it moves where nothing else is given.
+    initial_state : mapping, optional
+        States that do not start at their initial values.
+    free_inputs : mapping, optional
+        As in `Controller`.
+    name : str
+        What the reader sees.
+
+    Raises
+    ------
+    InputError
+        The model has no operating point, or a name or a number is wrong.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.controllers.python_law import python_law
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> law = python_law("still", lambda state, inputs, parameters, time_step:
+    ...                  ({}, {"manipulated_1": inputs["last_output_1"]}),
+    ...                  inputs=[Signal("measurement_1")], outputs=[Signal("manipulated_1")])
+    >>> controller = own_controller(
+    ...     analyse(load_process("quadruple-tank")).model, law, measurements=["level_1"],
+    ...     setpoints=[], manipulated=["pump_1"])
+    >>> controller.initial_state, controller.values
+    ({'last_output_1': 3.0}, {'low_limit_1': 0.0, 'high_limit_1': 10.0})
+    """
+    point = operating_point_of(model)
+    process, at = point.process, point.as_dict()
+    known = {parameter.name: parameter.initial for parameter in law.parameters}
+    start = {entry.name: getattr(entry, "initial", 0.0) for entry in law.state}
+    inputs = {signal.name: signal for signal in process.inputs}
+    for i, moved in enumerate(manipulated, start=1):
+        if moved not in inputs:
+            raise InputError(
+                f"{name}, manipulated", moved,
+                f"an input of {process.name}: {', '.join(inputs)}",
+                suggestion(moved, inputs, "correct the name"),
+            )  # fmt: skip
+        own = {
+            f"low_limit_{i}": inputs[moved].low,
+            f"high_limit_{i}": inputs[moved].high,
+        }
+        known |= {limit: value for limit, value in own.items() if limit in known}
+        if f"last_output_{i}" in start:
+            start[f"last_output_{i}"] = at[moved]
+    return Controller(
+        name=name,
+        family="own law",
+        design="Given by the user" + (", in Python." if isinstance(law, PythonLaw) else "."),
+        law=law,
+        values=known | dict(values or {}),
+        initial_state=start | dict(initial_state or {}),
+        measurements=tuple(measurements),
+        setpoints=tuple(setpoints),
+        manipulated=tuple(manipulated),
+        free_inputs=dict(free_inputs or {}),
+    )

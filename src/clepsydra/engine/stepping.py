@@ -1,0 +1,95 @@
+"""A kernel that is called sample by sample, for what is decided outside of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from clepsydra.engine.kernel import Kernel
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.program import Loop, Program
+
+
+class SteppedKernel:
+    """One run of a kernel that stands still between its samples.
+
+    A call computes what the kernel computes in a sample of a whole run, bit for bit; it takes
+    some ten microseconds.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        Without individual inputs.
+    inputs, parameters, state : mapping, optional
+        Numbers by name; an input keeps its value until `look` or `step` gives another one.
+
+    Raises
+    ------
+    InputError
+        A name is unknown.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.reader import program_of
+    >>> from clepsydra.program.step_law import Equations, step_law
+    >>> law = step_law("counter", inputs=[Signal("step")], parameters=[], state=[Signal("count")],
+    ...                outputs=[Signal("count_now")],
+    ...                equations=lambda s: Equations({"count": s["count"] + s["step"]},
+    ...                                              {"count_now": s["count"]}))
+    >>> counter = SteppedKernel(Kernel(program_of(law)))
+    >>> counter.step({"step": 2.0}), counter.look({}), counter.step({"step": 1.0})
+    ({'count_now': 0.0}, {'count_now': 2.0}, {'count_now': 2.0})
+    """
+
+    def __init__(
+        self,
+        kernel: Kernel,
+        *,
+        inputs: Mapping[str, ArrayLike] | None = None,
+        parameters: Mapping[str, ArrayLike] | None = None,
+        state: Mapping[str, ArrayLike] | None = None,
+    ) -> None:
+        job = kernel.prepare(1, inputs=inputs, parameters=parameters, state=state)
+        program = kernel.program
+        self._names = [signal.name for signal in program.outputs]
+        self._columns = {signal.name: place for place, signal in enumerate(program.inputs)}
+        self._state = job.initial[:, : len(program.state)].copy()
+        self._rings = job.initial_rings()
+        self._turns = _turns(program)
+        self._job, self._call = job, kernel.function(1).call
+
+    def look(self, inputs: Mapping[str, float]) -> dict[str, float]:
+        """Return the outputs of the next sample under these inputs, and stay where it is."""
+        return self._run(self._state.copy(), self._rings.copy(), inputs)
+
+    def step(self, inputs: Mapping[str, float]) -> dict[str, float]:
+        """Go through the next sample and return its outputs."""
+        outputs = self._run(self._state, self._rings, inputs)
+        # The kernel takes the first entry of a ring for its oldest one.
+        start = 0
+        for length, turns in self._turns:
+            ring = self._rings[:, start : start + length]
+            ring[:] = np.roll(ring, -(turns % length), axis=1)
+            start += length
+        return outputs
+
+    def _run(
+        self, state: np.ndarray, rings: np.ndarray, inputs: Mapping[str, float]
+    ) -> dict[str, float]:
+        job = self._job
+        for name, value in inputs.items():
+            job.shared[0, self._columns[name]] = value
+        record = np.empty((1, 1, len(self._names), 1))
+        addresses = (a.ctypes.data for a in (job.shared, job.individual, record, rings))
+        self._call(state.ctypes.data, job.parameters.ctypes.data, *addresses, 1, 1, 1)
+        return dict(zip(self._names, record.ravel().tolist(), strict=True))
+
+
+def _turns(program: Program) -> list[tuple[int, int]]:
+    """Return the length of each ring, and how often it advances in a sample."""
+    own = [(entry.length, 1) for entry in program.state if isinstance(entry, DelayRing)]
+    loops = (loop for loop in program.block.statements if isinstance(loop, Loop))
+    return own + [(ring.length, loop.count) for loop in loops for ring in loop.rings]

@@ -1,0 +1,96 @@
+"""Tanks that are there to smooth a flow: the key "averaging" of a process file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from clepsydra.base.signal import Signal
+from clepsydra.process.element import Element
+from clepsydra.process.names_among import names_among
+from clepsydra.process.sensor import Sensor
+from clepsydra.process.table_reader import TableReader
+
+
+def read_averaging(
+    table: TableReader,
+    controlled: Sequence[str],
+    inputs: Sequence[Signal],
+    elements: Sequence[Element],
+) -> tuple[str, ...]:
+    """Read the controlled levels that are allowed to move, so that the outflow moves less.
+
+    Controllers of such a level are judged by what leaves the tank and not by the error of its
+    level. The outflow must be a controller's to move, or there is nothing to judge.
+
+    Parameters
+    ----------
+    table : TableReader
+        The head of the file.
+    controlled : sequence of str
+        Measurements that follow setpoints.
+    inputs : sequence of Signal
+        What controllers move.
+    elements : sequence of Element
+
+    Returns
+    -------
+    tuple of str
+        Empty where the file has no such key.
+
+    Raises
+    ------
+    InputError
+        A name is no controlled level or volume of a tank, or no controller moves what leaves
+        the tank.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> load_process("equalisation-tank").averaging, load_process("wet-well").averaging
+    (('level',), ())
+    """
+    if not table.has("averaging"):
+        return ()
+    sensors = {element.name: element for element in elements if isinstance(element, Sensor)}
+    contents = [
+        name
+        for name in controlled
+        if name in sensors and sensors[name].measured in ("level", "volume")
+    ]
+    if not contents:
+        raise table.refused(
+            "averaging",
+            table.written("averaging"),
+            "no such key, since no level or volume of a tank is controlled",
+            "remove it, or name a level in controlled",
+        )
+    names = names_among(
+        contents,
+        table,
+        "averaging",
+        expected="a list of controlled levels",
+        remedy=f'write as in averaging = ["{contents[0]}"]',
+        each="a controlled level or volume of a tank",
+    )
+    moved = {signal.name for signal in inputs}
+    for name in names:
+        tank = sensors[name].tank
+        if not any(_draws(element, tank) and moved & _signals(element) for element in elements):
+            raise table.refused(
+                "averaging",
+                name,
+                f"the level of a tank whose outflow a controller moves; none draws from {tank}",
+                f"remove it, or manipulate a pump, valve or flow with the source {tank}",
+            )
+    return names
+
+
+def _draws(element: Element, tank: str) -> bool:
+    return any(
+        connection.key == ("source",) and connection.name == tank
+        for connection in element.connections()
+    )
+
+
+def _signals(element: Element) -> set[str]:
+    return {signal.name for signal in (*element.inputs(), *element.disturbances())}

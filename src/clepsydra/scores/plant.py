@@ -1,0 +1,215 @@
+"""What a run says of the plant beside its loops: flows, heads, pumps that run, filling."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import casadi as ca
+import numpy as np
+
+from clepsydra.process.motion import FlowPath
+from clepsydra.process.process import Process
+from clepsydra.process.pump import Pump
+from clepsydra.process.sensor import Sensor
+from clepsydra.process.tank import Tank
+from clepsydra.scores.trajectory import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class BufferTrajectories:
+    """What flows through a tank that is there to smooth a flow.
+
+    Parameters
+    ----------
+    inflow, outflow : ndarray [n]
+        All that enters; all that leaves but what spills or evaporates [m³/s].
+    filling : ndarray [n]
+        Volume over capacity [1].
+
+    Examples
+    --------
+    >>> BufferTrajectories(np.ones(2), np.zeros(2), np.array([0.5, 0.6])).filling.tolist()
+    [0.5, 0.6]
+    """
+
+    inflow: FloatArray
+    outflow: FloatArray
+    filling: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class PlantTrajectories:
+    """What a run says of the plant beside its loops, sample by sample.
+
+    Parameters
+    ----------
+    pumped : mapping
+        Pump to its flow [n] [m³/s].
+    running : mapping
+        The same pumps to 1 where they run and 0 where they stand still [n].
+    heads : mapping
+        Those pumps that have a curve to what they lift against [n] [m].
+    spilt : mapping
+        Tank with a weir to the volume lost over it until then [n] [m³].
+    buffers : mapping
+        Averaging measurement of the process to what flows through its tank.
+    gravity : float
+        [m/s²]
+
+    Examples
+    --------
+    >>> PlantTrajectories(spilt={"tank_1": np.zeros(2)}).pumped
+    {}
+    """
+
+    pumped: Mapping[str, FloatArray] = field(default_factory=dict)
+    running: Mapping[str, FloatArray] = field(default_factory=dict)
+    heads: Mapping[str, FloatArray] = field(default_factory=dict)
+    spilt: Mapping[str, FloatArray] = field(default_factory=dict)
+    buffers: Mapping[str, BufferTrajectories] = field(default_factory=dict)
+    gravity: float = 9.81
+
+
+def plant_trajectories(
+    process: Process, time: FloatArray, values: Mapping[str, FloatArray]
+) -> PlantTrajectories:
+    """Return flows, heads, pumps that run and filling from the recorded signals of a run.
+
+    Parameters
+    ----------
+    process : Process
+    time : ndarray [n]
+        Start of each sample [s].
+    values : mapping
+        Name to trajectory [n] in SI: every state, input and disturbance, and the memories and
+        volumes spilt where the process has them. A memory that was not recorded stands as at
+        first.
+
+    Returns
+    -------
+    PlantTrajectories
+
+    Examples
+    --------
+    The pump of the equalisation basin at rest takes away what arrives:
+
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("equalisation-tank")
+    >>> at_rest = find_equilibrium(process).as_dict()
+    >>> values = {name: np.full(2, value) for name, value in at_rest.items()}
+    >>> plant = plant_trajectories(process, np.array([0.0, 60.0]), values)
+    >>> buffer = plant.buffers["level"]
+    >>> plant.pumped["outflow"].round(3).tolist(), buffer.filling.round(3).tolist()
+    ([0.307, 0.307], [0.5, 0.5])
+    """
+    parameters = {signal.name: signal.initial for signal in process.parameters}
+    flows = _flows(process, time, values)
+    pumps = [element for element in process.elements if isinstance(element, Pump)]
+    tanks = {element.name: element for element in process.elements if isinstance(element, Tank)}
+    sensors = {element.name: element for element in process.elements if isinstance(element, Sensor)}
+    pumped = {pump.name: _sum(flows, time, element=pump.name) for pump in pumps}
+    spilt = [s.name for s in process.motion.totals if s.name.endswith(".spilt")]
+    return PlantTrajectories(
+        pumped=pumped,
+        running={pump.name: _running(pump, values, time) for pump in pumps},
+        heads={
+            pump.name: _head(pump, pumped[pump.name], values, parameters)
+            for pump in pumps
+            if pump.curve is not None
+        },
+        spilt={name.removesuffix(".spilt"): values[name] for name in spilt if name in values},
+        buffers={
+            name: _buffer(tanks[sensors[name].tank], flows, values, time, parameters)
+            for name in process.averaging
+        },
+        gravity=parameters.get("gravity", 9.81),
+    )
+
+
+def _flows(
+    process: Process, time: FloatArray, values: Mapping[str, FloatArray]
+) -> list[tuple[FlowPath, FloatArray]]:
+    """Return every flow of the plant with its path."""
+    motion, parameters = process.motion, process.parameter_values
+
+    def stacked(names: list[str]) -> np.ndarray:
+        return np.array([values[name] for name in names]).reshape(len(names), time.size)
+
+    contents = motion.to_contents(stacked([s.name for s in process.state]), parameters)
+    memories = np.array(
+        [values.get(s.name, np.full(time.size, s.initial)) for s in motion.memories]
+    )
+    outside = [
+        memories.reshape(len(motion.memories), time.size),
+        stacked([s.name for s in process.inputs]),
+        stacked([s.name for s in process.disturbances]),
+        parameters,
+    ]
+    # What leaves a delay entered it earlier, and one delay may feed the next.
+    delayed = np.zeros((len(motion.delays), time.size))
+    for _ in motion.delays:
+        sent = np.array(motion.rates(contents, delayed, *outside)[1])
+        delayed = np.array(
+            [
+                np.interp(time - delay.time, time, row)
+                for delay, row in zip(motion.delays, sent, strict=True)
+            ]
+        )
+    rates = np.array(motion.flows(contents, delayed, *outside)).reshape(-1, time.size)
+    return list(zip(motion.flow_paths, rates, strict=True))
+
+
+def _sum(flows: list[tuple[FlowPath, FloatArray]], time: FloatArray, **ends: str) -> FloatArray:
+    """Return the sum of the flows with these ends [m³/s]."""
+    total = np.zeros(time.size)
+    for path, rate in flows:
+        if all(getattr(path, end) == name for end, name in ends.items()):
+            total = total + rate
+    return total
+
+
+def _running(pump: Pump, values: Mapping[str, FloatArray], time: FloatArray) -> FloatArray:
+    """Return whether a pump runs: its signal is above standstill, and no switch keeps it off."""
+    standstill = pump.dead_band if pump.curve is None else pump.low
+    runs = values[pump.name] > standstill
+    for memory in pump.memories():
+        state = values.get(memory.name, np.full(time.size, memory.initial)) > 0.5
+        if memory.name == f"{pump.name}.runs":
+            runs = runs & state
+        elif memory.name == f"{pump.name}.tripped":
+            runs = runs & ~state
+    return np.where(np.isfinite(values[pump.name]), runs, np.nan)
+
+
+def _head(
+    pump: Pump,
+    flow: FloatArray,
+    values: Mapping[str, FloatArray],
+    parameters: Mapping[str, float],
+) -> FloatArray:
+    """Return the static head above the liquid and the loss in the pipe [m]."""
+    lifted = np.full(flow.size, parameters[f"{pump.name}.static_head"])
+    if pump.source_vessel is not None:
+        lifted = lifted - values[f"{pump.source}.level"]
+    return lifted + parameters[f"{pump.name}.pipe_loss"] * flow**2
+
+
+def _buffer(
+    tank: Tank,
+    flows: list[tuple[FlowPath, FloatArray]],
+    values: Mapping[str, FloatArray],
+    time: FloatArray,
+    parameters: Mapping[str, float],
+) -> BufferTrajectories:
+    useful = [(path, rate) for path, rate in flows if not path.element.startswith(f"{tank.name}.")]
+    sizes = {p.key: ca.SX(parameters[f"{tank.name}.{p.key}"]) for p in tank.vessel.parameters()}
+    level = ca.SX.sym("level")
+    volume = ca.Function("volume", [level], [tank.vessel.volume(level, sizes)])
+    held = np.array(volume(np.asarray(values[tank.level])[None, :])).ravel()
+    return BufferTrajectories(
+        inflow=_sum(useful, time, destination=tank.name),
+        outflow=_sum(useful, time, source=tank.name),
+        filling=held / tank.vessel.capacity,
+    )

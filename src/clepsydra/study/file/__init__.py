@@ -1,0 +1,1 @@
+"""Study files: what a study compares, written by a user."""

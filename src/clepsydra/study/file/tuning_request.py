@@ -1,0 +1,205 @@
+"""What a study file asks of a tuning by simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from clepsydra.base.suggestion import suggestion
+from clepsydra.controllers.controller import Controller
+from clepsydra.design.applicability import NotApplicable
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.loop.scenario import Scenario
+from clepsydra.process.table_reader import TableReader
+from clepsydra.study.file.law_parameters import LawParameters, LoopSignals, law_parameters
+from clepsydra.study.file.placed import placed
+from clepsydra.study.tuning.objective import Limits, Objective
+from clepsydra.study.tuning.parameters import SearchSpace, TunedParameter, around
+from clepsydra.study.tuning.result import TuningResult
+from clepsydra.study.tuning.tune import METHOD, Progress, tune
+
+#: How far a parameter may move from where it starts, up and down, where no bounds are given.
+FACTOR = 10.0
+#: What is tuned where nothing is named.
+TUNED = ("proportional_gain_", "integral_time_", "integral_gain_")
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """The bounds of one parameter as they were written.
+
+    Parameters
+    ----------
+    table : TableReader
+        With a list of two quantities at `key`.
+    key : str
+        A parameter of the law, or a key of a loop.
+    loop : str or None
+        The loop, if it is a key of one.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> text = b'level.gain = ["0.1 %/%", "10 %/%"]'
+    >>> Bound(TableReader(parse(text, "study.toml"), ("level",), None), "gain", "level").loop
+    'level'
+    """
+
+    table: TableReader
+    key: str
+    loop: str | None
+
+
+@dataclass(frozen=True, eq=False)
+class TuningRequest:
+    """What is tuned of one controller, for what, and within which limits.
+
+    Parameters
+    ----------
+    table : TableReader
+        Of the tuning.
+    objective : Objective
+    limits : Limits
+    bounds : tuple of Bound or None
+        None where gains and integral times are tuned within a factor of ten.
+    loops : mapping or None
+        Loops of a control scheme by their names; None of other laws.
+
+    Examples
+    --------
+    See `clepsydra.study.file.tuning_reader.read_tuning`.
+    """
+
+    table: TableReader
+    objective: Objective
+    limits: Limits
+    bounds: tuple[Bound, ...] | None
+    loops: Mapping[str, LoopSignals] | None = None
+
+    def check(self, controller: Controller, model: LinearModel) -> None:
+        """Refuse what cannot be tuned of a controller, before anything is simulated.
+
+        Raises
+        ------
+        InputError
+            A parameter is unknown, its bounds are the wrong way round or beyond what the law
+            takes, or the controller starts outside of them.
+        NotApplicable
+            Nothing is named, and the law has no gain and no integral time.
+        """
+        parameters = self.parameters_of(controller, model)
+        with placed(self.table, self._places(controller, model)):
+            SearchSpace(controller, parameters)
+
+    def run(
+        self,
+        controller: Controller,
+        model: LinearModel,
+        scenario: Scenario,
+        *,
+        seed: int = 1,
+        front: Sequence[float] = (),
+        progress: Callable[[Progress], None] | None = None,
+        state_file: Path | None = None,
+    ) -> TuningResult:
+        """Tune a controller as asked; all as for `clepsydra.study.tuning.tune.tune`."""
+        parameters = self.parameters_of(controller, model)
+        with placed(self.table, self._places(controller, model)):
+            return tune(
+                controller,
+                model,
+                scenario,
+                parameters,
+                self.objective,
+                limits=self.limits,
+                seed=seed,
+                front=front,
+                progress=progress,
+                state_file=state_file,
+            )
+
+    def parameters_of(
+        self, controller: Controller, model: LinearModel
+    ) -> tuple[TunedParameter, ...]:
+        """Return what is tuned of a controller, with its bounds in the law's units."""
+        if self.bounds is None:
+            names = [
+                name
+                for name, value in controller.values.items()
+                if name.startswith(TUNED) and value != 0.0
+            ]
+            if not names:
+                reason = f"{controller.name} has no gain and no integral time to tune"
+                raise NotApplicable(METHOD, reason)
+            return around(controller, names, FACTOR)
+        parameters = self._law(controller, model)
+        return tuple(_tuned(bound, controller, parameters) for bound in self.bounds)
+
+    def _law(self, controller: Controller, model: LinearModel) -> LawParameters:
+        return law_parameters(controller, operating_point_of(model).process, self.loops)
+
+    def _places(self, controller: Controller, model: LinearModel) -> dict[str, str]:
+        """Return where the bounds of each parameter of the law stand."""
+        parameters = self._law(controller, model)
+        return {
+            _law_name(bound, parameters): bound.table.place(bound.key)
+            for bound in self.bounds or ()
+        }
+
+
+def _tuned(bound: Bound, controller: Controller, parameters: LawParameters) -> TunedParameter:
+    table, key = bound.table, bound.key
+    name = _law_name(bound, parameters)
+    written: Any = table.raw(key)
+    low, high = (
+        parameters.read(
+            table.with_value(key, end), key, name, "a bound", "give both with their units"
+        )
+        for end in written
+    )
+    # The gain of a loop is written without its sign, which its action says.
+    if bound.loop is not None and controller.values[name] < 0.0:
+        low, high = -high, -low
+    with placed(table, {name: table.place(key)}):
+        if controller.values[name] == 0.0 or low * high <= 0.0:
+            return TunedParameter(name, low, high, logarithmic=False)
+        # What follows the parameter, a tracking time the integral time, still does.
+        return replace(around(controller, [name])[0], low=low, high=high)
+
+
+def _law_name(bound: Bound, parameters: LawParameters) -> str:
+    """Return the parameter of the law that a bound is for."""
+    if bound.loop is None:
+        if bound.key in parameters.known:
+            return bound.key
+        known = (*parameters.known, *parameters.loops)
+    elif bound.loop in parameters.loops:
+        loop = parameters.loops[bound.loop]
+        if loop.parameter(bound.key) in parameters.known:
+            return loop.parameter(bound.key)
+        known = tuple(
+            key
+            for name in parameters.known
+            if name.endswith(f"_{loop.number}")
+            for key in [name.removesuffix(f"_{loop.number}").replace("proportional_gain", "gain")]
+        )
+    else:
+        known = tuple(parameters.loops)
+        raise bound.table.refused(
+            bound.key,
+            f"{bound.loop}.{bound.key}",
+            f"a loop of this controller ({', '.join(known)})"
+            if known
+            else "a parameter of the "
+            f"law, since it has no loops: one of {', '.join(parameters.known)}",
+            suggestion(bound.loop, known, "choose one of them"),
+        )
+    raise bound.table.refused(
+        bound.key,
+        bound.key,
+        f"a parameter that can be tuned: {', '.join(known)}",
+        suggestion(bound.key, known, "choose one of them"),
+    )

@@ -1,0 +1,140 @@
+"""Why a controller stands where it stands, in words."""
+
+from __future__ import annotations
+
+import math
+
+from clepsydra.study.result import Candidate, Standing
+
+#: Controllers whose mean differs by less are as good as each other, and their wear decides.
+TIE = 1.02
+
+#: How a standing is said of a controller.
+STANDINGS = {
+    Standing.ROBUST: "robust and quiet",
+    Standing.NERVOUS: "robust",
+    Standing.STABLE: "stable",
+}
+
+
+def reason(
+    candidate: Candidate, better: Candidate | None, worse: Candidate | None, *, tied: bool
+) -> str:
+    """Return how far it can be trusted, its deciding numbers, and what puts it where it is.
+
+    Parameters
+    ----------
+    candidate : Candidate
+    better : Candidate or None
+        The one before it; None for the first.
+    worse : Candidate or None
+        The one after the first, which is compared with it; else not looked at.
+    tied : bool
+        Whether the wear decides between it and the one it is compared with.
+
+    Examples
+    --------
+    `clepsydra.study.ranking.rank` gives each candidate its reason:
+
+    >>> from dataclasses import replace
+    >>> first = Candidate(None, None, {}, 1.5, Standing.ROBUST, 1.0, 1, "", (), {"error": 1.0})
+    >>> reason(first, None, None, tied=False)
+    'Robust (max|S| 1.50). Error 1.00 times the best; the least total variation.'
+    """
+    words = [f"{_standing(candidate)}.", _numbers(candidate)]
+    if better is not None:
+        words.append(_behind(candidate, better, tied))
+    elif worse is not None:
+        words.append(_ahead(candidate, worse, tied))
+    return " ".join(words)
+
+
+def _standing(candidate: Candidate) -> str:
+    peak = candidate.maximum_sensitivity
+    if candidate.standing is Standing.ROBUST:
+        return f"Robust (max|S| {peak:.2f})"
+    if candidate.standing is Standing.NERVOUS:
+        return f"Robust (max|S| {peak:.2f}), but noise moves its outputs too much"
+    if candidate.standing is Standing.STABLE:
+        return f"Stable with thin margins (max|S| {peak:.2f})"
+    return "Unsafe: " + (
+        "a level leaves its tank or a pump trips"
+        if math.isfinite(peak)
+        else "unstable by its linear model"
+    )
+
+
+def _numbers(candidate: Candidate) -> str:
+    """Return the numbers of the ranking's table."""
+    several = [
+        f"{title} {value:.2f}" if math.isfinite(value) else f"{title} without end"
+        for title, value in candidate.criteria.items()
+    ]
+    words = " and ".join(several) + " times the best"
+    if len(several) > 1 and math.isfinite(candidate.mean_error):
+        words += f", {candidate.mean_error:.2f} in the mean"
+    return f"{words[0].upper()}{words[1:]}; {_wear(candidate.wear)}."
+
+
+def _wear(multiple: float) -> str:
+    if abs(multiple - 1.0) < 0.005:
+        return "the least total variation"
+    return f"{multiple:.2f} times the least total variation"
+
+
+def _behind(candidate: Candidate, better: Candidate, tied: bool) -> str:
+    name = better.controller.name
+    if candidate.standing is not better.standing:
+        return f"Behind {name}, which is {STANDINGS[better.standing]}."
+    if tied:
+        return f"Level with {name} to within 2 %, but {_moves(candidate.wear, better.wear)}."
+    return f"Behind {name}: {_larger(candidate, better, 'its')}."
+
+
+def _ahead(candidate: Candidate, worse: Candidate, tied: bool) -> str:
+    name = worse.controller.name
+    if candidate.standing is not worse.standing:
+        return f"Ahead of {name}, which is not {STANDINGS[candidate.standing]}."
+    if tied:
+        return f"Level with {name} to within 2 %, which {_moves(worse.wear, candidate.wear)}."
+    return f"Ahead of {name}, {_larger(worse, candidate, 'whose')}."
+
+
+def _larger(worse: Candidate, better: Candidate, whose: str) -> str:
+    """Return by how much, and in what most of all, one candidate is worse than another."""
+    most = max(
+        worse.criteria,
+        key=lambda title: _difference(worse.criteria[title], better.criteria[title]),
+    )
+    if not math.isfinite(worse.mean_error):
+        return f"{whose} {most} has no end"
+    more = percent(100 * (worse.mean_error / better.mean_error - 1))
+    if len(worse.criteria) == 1:
+        return f"{whose} {most} is {more} larger"
+    return (
+        f"{whose} mean is {more} larger, most of all by the {most} "
+        f"({worse.criteria[most]:.2f} against {better.criteria[most]:.2f})"
+    )
+
+
+def _difference(worse: float, better: float) -> float:
+    return worse - better if math.isfinite(better) else 0.0
+
+
+def _moves(more: float, less: float) -> str:
+    if less > 0.0 and math.isfinite(more):
+        if more / less < 1.005:
+            return "moves its inputs as much"
+        return f"moves its inputs {more / less:.2f} times as much"
+    return "moves its inputs more"
+
+
+def percent(number: float) -> str:
+    """Return a percentage in words that do not say 0 where it is not.
+
+    Examples
+    --------
+    >>> percent(24.6), percent(0.24)
+    ('25 %', '0.2 %')
+    """
+    return f"{number:.0f} %" if number >= 10.0 else f"{number:.1f} %"

@@ -1,0 +1,91 @@
+"""One controller tried: warned about, simulated and scored."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+from clepsydra.base.errors import ClepsydraError
+from clepsydra.controllers.controller import Controller
+from clepsydra.design.sampled_loop import sampled_loop
+from clepsydra.linear.analysis import Analysis
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.run import Run
+from clepsydra.loop.scenario import Scenario
+from clepsydra.scores.evaluate import score_run
+from clepsydra.scores.plant import plant_trajectories
+from clepsydra.study.ranking import Trial
+from clepsydra.study.tuning.result import TuningResult
+from clepsydra.study.warnings.after import warnings_after
+from clepsydra.study.warnings.before import warnings_before
+from clepsydra.study.warnings.loop_response import LoopResponse, loop_response
+
+
+def tried(
+    controller: Controller,
+    analysis: Analysis,
+    model: LinearModel,
+    scenario: Scenario,
+    tuning: TuningResult | None = None,
+) -> Trial:
+    """Return what a controller does in a scenario, and what is to be said of it.
+
+    Parameters
+    ----------
+    controller : Controller
+    analysis : Analysis
+    model : LinearModel
+        Of the same operating point, with all measurements.
+    scenario : Scenario
+    tuning : TuningResult, optional
+        How the controller was tuned.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.linear.linearise import linearise
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> model = linearise(analysis.operating_point)
+    >>> trial = tried(controller, analysis, model, default_scenario(analysis.model))
+    >>> round(trial.maximum_sensitivity, 2), trial.warnings
+    (1.15, ())
+    """
+    before = warnings_before(analysis, model, controller, scenario)
+    run = Loop(controller, model).run_checked(scenario)
+    scores = scores_of(run)
+    response: LoopResponse | None = None
+    with suppress(ClepsydraError):  # the warnings before say why there is none
+        response = loop_response(controller, model)
+    return Trial(
+        controller=controller,
+        run=run,
+        scores=scores,
+        maximum_sensitivity=sampled_loop(controller, model).maximum_sensitivity,
+        warnings=(*before, *warnings_after(run, scores)),
+        response=response,
+        tuning=tuning,
+    )
+
+
+def scores_of(run: Run) -> dict[str, float]:
+    """Return every score of a run; errors are those of the true levels, without noise.
+
+    Examples
+    --------
+    See `tried`.
+    """
+    process = run.process
+    return score_run(
+        run.time,
+        {name: run.values[f"{name}.setpoint"] for name in process.controlled},
+        {name: run.true_measurement(name) for name in process.controlled},
+        {u.name: run.values[u.name] for u in process.inputs},
+        {u.name: (u.low, u.high) for u in process.inputs},
+        run.scenario.segments,
+        measured={name: run.values[name] for name in process.controlled},
+        plant=plant_trajectories(process, run.time, run.values),
+    )

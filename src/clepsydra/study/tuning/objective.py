@@ -1,0 +1,185 @@
+"""What a tuning minimises, and what it must keep."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.loop.running_scores import INTEGRAL_SCORES, split_score
+
+#: Above its limit by this share, a candidate still counts as one that stands on it.
+ON_LIMIT = 1e-6
+#: Scores that a tuning can be for.
+JUDGED = (*INTEGRAL_SCORES, "overshoot", "total_variation")
+
+
+@dataclass(frozen=True)
+class Objective:
+    """One number from several scores: the largest of them, or their sum; see the makers below.
+
+    Parameters
+    ----------
+    kind : {"minimax", "weighted"}
+    weights : dict
+        "score[signal]" to its weight, above zero. Of IE the magnitude counts.
+    relative : bool
+        Whether each score is divided by its value at the start.
+
+    Raises
+    ------
+    InputError
+        There is no score, one cannot be tuned for, or a weight is not above zero.
+
+    Examples
+    --------
+    >>> minimax("iae[level_1]", "iae[level_2]").words
+    'the larger of IAE of level_1 and IAE of level_2, each relative to the start'
+    """
+
+    kind: Literal["minimax", "weighted"]
+    weights: dict[str, float]
+    relative: bool = True
+
+    def __post_init__(self) -> None:
+        if not self.weights:
+            raise InputError("tuning, objective", "none", "a score", 'name one: "iae[level_1]"')
+        for name, weight in self.weights.items():
+            if split_score(name)[0] not in JUDGED:
+                raise InputError(
+                    "tuning, objective", name, f"one of {', '.join(JUDGED)}", "choose another"
+                )
+            if not is_finite_number(weight) or not weight > 0.0:
+                raise InputError(
+                    f"tuning, objective, {name}", weight, "a weight above 0", "correct the weight"
+                )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The scores that it is made of."""
+        return tuple(self.weights)
+
+    def parts(self, scores: Mapping[str, np.ndarray], start: Mapping[str, float]) -> np.ndarray:
+        """Return every score with its weight and scale [n, scores]."""
+        columns = [
+            weight * np.abs(scores[name]) / (abs(start[name]) if self.relative else 1.0)
+            for name, weight in self.weights.items()
+        ]
+        return np.stack(columns, axis=1)
+
+    def value(self, parts: np.ndarray) -> np.ndarray:
+        """Return the objective [n] from the parts [n, scores]."""
+        found = np.max(parts, axis=1) if self.kind == "minimax" else np.sum(parts, axis=1)
+        return np.asarray(found)
+
+    def check_start(self, start: Mapping[str, float]) -> None:
+        """Refuse scores of the start that nothing can be related to.
+
+        Raises
+        ------
+        InputError
+        """
+        for name in self.names:
+            value = start[name]
+            if self.relative and not (math.isfinite(value) and value != 0.0):
+                raise InputError(
+                    f"tuning, objective, {name}", value, "a finite score above 0 at the start",
+                    "start from a controller that holds the loop, or take relative=False",
+                )  # fmt: skip
+
+    @property
+    def words(self) -> str:
+        """The objective as a phrase."""
+        named = []
+        for name, weight in self.weights.items():
+            score, signal = split_score(name)
+            times = "" if weight == 1.0 else f"{weight:g} × "
+            named.append(f"{times}{_TITLES.get(score, score.upper())} of {signal}")
+        if len(named) > 1:
+            lead = {"minimax": f"the large{'r' if len(named) == 2 else 'st'} of ",
+                    "weighted": "the sum of "}[self.kind]  # fmt: skip
+        else:
+            lead = ""
+        joined = " and ".join([", ".join(named[:-1]), named[-1]] if len(named) > 1 else named)
+        scale = ", each relative to the start" if len(named) > 1 else ", relative to the start"
+        return f"{lead}{joined}{scale if self.relative else ''}"
+
+
+_TITLES = {"overshoot": "overshoot", "total_variation": "total variation"}
+
+
+def minimax(*scores: str, relative: bool = True) -> Objective:
+    """Return the objective "the largest of some scores".
+
+    Examples
+    --------
+    >>> minimax("iae[level_1]", relative=False).value(np.array([[3.0, 5.0]])).tolist()
+    [5.0]
+    """
+    return Objective("minimax", dict.fromkeys(scores, 1.0), relative)
+
+
+def weighted_sum(weights: Mapping[str, float], *, relative: bool = True) -> Objective:
+    """Return the objective "the sum of some scores, each by its weight".
+
+    Examples
+    --------
+    >>> weighted_sum({"ise[level_1]": 1.0, "total_variation[pump_1]": 0.1}).words
+    'the sum of ISE of level_1 and 0.1 × total variation of pump_1, each relative to the start'
+    """
+    return Objective("weighted", dict(weights), relative)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a tuned controller must keep.
+
+    Parameters
+    ----------
+    maximum_sensitivity : float
+        Largest max|S| of all loops together [1]; infinite for none.
+    overshoot : float
+        Largest overshoot of any setpoint step [% of the step]; infinite for none.
+    total_variation : dict
+        Manipulated variable to the largest total variation over the scenario [its unit].
+
+    Raises
+    ------
+    InputError
+        A limit can be kept by no loop.
+
+    Examples
+    --------
+    >>> Limits(maximum_sensitivity=0.9)
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: tuning, limits, maximum_sensitivity: got 0.9, expected a \
+number above 1; 1.4 to 2 is customary.
+    """
+
+    maximum_sensitivity: float = math.inf
+    overshoot: float = math.inf
+    total_variation: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        place = "tuning, limits"
+        if not self.maximum_sensitivity > 1.0:
+            raise InputError(
+                f"{place}, maximum_sensitivity", self.maximum_sensitivity,
+                "a number above 1", "1.4 to 2 is customary",
+            )  # fmt: skip
+        if not self.overshoot >= 0.0:
+            raise InputError(
+                f"{place}, overshoot", self.overshoot, "0 % or more", "correct the limit"
+            )
+        for name, limit in self.total_variation.items():
+            if not limit > 0.0:
+                raise InputError(
+                    f"{place}, total_variation, {name}", limit, "a number above 0",
+                    "correct the limit",
+                )  # fmt: skip

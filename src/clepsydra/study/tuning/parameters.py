@@ -1,0 +1,238 @@
+"""What is tuned: parameters of a step law between bounds, and the cube that a search moves in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.parameters import is_finite_number
+
+#: A start this near outside a bound stands on it, a share of the width.
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class TunedParameter:
+    """A parameter of a step law that may take any value between two bounds.
+
+    Parameters
+    ----------
+    name : str
+        "proportional_gain_1"
+    low, high : float
+        Bounds, in the law's unit.
+    logarithmic : bool
+        Whether equal ratios count as equal steps, as befits gains and times; both bounds
+        then have one sign and neither is zero.
+    followers : tuple of str
+        Parameters of the law that take the same value: a tracking time, say.
+
+    Raises
+    ------
+    InputError
+        The bounds are the wrong way round, not finite, or, for logarithmic steps, on both
+        sides of zero.
+
+    Examples
+    --------
+    >>> TunedParameter("integral_time_1", 400.0, 4.0)
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: tuning, integral_time_1: got 'bounds 400 to 4', expected \
+a low bound below the high bound; exchange or widen them.
+    """
+
+    name: str
+    low: float
+    high: float
+    logarithmic: bool = True
+    followers: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        place = f"tuning, {self.name}"
+        for bound in (self.low, self.high):
+            if not is_finite_number(bound):
+                raise InputError(place, bound, "a finite bound", "give a number in the law's unit")
+        given = f"bounds {self.low:g} to {self.high:g}"
+        if not self.low < self.high:
+            raise InputError(
+                place, given, "a low bound below the high bound", "exchange or widen them"
+            )
+        if self.logarithmic and not self.low * self.high > 0.0:
+            raise InputError(
+                place, given, "bounds of one sign for logarithmic steps",
+                "keep zero outside, or take linear steps",
+            )  # fmt: skip
+
+    def value(self, share: np.ndarray) -> np.ndarray:
+        """Return the values at some shares of the way from low to high.
+
+        Examples
+        --------
+        >>> TunedParameter("integral_time_1", 4.0, 400.0).value(np.array([0.0, 0.5, 1.0])).round(9)
+        array([  4.,  40., 400.])
+        """
+        share = np.asarray(share, dtype=float)
+        if not self.logarithmic:
+            found = self.low + share * (self.high - self.low)
+        else:
+            found = self.low * (self.high / self.low) ** share
+        # At the ends rounding must not lead outside.
+        return np.clip(found, self.low, self.high)
+
+    def share(self, value: float) -> float:
+        """Return where a value stands between low and high, 0 to 1 inside the bounds."""
+        if not self.logarithmic:
+            return (value - self.low) / (self.high - self.low)
+        ratio = value / self.low
+        if ratio <= 0.0:
+            return -math.inf
+        return math.log(ratio) / math.log(self.high / self.low)
+
+
+@dataclass(frozen=True)
+class SearchSpace:
+    """The unit cube of the tuned parameters of one controller.
+
+    Parameters
+    ----------
+    controller : Controller
+        Its values are where the search starts.
+    parameters : tuple of TunedParameter
+
+    Raises
+    ------
+    InputError
+        There is no parameter, one is named twice or is none of the law, a bound lies outside
+        of what the law takes, or the start lies outside of the bounds.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> space = SearchSpace(controller, (TunedParameter("proportional_gain_1", 0.3, 30.0),))
+    >>> space.start.round(6), space.values_at(np.array([0.25]))["proportional_gain_1"].round(6)
+    (array([0.5]), array([0.948683]))
+    """
+
+    controller: Controller
+    parameters: tuple[TunedParameter, ...]
+
+    def __post_init__(self) -> None:
+        law = {p.name: p for p in self.controller.law.parameters}
+        if not self.parameters:
+            raise InputError("tuning, parameters", "none", "at least one", "name what to tune")
+        named: list[str] = []
+        for parameter in self.parameters:
+            place = f"tuning, {parameter.name}"
+            for name in (parameter.name, *parameter.followers):
+                if name not in law:
+                    raise InputError(
+                        "tuning, parameters", name,
+                        f"a parameter of {self.controller.law.name}: {', '.join(law)}",
+                        "correct the name",
+                    )  # fmt: skip
+                if name in named:
+                    raise InputError("tuning, parameters", name, "each name once", "drop one")
+                named.append(name)
+                own = law[name]
+                if not (own.low <= parameter.low and parameter.high <= own.high):
+                    raise InputError(
+                        place, f"bounds {parameter.low:g} to {parameter.high:g}",
+                        f"bounds for {name} within {own.low:g} to {own.high:g} {own.unit}",
+                        "narrow the bounds",
+                    )  # fmt: skip
+            start = self.controller.values[parameter.name]
+            if not -_ROUNDING <= parameter.share(start) <= 1.0 + _ROUNDING:
+                raise InputError(
+                    place, f"a start at {start:g}",
+                    f"a start within its bounds {parameter.low:g} to {parameter.high:g}",
+                    "widen the bounds or start elsewhere",
+                )  # fmt: skip
+
+    @property
+    def start(self) -> np.ndarray:
+        """Where the controller's own values stand in the cube [p]."""
+        values = self.controller.values
+        return np.clip([p.share(values[p.name]) for p in self.parameters], 0.0, 1.0)
+
+    def values_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the values of tuned parameters and followers by name [n], at points [n, p].
+
+        At the start they are the controller's own, in every bit.
+        """
+        points = np.atleast_2d(points)
+        at_start = np.all(points == self.start, axis=1)
+        return {
+            name: np.where(at_start, self.controller.values[name], parameter.value(column))
+            for parameter, column in zip(self.parameters, points.T, strict=True)
+            for name in (parameter.name, *parameter.followers)
+        }
+
+    def controller_values(self, point: np.ndarray) -> dict[str, float]:
+        """Return all parameter values of the law at one point [p]."""
+        found = {name: float(value[0]) for name, value in self.values_at(point).items()}
+        return {**self.controller.values, **found}
+
+
+def around(
+    controller: Controller, names: Sequence[str], factor: float = 10.0
+) -> tuple[TunedParameter, ...]:
+    """Return parameters that may move by a factor up and down from where they stand.
+
+    The tracking time of a loop follows its integral time where both are equal. The bounds end
+    where the law's own range does.
+
+    Parameters
+    ----------
+    controller : Controller
+    names : sequence of str
+        Parameters whose value is not zero.
+    factor : float
+        Above 1.
+
+    Raises
+    ------
+    InputError
+        A name is none of the law's, or its value is zero.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> (time,) = around(controller, ["integral_time_1"])
+    >>> round(time.low, 3), round(time.high, 1), time.followers
+    (3.203, 320.3, ('tracking_time_1',))
+    """
+    law = {p.name: p for p in controller.law.parameters}
+    found = []
+    for name in names:
+        value = controller.values.get(name)
+        if value is None or value == 0.0:
+            raise InputError(
+                "tuning, parameters", name if value is None else f"{name} = 0",
+                f"a parameter of {controller.law.name} that is not zero", "give bounds of its own",
+            )  # fmt: skip
+        ends = sorted((value / factor, value * factor))
+        tracking = name.replace("integral_time", "tracking_time")
+        follows = tracking != name and controller.values.get(tracking) == value
+        found.append(
+            TunedParameter(
+                name,
+                max(ends[0], law[name].low),
+                min(ends[1], law[name].high),
+                followers=(tracking,) if follows else (),
+            )
+        )
+    return tuple(found)

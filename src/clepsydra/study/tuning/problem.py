@@ -1,0 +1,235 @@
+"""A tuning problem: which candidate is how good, evaluated once and remembered."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.design.sampled_loop import SampledLoops
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.scenario import Scenario
+from clepsydra.study.tuning.batch import BatchEvaluation
+from clepsydra.study.tuning.memory import Memory
+from clepsydra.study.tuning.objective import ON_LIMIT, Limits, Objective
+from clepsydra.study.tuning.parameters import SearchSpace
+
+
+class Evaluation(NamedTuple):
+    """What is known of some candidates.
+
+    Parameters
+    ----------
+    objective : ndarray [n]
+        Infinite where the run broke off.
+    parts : ndarray [n, scores]
+        What the objective is the largest or the sum of.
+    margins : ndarray [n, limits]
+        Room to each limit but that of max|S|, as a share of it; negative where it is passed.
+
+    Examples
+    --------
+    >>> one = np.ones((2, 1))
+    >>> Evaluation(np.array([1.0, 1.0]), one, np.array([[0.1], [-0.2]])).violation.tolist()
+    [0.0, 0.2]
+    """
+
+    objective: np.ndarray
+    parts: np.ndarray
+    margins: np.ndarray
+
+    @property
+    def violation(self) -> np.ndarray:
+        """How far a candidate is beyond its worst limit [n], 0 where it keeps all."""
+        return np.asarray(np.max(-self.margins, axis=1, initial=0.0))
+
+
+@dataclass(frozen=True)
+class BestSoFar:
+    """The best candidate that keeps every limit.
+
+    Parameters
+    ----------
+    point : ndarray [p]
+    objective, sensitivity : float
+
+    Examples
+    --------
+    >>> BestSoFar(np.array([0.5]), 1.0, 1.6).sensitivity
+    1.6
+    """
+
+    point: np.ndarray
+    objective: float
+    sensitivity: float
+
+
+class TuningProblem:
+    """Candidates are points of the unit cube; each is simulated once, however often asked for.
+
+    Parameters
+    ----------
+    space : SearchSpace
+    model : LinearModel
+    scenarios : sequence of Scenario
+    objective : Objective
+    limits : Limits
+
+    Raises
+    ------
+    InputError
+        A score or limit names an unknown signal, an overshoot is limited where no setpoint
+        steps, or the scores of the start are no measure.
+
+    Examples
+    --------
+    See `clepsydra.study.tuning.tune.tune`.
+    """
+
+    def __init__(
+        self,
+        space: SearchSpace,
+        model: LinearModel,
+        scenarios: Sequence[Scenario],
+        objective: Objective,
+        limits: Limits,
+    ) -> None:
+        self.space, self.objective, self.limits = space, objective, limits
+        names = list(objective.names)
+        self.limited: dict[str, float] = {}
+        if np.isfinite(limits.overshoot):
+            stepped = {
+                part.signal
+                for scenario in scenarios
+                for part in scenario.segments
+                if part.kind == "setpoint"
+            }
+            if not stepped:
+                raise InputError(
+                    "tuning, limits, overshoot", limits.overshoot,
+                    "a scenario with a setpoint step", "drop the limit",
+                )  # fmt: skip
+            self.limited |= {f"overshoot[{name}]": limits.overshoot for name in sorted(stepped)}
+        self.limited |= {f"total_variation[{u}]": v for u, v in limits.total_variation.items()}
+        self.names = tuple(dict.fromkeys([*names, *self.limited]))
+        self.batch = BatchEvaluation(space.controller, model, scenarios, self.names)
+        self._loops = SampledLoops(space.controller, model)
+        self.memory = Memory(len(self.names) + 1, self._digest(model, scenarios))
+        self.best: BestSoFar | None = None
+        self.history: list[tuple[int, float]] = []
+        self.on_progress: Callable[[], None] = lambda: None
+        self._asked: set[bytes] = set()
+        self.proper: dict[bytes, np.ndarray] = {}
+
+    def begin(self) -> None:
+        """Evaluate the start, from which scores are scaled.
+
+        Raises
+        ------
+        InputError
+        """
+        row = self._rows(self.space.start[None, :])[0]
+        self.start_scores = dict(zip(self.names, row[:-1].tolist(), strict=True))
+        # What happens at the start in any case, an empty tank say, is no fault of a candidate.
+        self._usual = int(row[-1])
+        self.objective.check_start(self.start_scores)
+        self.start = self.evaluate(self.space.start[None, :])
+        self.consider(self.space.start[None, :], self.start)
+
+    @property
+    def evaluations(self) -> int:
+        """Number of different candidates asked for."""
+        return len(self._asked)
+
+    def scores_at(self, point: np.ndarray) -> dict[str, float]:
+        """Return the scores of one candidate [p] by name."""
+        return dict(zip(self.names, self._rows(point[None, :])[0, :-1].tolist(), strict=True))
+
+    def evaluate(self, points: np.ndarray, proper: int | None = None) -> Evaluation:
+        """Return what simulation says of candidates [n, p].
+
+        Parameters
+        ----------
+        points : ndarray [n, p]
+        proper : int, optional
+            How many, from the first, are candidates in their own right; the others are
+            probes for a derivative. All if omitted.
+        """
+        rows = self._rows(points)
+        for point in points[:proper]:
+            self.proper.setdefault(point.tobytes(), point.copy())
+        scores = {name: rows[:, place] for place, name in enumerate(self.names)}
+        parts = self.objective.parts(scores, self.start_scores)
+        objective = self.objective.value(parts)
+        status = rows[:, -1].astype(int) & ~self._usual
+        objective[status != 0] = np.inf
+        objective[~np.isfinite(objective)] = np.inf
+        margins = [(limit - scores[name]) / (limit or 1.0) for name, limit in self.limited.items()]
+        return Evaluation(objective, parts, np.reshape(margins, (len(margins), len(rows))).T)
+
+    def _rows(self, points: np.ndarray) -> np.ndarray:
+        """Return scores and status of every candidate [n, scores + 1], simulating new ones."""
+        keys = [point.tobytes() for point in points]
+        missing = {
+            key: point
+            for key, point in zip(keys, points, strict=True)
+            if key not in self.memory.rows
+        }
+        if missing:
+            found = self.batch.run(self.space.values_at(np.array(list(missing.values()))))
+            columns = [*(found.scores[name] for name in self.names), found.status]
+            for key, row in zip(missing, np.stack(columns, axis=1).tolist(), strict=True):
+                self.memory.rows[key] = row
+        self._asked.update(keys)
+        self.on_progress()
+        return np.array([self.memory.rows[key] for key in keys])
+
+    def sensitivity(self, point: np.ndarray) -> float:
+        """Return max|S| of all loops together at one point [p]; infinite if unstable."""
+        key = point.tobytes()
+        if key not in self.memory.sensitivities:
+            values = self.space.controller_values(point)
+            self.memory.sensitivities[key] = self._loops.at(values).maximum_sensitivity
+        return self.memory.sensitivities[key]
+
+    def consider(self, points: np.ndarray, found: Evaluation) -> None:
+        """Keep the best of some candidates if it beats the best so far and keeps all limits."""
+        for place in np.argsort(found.objective, kind="stable"):
+            value = float(found.objective[place])
+            if not np.isfinite(value) or (self.best and value >= self.best.objective):
+                return
+            if found.violation[place] > ON_LIMIT:
+                continue
+            sensitivity = self.sensitivity(points[place])
+            if sensitivity <= self.limits.maximum_sensitivity * (1.0 + ON_LIMIT):
+                self.best = BestSoFar(points[place].copy(), value, sensitivity)
+                self.history.append((self.evaluations, value))
+                return
+
+    def _digest(self, model: LinearModel, scenarios: Sequence[Scenario]) -> str:
+        """Return what tells this problem from any other."""
+        controller: Controller = self.space.controller
+        said = {
+            "program": repr(self.batch.program),
+            "values": controller.values,
+            "state": controller.initial_state,
+            "parameters": [asdict(parameter) for parameter in self.space.parameters],
+            "objective": asdict(self.objective),
+            "limits": asdict(self.limits),
+            "segments": [[asdict(part) for part in scenario.segments] for scenario in scenarios],
+        }
+        digest = hashlib.sha256(json.dumps(said, sort_keys=True).encode())
+        point = model.point
+        state = [] if point is None else [point.state, point.inputs, point.disturbances]
+        arrays = [model.A, model.B, model.C, *state]
+        for scenario in scenarios:
+            arrays += [scenario.setpoints, scenario.disturbances, scenario.noise]
+        for array in arrays:
+            digest.update(np.ascontiguousarray(array, dtype=float).tobytes())
+        return digest.hexdigest()

@@ -1,0 +1,85 @@
+"""The tuning that a study makes of a PID controller, where nothing else is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.detuning import SENSITIVITY_LIMIT
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.scenario import Scenario
+from clepsydra.study.tuning.objective import Limits, minimax
+from clepsydra.study.tuning.parameters import around
+from clepsydra.study.tuning.result import TuningResult
+from clepsydra.study.tuning.tune import METHOD, Progress, tune
+
+#: How far gains and integral times may move from the rule's, up and down.
+_FACTOR = 10.0
+_TUNED = ("proportional_gain_", "integral_time_", "integral_gain_")
+
+
+def tuned_pid(
+    controller: Controller,
+    model: LinearModel,
+    scenario: Scenario,
+    *,
+    limits: Limits | None = None,
+    seed: int = 1,
+    front: Sequence[float] = (),
+    progress: Callable[[Progress], None] | None = None,
+    state_file: Path | None = None,
+) -> TuningResult:
+    """Tune the gains and integral times of a multiloop PI or PID controller.
+
+    Each may become ten times as large or as small. The largest IAE of the controlled variables,
+    each relative to the start, is minimised over the scenario.
+
+    Parameters
+    ----------
+    controller : Controller
+        Designed by a rule.
+    limits : Limits, optional
+        max|S| at most 2 if omitted.
+    model, scenario, seed, front, progress, state_file
+        As for `clepsydra.study.tuning.tune.tune`.
+
+    Raises
+    ------
+    NotApplicable
+        The law has neither proportional gain nor integral time, or nothing keeps max|S| at 2.
+    InputError
+        As `tune`.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> start = design_simc(analysis.model, analysis.pairing)
+    >>> found = tuned_pid(start, analysis.model, default_scenario(analysis.model))
+    >>> round(found.objective, 3), found.maximum_sensitivity < 2.0
+    (0.497, True)
+    """
+    names = [
+        name
+        for name, value in controller.values.items()
+        if name.startswith(_TUNED) and value != 0.0
+    ]
+    if not names:
+        raise NotApplicable(METHOD, f"{controller.name} has no gain and no integral time to tune")
+    return tune(
+        controller,
+        model,
+        scenario,
+        around(controller, names, _FACTOR),
+        minimax(*(f"iae[{name}]" for name in dict.fromkeys(controller.setpoints))),
+        limits=limits or Limits(SENSITIVITY_LIMIT),
+        seed=seed,
+        front=front,
+        progress=progress,
+        state_file=state_file,
+    )

@@ -1,0 +1,62 @@
+"""What a run and its scores show that a reader must know."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from clepsydra.loop.run import Run
+from clepsydra.study.warnings.accuracy import accuracy_warnings
+from clepsydra.study.warnings.happened import happened_warnings
+from clepsydra.study.warnings.levels import overflow_warnings
+from clepsydra.study.warnings.saturation import saturation_warnings
+from clepsydra.study.warnings.settling import settling_warnings
+
+
+def run_warnings(run: Run) -> tuple[str, ...]:
+    """Return what is unusual about a run: overflow, trips, saturation, wind-up, a large error.
+
+    Parameters
+    ----------
+    run : Run
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.loop.loop import Loop
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> run_warnings(Loop(controller, analysis.model).run(default_scenario(analysis.model)))
+    ()
+    """
+    return (
+        *overflow_warnings(run),
+        *happened_warnings(run),
+        *saturation_warnings(run),
+        *accuracy_warnings(run),
+    )
+
+
+def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
+    """Return the warnings of a run and of its scores.
+
+    That a level does not settle is no fault where it is meant to average (`Process.averaging`).
+
+    Parameters
+    ----------
+    run : Run
+    scores : mapping
+        Score to value, "settling_time[level_1]".
+
+    Examples
+    --------
+    See `run_warnings` and `settling.settling_warnings`.
+    """
+    held = {
+        key: value
+        for key, value in scores.items()
+        if key.partition("[")[2].removesuffix("]") not in run.process.averaging
+    }
+    return (*run_warnings(run), *settling_warnings(held))

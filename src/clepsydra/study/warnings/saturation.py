@@ -1,0 +1,132 @@
+"""Warnings of pumps and valves that stand at a limit: at rest, after a step, or in a run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.controller import Controller
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.run import Run
+from clepsydra.scores.effort import at_limit
+from clepsydra.study.warnings.resting import Rest
+from clepsydra.study.warnings.wind_up import winds_up
+from clepsydra.study.warnings.words import shown
+
+#: An input that rests within this share of its range of a limit has no room.
+_NO_ROOM = 0.02
+#: Share of the run in saturation above which the reader is told, and above which it is most of it.
+_SATURATED = 0.05
+_MOSTLY = 0.5
+
+
+def resting_saturation_warnings(
+    controller: Controller, point: OperatingPoint, rests: list[Rest]
+) -> list[str]:
+    """Return warnings of manipulated variables without room, foreseen before simulating.
+
+    One that rests within 2 % of a limit at the operating point; and one that would have to rest
+    beyond a limit, by the linear model, to hold a setpoint or a load of the scenario.
+
+    Parameters
+    ----------
+    controller : Controller
+    point : OperatingPoint
+    rests : list of Rest
+        Of `resting_after`.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> resting_saturation_warnings(controller, analysis.operating_point, [])
+    []
+    """
+    process, at, words = point.process, point.as_dict(), []
+    for name in controller.manipulated:
+        signal = process.signal(name)
+        if not np.isfinite(signal.span):
+            continue
+        end = _nearer_end(signal, at[name])
+        if abs(at[name] - end) <= _NO_ROOM * signal.span:
+            words.append(
+                f"{name} rests at {shown(at[name], signal)}, at its limit of "
+                f"{shown(end, signal)}: in one direction it corrects nothing; move the operating "
+                "point, or give it another size."
+            )
+            continue
+        for rest in rests:
+            value = rest.values[name]
+            if not signal.low <= value <= signal.high:
+                segment = rest.segment
+                stepped = process.signal(segment.signal)
+                words.append(
+                    f"{name} saturates: to hold the {segment.kind} step of {segment.signal} by "
+                    f"{shown(segment.size, stepped)} it would have to rest at about "
+                    f"{shown(value, signal)}, beyond {shown(_nearer_end(signal, value), signal)}; "
+                    "make the step smaller, or give it another size."
+                )
+                break
+    return words
+
+
+def saturation_warnings(run: Run) -> list[str]:
+    """Return warnings of inputs that stood at a limit in a run, for how long and with what effect.
+
+    More than 5 % of the time is told; more than half of it is most of the time. An integral
+    without anti-windup (see `winds_up`) is told wherever its output stood at a limit at all.
+
+    Parameters
+    ----------
+    run : Run
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.loop.loop import Loop
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> saturation_warnings(Loop(controller, analysis.model).run(default_scenario(analysis.model)))
+    []
+    """
+    words, shares = [], {}
+    for signal in run.process.inputs:
+        values = run.values[signal.name]
+        shares[signal.name] = share = float(np.mean(at_limit(values, signal.low, signal.high)))
+        if share > _SATURATED:
+            lower = float(np.mean(at_limit(values, signal.low, np.inf)))
+            end = signal.low if lower > share / 2.0 else signal.high
+            effect = (
+                "nothing is controlled for most of it; ask for less, or give it another size"
+                if share > _MOSTLY
+                else "nothing is corrected meanwhile"
+            )
+            words.append(
+                f"{signal.name} stands at a limit for {100 * share:.0f} % of the time, mostly at "
+                f"{shown(end, signal)}: {effect}."
+            )
+    if any(shares[name] > 0.0 for name in run.controller.manipulated):
+        words += _wound_up(run, shares)
+    return words
+
+
+def _wound_up(run: Run, shares: dict[str, float]) -> list[str]:
+    wound = winds_up(run.controller, run.process)
+    names = [run.controller.manipulated[number - 1] for number in wound]
+    return [
+        f"{name} winds up: its integral has no anti-windup and went on while it stood at a limit, "
+        f"for {100 * shares[name]:.2g} % of the time; choose conditional integration or "
+        "back-calculation."
+        for name in names
+        if shares[name] > 0.0
+    ]
+
+
+def _nearer_end(signal: Signal, value: float) -> float:
+    return signal.low if value - signal.low < signal.high - value else signal.high

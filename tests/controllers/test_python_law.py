@@ -1,0 +1,312 @@
+"""A user's own step law, as its documentation shows it: Python beside expressions, and faults."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import clepsydra as cl
+from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.own_law import load_law
+from clepsydra.controllers.python_law import PythonLaw, python_law
+from clepsydra.design.own_law import own_controller
+from clepsydra.design.sampled_loop import sampled_loop
+from clepsydra.loop.closed_loop import closed_loop
+from clepsydra.loop.scenario import Scenario
+from clepsydra.program.step_law import StepLaw
+
+PAGE = (Path(__file__).parents[2] / "docs" / "own-law.md").read_text(encoding="utf-8")
+SLOW, USE, FAST = re.findall(r"```python\n(.*?)```", PAGE, re.S)
+WIRES = {"measurements": ["level_1"], "setpoints": ["level_1"], "manipulated": ["pump_1"]}
+
+
+@pytest.fixture(scope="module")
+def model():
+    return cl.analyse(cl.load_process("quadruple-tank")).model
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("my_pi.py").write_text(SLOW, encoding="utf-8")
+    Path("my_fast_pi.py").write_text(FAST, encoding="utf-8")
+
+
+def loaded(text: str) -> StepLaw:
+    Path("law.py").write_text(text, encoding="utf-8")
+    return load_law("law.py")
+
+
+def pi_loop(model, file: str, gain: float = 2.0):
+    controller = own_controller(
+        model, load_law(file), **WIRES, values={"gain": gain}, initial_state={"integral": 3.0}
+    )
+    return cl.Loop(controller, model)
+
+
+def hard_scenario(model) -> Scenario:
+    """Setpoint steps up to 9.5 V and down to 2 V, with noise: the pump goes to both limits."""
+    point = model.point
+    setpoints = np.tile(point.measurements[:2], (400, 1))
+    setpoints[20:, 0], setpoints[200:, 0] = 9.5, 2.0
+    noise = 0.05 * np.random.default_rng(4).normal(size=(400, 4))
+    disturbances = np.tile(point.disturbances, (400, 1))
+    return Scenario(point.process.sampling_period, setpoints, disturbances, noise, (), 4)
+
+
+def test_the_documented_use_runs() -> None:
+    names: dict = {}
+    exec(USE, names)
+    level = names["run"].true_measurement("level_1")
+    assert level[659] - level[0] == pytest.approx(1.0, abs=0.01)
+
+
+def test_python_and_expressions_agree_in_every_bit(model) -> None:
+    scenario = hard_scenario(model)
+    slow, fast = (pi_loop(model, file).run(scenario) for file in ("my_pi.py", "my_fast_pi.py"))
+    assert isinstance(slow.controller.law, PythonLaw)
+    assert not isinstance(fast.controller.law, PythonLaw)
+    assert {4.0, 8.0} <= {float(int(s) & 12) for s in fast.values["pump_1.status"]}
+    for name, values in fast.values.items():
+        np.testing.assert_array_equal(slow.values[name], values, err_msg=name)
+
+
+def test_the_reference_solver_takes_a_law_in_python(model) -> None:
+    scenario = hard_scenario(model)
+    kernel = pi_loop(model, "my_pi.py").run(scenario, substeps=20)
+    reference = pi_loop(model, "my_pi.py").run(scenario, solver="reference")
+    found = reference.values["tank_1.level"] - kernel.values["tank_1.level"]
+    assert np.abs(found).max() < 1e-8  # [m]
+
+
+@pytest.mark.parametrize(
+    ("name", "pump"), [("equalisation-tank", "outflow"), ("wet-well", "duty"), ("rig", "pump_1")]
+)
+def test_every_kind_of_process_is_moved_as_by_the_compiled_loop(name, pump) -> None:
+    """Switches, lags, components and a transport delay, whose ring lives between the calls."""
+    if name == "rig":
+        name = str(Path(__file__).parents[1] / "dead-time.toml")
+    analysis = cl.analyse(cl.load_process(name))
+    process = analysis.model.point.process
+    level = process.controlled[0]
+    pump = pump if pump in [u.name for u in process.inputs] else process.inputs[0].name
+    size = 0.02 * process.signal(level).span
+    at = analysis.operating_point.as_dict()[pump]
+    span = process.signal(pump).span
+    loops = []
+    for text in (_PROPORTIONAL, _FAST_PROPORTIONAL):
+        controller = own_controller(
+            analysis.model, loaded(text), measurements=[level], setpoints=[level],
+            manipulated=[pump], values={"gain": -0.1 * span / size, "bias": at},
+        )  # fmt: skip
+        loops.append(cl.Loop(controller, analysis.model))
+    scenario = cl.default_scenario(analysis.model)
+    slow, fast = (loop.run(scenario) for loop in loops)
+    assert np.ptp(fast.values[pump]) > 0.05 * span
+    for trajectory, values in fast.values.items():
+        np.testing.assert_array_equal(slow.values[trajectory], values, err_msg=trajectory)
+
+
+_PROPORTIONAL = """
+inputs = ["setpoint_1", "measurement_1"]
+outputs = ["manipulated_1"]
+parameters = {"gain": 1.0, "bias": 0.0}
+def step(state, inputs, parameters, time_step):
+    error = inputs["setpoint_1"] - inputs["measurement_1"]
+    return {}, {"manipulated_1": parameters["bias"] + parameters["gain"] * error}
+"""
+_FAST_PROPORTIONAL = """
+from clepsydra import Signal
+from clepsydra.program.step_law import Equations, step_law
+law = step_law(
+    "proportional", inputs=[Signal("setpoint_1"), Signal("measurement_1")], state=[],
+    parameters=[Signal("gain"), Signal("bias")], outputs=[Signal("manipulated_1")],
+    equations=lambda s: Equations(
+        {}, {"manipulated_1": s["bias"] + s["gain"] * (s["setpoint_1"] - s["measurement_1"])}),
+)
+"""
+
+
+def test_the_sensitivity_by_differences_is_that_of_the_expressions(model) -> None:
+    files = "my_pi.py", "my_fast_pi.py"
+    slow, fast = (pi_loop(model, file, gain=20.0).controller for file in files)
+    peaks = [sampled_loop(controller, model).maximum_sensitivity for controller in (slow, fast)]
+    assert 1.3 < peaks[1] < 3.0
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-8)
+
+
+def test_modes_limits_and_a_failed_sensor(driven) -> None:
+    law = load_law("my_pi.py")
+    values = {"gain": 2.0, "integral_time": 30.0, "low_limit_1": 0.0, "high_limit_1": 10.0}
+    pi = driven(law, values, {"integral": 3.0, "last_output_1": 3.0})
+    usual = {
+        "setpoint_1": 5.0,
+        "measurement_1": 4.0,
+        "sensor_1": 1.0,
+        "mode_1": 1.0,
+        "manual_1": 7.0,
+    }
+    usual |= {"tracking_1": 6.0, "time_step": 1.0}
+    after = 3.0 + 2.0 / 30.0
+    assert pi.scan(**usual) == {"manipulated_1": 2.0 + after, "status_1": 1.0}
+    assert pi.state["integral"] == after
+    for fault in ({"sensor_1": 0.0}, {"measurement_1": np.nan}, {"time_step": 0.0}):
+        held = pi.scan(**(usual | fault))
+        assert held["manipulated_1"] == 2.0 + after
+        assert int(held["status_1"]) in (1 + 16, 1 + 32, 1 + 64)
+        assert pi.state["integral"] == after
+    assert pi.scan(**(usual | {"mode_1": 0.0}))["manipulated_1"] == 7.0
+    assert pi.scan(**(usual | {"mode_1": 2.0}))["manipulated_1"] == 6.0
+    assert pi.scan(**(usual | {"setpoint_1": 50.0}))["manipulated_1"] == 10.0
+
+
+def test_a_class_keeps_its_tables_and_the_run_can_be_replayed(model) -> None:
+    law = loaded(
+        "from clepsydra import Signal\n"
+        "class law:\n"
+        "    inputs = [Signal('measurement_1', 'V', high=10.0)]\n"
+        "    outputs = [Signal('manipulated_1', 'V')]\n"
+        "    state = ['samples']\n"
+        "    def __init__(self):\n"
+        "        self.table = [3.0, 3.5, 2.5]\n"
+        "    def step(self, state, inputs, parameters, time_step):\n"
+        "        wanted = self.table[int(state['samples']) % 3]\n"
+        "        state['samples'] += 1\n"
+        "        return state, {'manipulated_1': wanted}\n"
+    )
+    controller = own_controller(
+        model, law, measurements=["level_1"], setpoints=[], manipulated=["pump_1"]
+    )
+    loop, scenario = cl.Loop(controller, model), hard_scenario(model)
+    first, second = loop.run(scenario), loop.run(scenario)
+    assert first.values["pump_1"][:5].tolist() == [3.0, 3.5, 2.5, 3.0, 3.5]
+    np.testing.assert_array_equal(first.values["level_1"], second.values["level_1"])
+
+
+def test_what_python_cannot_do_is_refused(model) -> None:
+    controller = pi_loop(model, "my_pi.py").controller
+    for refused in (controller.program, lambda: closed_loop(model.point.process, controller,
+                                                            substeps=1)):  # fmt: skip
+        with pytest.raises(ClepsydraError, match="my_pi: a law in Python has no program"):
+            refused()
+    assert "my_fast_pi" in cl.print_structured_text(
+        pi_loop(model, "my_fast_pi.py").controller.program()
+    )
+
+
+HEAD = "inputs = ['measurement_1']\noutputs = ['manipulated_1']\nstate = ['count']\n"
+STEP = HEAD + "def step(state, inputs, parameters, time_step):\n    count = state['count'] + 1\n"
+
+
+@pytest.mark.parametrize(
+    ("end", "expected"),
+    [
+        (
+            "    return {'count': count}, {'manipulated_1': 3 / (count - 8)}\n",
+            "law.py, line 6, step, sample 7 at 7 s: got 'ZeroDivisionError: float division by "
+            "zero', expected a step that works for every input; correct it.",
+        ),
+        (
+            "    return {'count': count}, {'manipulated_1': 3 if count < 4 else float('nan')}\n",
+            "law.py, line 4, step, manipulated_1, sample 3 at 3 s: got 'nan', expected a finite "
+            "number; return one for every input.",
+        ),
+        (
+            "    return {'count': count}, {'manipulated_1': '3'}\n",
+            "law.py, line 4, step, manipulated_1, sample 0 at 0 s: got \"'3'\", expected a finite",
+        ),
+        (
+            "    return {'manipulated_1': 3}\n",
+            "law.py, line 4, step, sample 0 at 0 s: got \"{'manipulated_1': 3}\", expected the "
+            "next state and the outputs, two dictionaries; write as in return",
+        ),
+        (
+            "    return {}, {'manipulated_1': 3}\n",
+            "law.py, line 4, step, next state, sample 0 at 0 s: got 'nothing', expected values "
+            "for count; return each of them, and no other.",
+        ),
+        (
+            "    return {'count': count}, {'manipulated_1': 3, 'manipulated_2': 3}\n",
+            "law.py, line 4, step, outputs, sample 0 at 0 s: got 'manipulated_1, manipulated_2'",
+        ),
+        (
+            "    return state['count'] + {}[0]\n",
+            "law.py, line 6, step, sample 0 at 0 s: got 'KeyError: 0'",
+        ),
+    ],
+)
+@pytest.mark.parametrize("solver", ["kernel", "reference"])
+def test_a_step_that_fails_names_line_sample_and_time(model, end, expected, solver) -> None:
+    controller = own_controller(
+        model, loaded(STEP + end), measurements=["level_1"], setpoints=[], manipulated=["pump_1"]
+    )
+    with pytest.raises(InputError) as caught:
+        cl.Loop(controller, model).run(hard_scenario(model), solver=solver)
+    assert str(caught.value).startswith(expected)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("law = 3\n", "law.py, law: got '3', expected law = step_law(…), or a function step"),
+        ("x = 1\n", "law.py: got 'no law', expected law = step_law(…), or a function step"),
+        ("def step(:\n", "law.py, line 1: got 'SyntaxError: invalid syntax'"),
+        ("import no_such_library\n", "law.py, line 1: got \"ModuleNotFoundError: No module named"),
+        ("raise SystemExit(3)\n", "law.py, line 1: got 'SystemExit: 3', expected Python that runs"),
+        (STEP + "outputs = ['pump_1']\n", "law.py, outputs: got 'pump_1', expected manipulated_1;"),
+        (STEP + "outputs = []\n", "law.py, outputs: got 'none', expected manipulated_1;"),
+        (STEP + "inputs = 'measurement_1'\n", "law.py, inputs: got \"'measurement_1'\", expected"),
+        (STEP + "parameters = {'gain': 'big'}\n", "law.py, parameters: got \"('gain', 'big')\""),
+        (STEP + "parameters = ['count']\n", "law.py: got 'count', expected a name for one input"),
+        (STEP + "state = ['a b']\n", "law.py, state: got \"Signal(name='a b'"),
+        (
+            _FAST_PROPORTIONAL.replace('outputs=[Signal("manipulated_1")]',
+                                       'outputs=[Signal("manipulated_1"), Signal("status_2")]')
+            .replace("{}, {", "{}, {'status_2': 0, "),
+            "law.py, outputs: got 'manipulated_1', expected manipulated_1 and status_1",
+        ),
+        (
+            _FAST_PROPORTIONAL.replace('"bias"]', '"no_bias"]'),
+            "law.py, line 8: got \"KeyError: 'no_bias'\"",
+        ),
+        (
+            "class law:\n    def __init__(self, table):\n        pass\n",
+            "law.py, law: got \"TypeError: law.__init__() missing 1 required",
+        ),
+    ],
+)  # fmt: skip
+def test_a_file_without_a_proper_law_is_refused(text, expected) -> None:
+    with pytest.raises(InputError) as caught:
+        loaded(text)
+    assert str(caught.value).startswith(expected)
+
+
+def test_a_wrong_wire_is_refused(model) -> None:
+    law = load_law("my_pi.py")
+    with pytest.raises(InputError, match="manipulated: got 'pump_3', expected an input of quad"):
+        own_controller(model, law, **(WIRES | {"manipulated": ["pump_3"]}))
+    with pytest.raises(InputError, match="add integral_time"):
+        cl.Controller("a", "b", "", law, {"gain": 1.0}, {}, ("level_1",), ("level_1",), ("pump_1",))
+
+
+def test_differences_leave_modes_alone() -> None:
+    """A law that squares its measurement: the slope at 3 is 6, and a mode has none."""
+
+    def step(state, inputs, parameters, time_step):
+        return {"kept": state["kept"]}, {
+            "manipulated_1": inputs["measurement_1"] ** 2 + 100 * inputs["mode_1"]
+        }
+
+    law = python_law(
+        "square", step, inputs=[Signal("measurement_1"), Signal("mode_1")],
+        outputs=[Signal("manipulated_1", low=-1e300, high=1e300)], state=[Signal("kept")],
+    )  # fmt: skip
+    names = [signal.name for signal in law.inputs]
+    given = {"measurement_1": 3.0, "sensor_1": 1.0, "mode_1": 1.0, "time_step": 1.0}
+    inputs = [given.get(name, 0.0) for name in names]
+    by_state, _, _, by_input = law.jacobians([2.0, 0.0], inputs, [-1e300, 1e300])
+    assert by_input[0, names.index("measurement_1")] == pytest.approx(6.0, rel=1e-9)
+    assert by_input[0, names.index("mode_1")] == 0.0
+    assert by_state[0, 0] == 1.0  # exactly, as for expressions

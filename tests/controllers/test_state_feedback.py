@@ -1,0 +1,209 @@
+"""State feedback and the current observer against matrices, in every mode and at every fault."""
+
+import math
+
+import numpy as np
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.linear_quadratic_integral import lqi_law
+from clepsydra.controllers.observers.current_observer import observer_values
+from clepsydra.controllers.observers.structure import ObserverStructure
+from clepsydra.controllers.state_feedback import state_feedback_law
+
+rng = np.random.default_rng(11)
+HELD = np.array([[0.8, 0.1, 0.0], [0.0, 0.9, 0.05], [0.0, 0.0, 0.7]])
+MOVED = np.array([[0.2, 0.0], [0.1, 0.3], [0.0, 0.4]])
+SHOWN = np.array([[2.0, 0.0, 0.0], [0.0, 0.0, 3.0]])
+CORRECTION = rng.normal(size=(3, 2)) * 0.1
+FEEDBACK, AHEAD = rng.normal(size=(2, 3)), rng.normal(size=(2, 1))
+REFERENCE, BIAS = np.array([5.0, 6.0]), np.array([4.0, 5.0])
+STEP, FADING = 0.5, 20.0
+STRUCTURE = ObserverStructure(
+    tuple(Signal(f"tank_{j}.level", "m") for j in (1, 2, 3)),
+    HELD != 0.0,
+    MOVED != 0.0,
+    SHOWN != 0.0,
+    CORRECTION != 0.0,
+)
+REST = {
+    "integral_1": 0.0, "integral_2": 0.0, "last_output_1": 4.0, "last_output_2": 5.0,
+    "estimate_1": 0.0, "estimate_2": 0.0, "estimate_3": 0.0,
+}  # fmt: skip
+
+
+def values():
+    numbers = observer_values(STRUCTURE, HELD, MOVED, SHOWN, CORRECTION)
+    numbers |= {f"reference_measurement_{j + 1}": REFERENCE[j] for j in range(2)}
+    for i in range(2):
+        numbers |= {f"feedback_{i + 1}_{j + 1}": FEEDBACK[i, j] for j in range(3)}
+        numbers |= {
+            f"precompensator_{i + 1}_1": AHEAD[i, 0],
+            f"bias_{i + 1}": BIAS[i],
+            f"fading_time_{i + 1}": FADING,
+            f"low_limit_{i + 1}": 0.0,
+            f"high_limit_{i + 1}": 10.0,
+        }
+    return numbers
+
+
+def inputs(measurements, setpoint, **changed):
+    numbers = {"time_step": STEP, "setpoint_1": setpoint}
+    for j in range(2):
+        numbers |= {f"measurement_{j + 1}": measurements[j], f"sensor_{j + 1}": 1.0}
+    for i in (1, 2):
+        numbers |= {f"mode_{i}": 1, f"manual_{i}": 0.0, f"tracking_{i}": 0.0}
+    return numbers | changed
+
+
+@pytest.fixture
+def law(driven):
+    return driven(state_feedback_law(2, 2, [2], observer=STRUCTURE), values(), REST)
+
+
+def estimate(law):
+    return np.array([law.state[f"estimate_{j}"] for j in (1, 2, 3)])
+
+
+def outputs(found):
+    return np.array([found["manipulated_1"], found["manipulated_2"]])
+
+
+def test_zeros_of_the_matrices_are_no_parameters():
+    names = [signal.name for signal in state_feedback_law(2, 2, [2], observer=STRUCTURE).parameters]
+    assert [name for name in names if name.startswith("transition")] == [
+        "transition_1_1", "transition_1_2", "transition_2_2", "transition_2_3", "transition_3_3",
+    ]  # fmt: skip
+    assert "observation_1_2" not in names
+    assert "input_effect_3_1" not in names
+
+
+def test_equals_the_matrix_equations(law):
+    expected, fading, saturated = np.zeros(3), np.array([0.7, -0.4]), 0
+    law.state |= {"integral_1": 0.7, "integral_2": -0.4}
+    for _ in range(300):
+        y, r = REFERENCE + rng.normal(size=2) * 9.0, 6.0 + 4.0 * rng.normal()
+        corrected = expected + CORRECTION @ (y - REFERENCE - SHOWN @ expected)
+        unlimited = BIAS - FEEDBACK @ corrected + AHEAD[:, 0] * (r - REFERENCE[1]) + fading
+        u = np.clip(unlimited, 0.0, 10.0)
+        expected = HELD @ corrected + MOVED @ (u - BIAS)
+        further = (unlimited - u) * -fading > 0
+        fading = np.where(further, fading, fading * (1 - STEP / FADING))
+        found = law.scan(**inputs(y, r))
+        assert outputs(found) == pytest.approx(u, abs=1e-12)
+        assert estimate(law) == pytest.approx(expected, abs=1e-12)
+        saturated += int(np.any(u != unlimited))
+    assert 20 < saturated < 280
+
+
+def test_without_an_observer_the_measurements_are_the_state(driven):
+    numbers = {
+        name: value
+        for name, value in values().items()
+        if not name.startswith(("transition", "input_effect", "observation", "correction"))
+    }
+    numbers |= {"reference_measurement_3": 7.0}
+    rest = {name: value for name, value in REST.items() if not name.startswith("estimate")}
+    law = driven(state_feedback_law(3, 2, [2]), numbers, rest)
+    y = np.array([5.1, 6.2, 6.7])
+    given = inputs(y[:2], 6.5) | {"measurement_3": y[2], "sensor_3": 1.0}
+    expected = BIAS - FEEDBACK @ (y - [5.0, 6.0, 7.0]) + AHEAD[:, 0] * 0.5
+    assert outputs(law.scan(**given)) == pytest.approx(expected, abs=1e-13)
+
+
+@pytest.mark.parametrize("name", ["state feedback", "LQI"])
+def test_hand_and_saturation_do_not_mislead_the_observer(driven, name):
+    """The error of the estimate follows (I − M C) Φ whatever is done to the inputs."""
+    numbers = values() | {f"integral_gain_{i}_1": 0.5 for i in (1, 2)}
+    kind = state_feedback_law if name == "state feedback" else lqi_law
+    options = () if name == "state feedback" else ("conditional_integration",)
+    law = driven(kind(2, 2, [2], *options, observer=STRUCTURE), numbers, REST)
+    x = np.array([3.0, -2.0, 1.0])
+    error = x.copy()
+    modes = []
+    for k in range(120):
+        given = inputs(REFERENCE + SHOWN @ x, 6.0 + 5.0 * np.sin(0.2 * k))
+        if 20 <= k < 40:
+            given |= {"mode_1": 0, "manual_1": 20.0 * np.sin(k)}
+        if 40 <= k < 60:
+            given |= {"mode_1": 2, "tracking_1": 7.0, "mode_2": 0, "manual_2": 1.0}
+        if 60 <= k < 80:
+            given |= {"mode_2": 5}  # held
+        u = outputs(law.scan(**given))
+        modes.append(np.any((u == 0.0) | (u == 10.0)))
+        x = HELD @ x + MOVED @ (u - BIAS)
+        error = HELD @ (error - CORRECTION @ SHOWN @ error)
+        assert x - estimate(law) == pytest.approx(error, abs=1e-11)
+    assert any(modes)
+    assert not all(modes)
+
+
+def test_from_hand_to_automatic_there_is_no_bump_and_the_bias_fades(law):
+    y, r = REFERENCE + [0.3, -0.2], 6.4
+    # At rest under the operator's hand, so that the estimate does not move any more.
+    for _ in range(400):
+        law.scan(**inputs(y, r, mode_1=0, manual_1=4.5, mode_2=2, tracking_2=4.0))
+    first = outputs(law.scan(**inputs(y, r)))
+    assert first == pytest.approx([4.5, 4.0], abs=1e-9)
+    before = law.state["integral_1"]
+    law.scan(**inputs(y, r))
+    assert law.state["integral_1"] == pytest.approx(before * (1 - STEP / FADING), rel=1e-12)
+    for _ in range(3000):
+        law.scan(**inputs(y, r))
+    assert abs(law.state["integral_1"]) < 1e-12
+
+
+def test_a_bias_does_not_fade_into_saturation(law):
+    law.values |= {"bias_1": 12.0}
+    law.state |= {"integral_1": -1.0}
+    law.scan(**inputs(REFERENCE, REFERENCE[1]))
+    assert law.state["integral_1"] == -1.0
+
+
+@pytest.mark.parametrize("fault", [{"sensor_2": 0.0}, {"measurement_1": math.nan}])
+def test_a_fault_holds_the_outputs_while_the_observer_goes_on(law, fault):
+    law.state |= {"estimate_1": 1.0, "estimate_3": -0.5}
+    found = law.scan(**inputs(REFERENCE + 1.0, 6.0, **fault))
+    assert outputs(found) == pytest.approx([4.0, 5.0], abs=0)
+    assert estimate(law) == pytest.approx(HELD @ [1.0, 0.0, -0.5], abs=1e-14)
+    # An operator can still move an output, and the observer hears of it.
+    found = law.scan(**inputs(REFERENCE + 1.0, 6.0, **fault, mode_1=0, manual_1=9.0))
+    assert outputs(found) == pytest.approx([9.0, 5.0], abs=0)
+    expected = HELD @ HELD @ [1.0, 0.0, -0.5] + MOVED @ [5.0, 0.0]
+    assert estimate(law) == pytest.approx(expected, abs=1e-14)
+
+
+def test_a_setpoint_that_is_no_number_leaves_the_correction(law):
+    found = law.scan(**inputs(REFERENCE + [1.0, 0.0], math.nan))
+    assert outputs(found) == pytest.approx([4.0, 5.0], abs=0)
+    assert estimate(law) == pytest.approx(HELD @ CORRECTION @ [1.0, 0.0], abs=1e-14)
+
+
+@pytest.mark.parametrize("time_step", [0.0, -1.0, math.nan])
+def test_the_estimate_stays_where_the_time_step_is_unusable(law, time_step):
+    law.state |= {"estimate_1": 1.0}
+    found = law.scan(**inputs(REFERENCE, 6.0, time_step=time_step))
+    assert estimate(law) == pytest.approx([1.0, 0.0, 0.0], abs=0)
+    assert int(found["status_1"]) & 64
+
+
+def test_numbers_that_run_over_do_not_get_into_the_estimate(law):
+    law.values |= {name: 1e9 for name in law.values if name.startswith("correction")}
+    law.scan(**inputs([1e300, -1e300], 6.0))
+    assert np.all(np.isfinite(estimate(law)))
+
+
+def test_an_observer_of_other_signals_is_refused():
+    with pytest.raises(InputError, match="3 measurements and 2 inputs"):
+        state_feedback_law(3, 2, [2], observer=STRUCTURE)
+    with pytest.raises(InputError, match="from 1 to 2"):
+        state_feedback_law(2, 2, [3], observer=STRUCTURE)
+
+
+def test_an_observer_that_nobody_can_check_is_refused():
+    yes, signals = np.ones((41, 41), bool), tuple(Signal(f"x_{j}") for j in range(41))
+    with pytest.raises(InputError, match="1 to 40"):
+        ObserverStructure(signals, yes, yes[:, :1], yes[:1], yes[:, :1])
+    with pytest.raises(InputError, match=r"observer, shown: got \(1, 2\)"):
+        ObserverStructure(signals[:1], yes[:1, :1], yes[:1, :1], yes[:1, :2], yes[:1, :1])

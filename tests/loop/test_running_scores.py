@@ -1,0 +1,173 @@
+"""Scores that are added up in the kernel, against those of the stored trajectories."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.design.simc import design_simc
+from clepsydra.engine.kernel import Kernel
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.linearise import linearise
+from clepsydra.loop.closed_loop import closed_loop, controller_name
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.running_scores import RunningScores
+from clepsydra.process.reader import load_process
+from clepsydra.scores.evaluate import score_run
+from clepsydra.scores.generalised_squared_error import generalised_squared_error
+from clepsydra.scores.integral_errors import integral_error
+from clepsydra.scores.time_weighted_errors import (
+    integral_time_absolute_error,
+    integral_time_squared_error,
+)
+
+PROCESSES = ["quadruple-tank", "averaging-tank", "equalisation-tank"]
+
+
+def all_scores(process) -> RunningScores:
+    errors = ("ie", "iae", "ise", "itae", "itse", "iseg", "overshoot")
+    return RunningScores(
+        process,
+        (
+            *(f"{score}[{y}]" for score in errors for y in process.controlled),
+            *(f"total_variation[{u.name}]" for u in process.inputs),
+            *(f"{end}[{x}]" for end in ("highest", "lowest") for x in process.levels),
+        ),
+    )
+
+
+@pytest.fixture(scope="module", params=PROCESSES)
+def loop(request) -> Loop:
+    analysis = analyse(load_process(request.param))
+    controller = design_simc(analysis.model, analysis.pairing)
+    return Loop(controller, linearise(analysis.operating_point))
+
+
+def scored(loop: Loop, scenario, scores: RunningScores, **state) -> dict[str, np.ndarray]:
+    program = closed_loop(
+        loop.process, loop.controller, substeps=loop.substeps, scores=scores, statuses=True
+    )
+    given = loop.at_rest() | loop.inputs_of(scenario) | scores.inputs_of(scenario)
+    result = Kernel(program, record=False).run(
+        scenario.samples,
+        inputs=given,
+        state={**loop.initial_state(), **state},
+        parameters=loop.law_parameters(),
+    )
+    return scores.read(result)
+
+
+def test_they_are_the_scores_of_the_stored_trajectories_of_the_same_run(loop):
+    process = loop.process
+    # Two setpoint steps of every measurement, load steps, and noise.
+    scenario = default_scenario(loop.model)
+    found = scored(loop, scenario, all_scores(process))
+    run = loop.run(scenario)
+    setpoints = {y: run.values[f"{y}.setpoint"] for y in process.controlled}
+    outputs = {y: run.true_measurement(y) for y in process.controlled}
+    inputs = {u.name: run.values[u.name] for u in process.inputs}
+    limits = {u.name: (u.low, u.high) for u in process.inputs}
+    expected = score_run(run.time, setpoints, outputs, inputs, limits, scenario.segments)
+    steps = [part.start for part in scenario.segments if part.kind != "noise"]
+    for y in process.controlled:
+        one = run.time, setpoints[y], outputs[y]
+        expected[f"ie[{y}]"] = integral_error(*one)
+        expected[f"itae[{y}]"] = integral_time_absolute_error(*one, steps)
+        expected[f"itse[{y}]"] = integral_time_squared_error(*one, steps)
+        expected[f"iseg[{y}]"] = generalised_squared_error(*one)
+    for x in process.levels:
+        expected[f"highest[{x}]"] = run.values[x].max()
+        expected[f"lowest[{x}]"] = run.values[x].min()
+    assert any(expected[f"overshoot[{y}]"] > 0.01 for y in process.controlled)
+    for name, value in found.items():
+        # A signed integral is a small difference of large ones.
+        size = abs(expected[name.replace("ie[", "iae[")]) if name.startswith("ie[") else 0.0
+        assert value[0] == pytest.approx(expected[name], rel=1e-10, abs=1e-11 * size), name
+
+
+def test_a_straight_error_that_changes_its_sign_is_integrated_exactly():
+    """A level that rises on a line past its setpoint, as in the closed forms of e = 3 - t.
+
+    The tank of 1 m² gets 0.3 m³/s and gives 0.2 m³/s, so that V rises by 0.1 m³/s from 2 m³;
+    the setpoint is 2.03 m³: with t = 10 τ s and e = 0.01 m³ × (3 - 10 τ)…
+    """
+    process = load_process("averaging-tank")
+    analysis = analyse(process)
+    loop = Loop(design_simc(analysis.model, analysis.pairing), linearise(analysis.operating_point))
+    scores = all_scores(process)
+    samples, period = 5, process.sampling_period
+    scenario = replace(
+        default_scenario(loop.model),
+        setpoints=np.tile([5000.0, 2.035], (samples, 1)),
+        disturbances=np.tile([0.2], (samples, 1)),
+        noise=np.zeros((samples, 2)),
+        segments=(),
+    )
+    program = closed_loop(process, loop.controller, substeps=1, scores=scores)
+    by_hand = {f"{u}.mode": 0.0 for u in ("inflow", "inflow.impurity")} | {"inflow.manual": 0.3}
+    inputs = loop.at_rest() | loop.inputs_of(scenario) | scores.inputs_of(scenario) | by_hand
+    found = scores.read(
+        Kernel(program, record=False).run(
+            samples, inputs=inputs, state=loop.initial_state(), parameters=loop.law_parameters()
+        )
+    )
+    # e = 0.035 - 0.1 t from 0 to 0.4 s; it is zero at 0.35 s, in the middle of a sample.
+    end, zero, slope = (samples - 1) * period, 0.35, 0.1
+    closed_forms = {
+        "ie": slope * (zero * end - end**2 / 2),
+        "iae": slope * (zero**2 + (end - zero) ** 2) / 2,
+        "ise": slope**2 * (zero**3 + (end - zero) ** 3) / 3,
+        "itae": slope * (zero**3 / 3 + end**3 / 3 - zero * end**2 / 2),
+        "itse": slope**2 * (end**4 / 4 - 2 * zero * end**3 / 3 + zero**2 * end**2 / 2),
+        "iseg": slope**2 * (zero**3 + (end - zero) ** 3) / 3 + 0.5 * slope**2 * end,
+    }
+    for name, value in closed_forms.items():
+        assert found[f"{name}[volume]"][0] == pytest.approx(value, rel=1e-9), name
+    assert found["highest[tank.level]"][0] == pytest.approx(2.04, rel=1e-12)
+    assert found["lowest[tank.level]"][0] == pytest.approx(2.0, rel=1e-12)
+
+
+def test_a_run_that_breaks_off_has_infinite_scores(loop):
+    scenario = default_scenario(loop.model)
+    level = loop.process.motion.contents[0].name
+    start = np.array([loop.initial_state()[level], np.nan])
+    found = scored(loop, scenario, all_scores(loop.process), **{level: start})
+    for name, values in found.items():
+        assert np.isfinite(values[0]) and values[1] == np.inf, name
+
+
+def test_every_lane_has_the_scores_of_its_own_run(loop):
+    scenario = default_scenario(loop.model)
+    scores = all_scores(loop.process)
+    program = closed_loop(loop.process, loop.controller, substeps=loop.substeps, scores=scores)
+    kernel = Kernel(program, record=False)
+    given = loop.at_rest() | loop.inputs_of(scenario) | scores.inputs_of(scenario)
+    name = controller_name("proportional_gain_1")
+    gains = loop.law_parameters()[name] * np.linspace(0.5, 1.5, 11)
+    common = {"inputs": given, "state": loop.initial_state()}
+    parameters = loop.law_parameters()
+    samples = scenario.samples
+    batch = scores.read(kernel.run(samples, **common, parameters=parameters | {name: gains}))
+    for lane in (0, 10):
+        own = parameters | {name: float(gains[lane])}
+        one = scores.read(kernel.run(samples, **common, parameters=own))
+        assert {score: values[lane] for score, values in batch.items()} == {
+            score: values[0] for score, values in one.items()
+        }
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("iae", "score: got 'iae', expected a score of a signal"),
+        ("iea[level_1]", r"got 'iea\[level_1\]', expected one of ie, iae"),
+        ("iae[level_3]", "iae of one of level_1, level_2"),
+        ("total_variation[level_1]", "total_variation of one of pump_1, pump_2"),
+        ("highest[level_1]", "highest of one of tank_1.level"),
+    ],
+)
+def test_a_score_that_is_none_is_refused(name, message):
+    with pytest.raises(InputError, match=message):
+        RunningScores(load_process("quadruple-tank"), (name,))
