@@ -1,6 +1,7 @@
 """A law driven by names, and the PID controller written once more from its description."""
 
 import copy
+from functools import cache
 
 import numpy as np
 
@@ -15,19 +16,36 @@ LOW, HIGH = 0.0, 100.0
 BUMP = 1e-9 * (HIGH - LOW)
 
 
-def forms(**options):
+def forms(error="linear", **options):
     """Every algorithm with every choice of actions, and the derivative on either signal."""
+    algorithms = ("isa", "parallel") + (("series", "velocity") if error == "linear" else ())
     return [
-        PidForm(actions, algorithm, derivative_on, **options)
-        for algorithm in ("isa", "series", "parallel", "velocity")
+        PidForm(actions, algorithm, derivative_on, error, **options)
+        for algorithm in algorithms
         for actions in (("PI", "PID") if algorithm == "velocity" else ("P", "PI", "PD", "PID"))
         for derivative_on in (("measurement", "error") if "D" in actions else ("measurement",))
     ]
 
 
+def winding_forms(**options):
+    """Every form, and those that an anti-windup makes a difference to with each of them."""
+    return [
+        form
+        for anti_windup in ANTI_WINDUPS
+        for form in forms(anti_windup=anti_windup, **options)
+        if anti_windup == ANTI_WINDUPS[0] or (form.has_integral and form.algorithm != "velocity")
+    ]
+
+
 def name_of(form):
-    end = f"-on-{form.derivative_on}" if form.has_derivative else ""
-    return f"{form.algorithm}-{form.actions}{end}"
+    words = [form.algorithm, form.actions]
+    if form.has_derivative:
+        words += ["on", form.derivative_on]
+    if form.error != "linear":
+        words.append(form.error)
+    if form.anti_windup != ANTI_WINDUPS[0]:
+        words.append(form.anti_windup)
+    return "-".join(words)
 
 
 def settings(
@@ -94,9 +112,14 @@ class Scans:
         return other
 
 
+@cache
+def law_of(form, rate_limited):
+    return multiloop_pid_law(1, form, rate_limited=rate_limited)
+
+
 def one_loop(form, values, *, rest=5.0, output=50.0, rate_limited=False, **inputs):
     """One PID loop at rest at a level, in automatic."""
-    law = multiloop_pid_law(1, form, rate_limited=rate_limited)
+    law = law_of(form, rate_limited)
     given = {"setpoint_1": rest, "measurement_1": rest, "tracking_1": output, "manual_1": output}
     return Scans(law, values, **(given | inputs))
 

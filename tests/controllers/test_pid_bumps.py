@@ -18,10 +18,10 @@ All start far from rest: the measurement moves by up to 2 % of the output's rang
 """
 
 import math
+from dataclasses import replace
 
 import pytest
 from pid_rig import (
-    ANTI_WINDUPS,
     AUTOMATIC,
     BUMP,
     MANUAL,
@@ -31,6 +31,7 @@ from pid_rig import (
     name_of,
     one_loop,
     settings,
+    winding_forms,
 )
 
 STEP = 0.5  # [s]
@@ -38,7 +39,7 @@ REST = 5.0
 TRANSIENT = 37  # samples before the change, with the derivative and the error far from zero
 
 every_form = pytest.mark.parametrize("form", forms(), ids=name_of)
-every_anti_windup = pytest.mark.parametrize("anti_windup", ANTI_WINDUPS)
+every_winding_form = pytest.mark.parametrize("form", winding_forms(), ids=name_of)
 
 
 def level(sample):
@@ -70,10 +71,8 @@ def adjustable(form):
                 yield parameter.name, min(max(value, parameter.low), parameter.high)
 
 
-@every_anti_windup
-@every_form
-def test_a_parameter_is_changed_without_a_bump(form, anti_windup):
-    form = type(form)(form.actions, form.algorithm, form.derivative_on, anti_windup=anti_windup)
+@every_winding_form
+def test_a_parameter_is_changed_without_a_bump(form):
     changes = list(adjustable(form))
     assert {name for name, _ in changes} == {
         p.name for p in one_loop(form, values_of(form)).law.parameters if "limit" not in p.name
@@ -136,10 +135,8 @@ def test_a_gain_that_changes_in_every_sample_leaves_control_alive(form):
 
 
 @pytest.mark.parametrize("mode", [MANUAL, TRACKING], ids=["manual", "tracking"])
-@every_anti_windup
-@every_form
-def test_automatic_goes_on_from_the_other_mode(form, anti_windup, mode):
-    form = type(form)(form.actions, form.algorithm, form.derivative_on, anti_windup=anti_windup)
+@every_winding_form
+def test_automatic_goes_on_from_the_other_mode(form, mode):
     plain = PlainPid(form, values_of(form), rest=REST)
     law, last = moving(form)
     part = 0.0
@@ -239,10 +236,8 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
-@every_anti_windup
-@every_form
-def test_after_a_fault_it_goes_on_as_if_the_fault_had_not_been(form, anti_windup, fault):
-    form = type(form)(form.actions, form.algorithm, form.derivative_on, anti_windup=anti_windup)
+@every_winding_form
+def test_after_a_fault_it_goes_on_as_if_the_fault_had_not_been(form, fault):
     law, last = moving(form)
     twin = law.twin()
     before = dict(law.inputs)
@@ -269,17 +264,10 @@ def test_a_repair_by_hand_and_back_to_automatic(form):
     assert abs(law.moved(mode_1=AUTOMATIC) - 35.0) <= allowed + BUMP
 
 
-def with_two_setpoints(form, **options):
-    return type(form)(
-        form.actions, form.algorithm, form.derivative_on, remote_setpoint=True, **options
-    )
-
-
 @pytest.mark.parametrize("ramp", [False, True], ids=["", "ramp"])
-@every_anti_windup
-@every_form
-def test_the_source_of_the_setpoint_changes_without_a_bump(form, anti_windup, ramp):
-    form = with_two_setpoints(form, anti_windup=anti_windup, setpoint_ramp=ramp)
+@every_winding_form
+def test_the_source_of_the_setpoint_changes_without_a_bump(form, ramp):
+    form = replace(form, remote_setpoint=True, setpoint_ramp=ramp)
     law, last = moving(form, remote_setpoint_1=REST - 3.0)
     sample = TRANSIENT
     for source in (1, 0, 1):
@@ -329,7 +317,7 @@ def expected_of_setpoint(form):
 
 @every_form
 def test_the_source_changes_by_hand_and_automatic_takes_over_without_a_bump(form):
-    form = with_two_setpoints(form)
+    form = replace(form, remote_setpoint=True)
     law, _ = moving(form, remote_setpoint_1=REST - 3.0)
     for source in (0, 1, 0, 1):
         for _ in range(100):
@@ -340,7 +328,7 @@ def test_the_source_changes_by_hand_and_automatic_takes_over_without_a_bump(form
 
 @every_form
 def test_a_remote_setpoint_that_fails_leaves_the_last_one(form):
-    form = with_two_setpoints(form)
+    form = replace(form, remote_setpoint=True)
     law, _ = moving(form, remote_setpoint_1=REST - 1.0)
     law.moved(setpoint_source_1=1)
     law.moved()
@@ -352,7 +340,7 @@ def test_a_remote_setpoint_that_fails_leaves_the_last_one(form):
 
 @every_form
 def test_a_ramp_starts_at_the_measurement_and_moves_at_its_rate(form):
-    form = type(form)(form.actions, form.algorithm, form.derivative_on, setpoint_ramp=True)
+    form = replace(form, setpoint_ramp=True)
     rate, rest = 0.05, 3.0
     law = one_loop(form, values_of(form), rest=rest, output=40.0, time_step=STEP)
     plain = PlainPid(form, values_of(form), rest=rest)
@@ -376,7 +364,7 @@ def test_a_ramp_starts_at_the_measurement_and_moves_at_its_rate(form):
 
 @every_form
 def test_a_ramp_ends_at_the_setpoint_and_stays_there(form):
-    form = type(form)(form.actions, form.algorithm, form.derivative_on, setpoint_ramp=True)
+    form = replace(form, setpoint_ramp=True)
     law = one_loop(form, values_of(form), rest=3.0, output=40.0, time_step=STEP)
     law.set(setpoint_ramp_1=0.3)
     for setpoint, way in ((4.0, 1.0), (2.5, -1.0)):

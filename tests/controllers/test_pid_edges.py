@@ -18,6 +18,7 @@ from pid_rig import (
     name_of,
     one_loop,
     settings,
+    winding_forms,
 )
 
 from clepsydra.controllers.blocks.status import read_status
@@ -25,6 +26,7 @@ from clepsydra.controllers.pid_form import PidForm
 
 STEP, REST = 0.5, 5.0
 every_form = pytest.mark.parametrize("form", forms(), ids=name_of)
+every_winding_form = pytest.mark.parametrize("form", winding_forms(), ids=name_of)
 WITH_INTEGRAL = [form for form in forms() if form.has_integral]
 with_integral = pytest.mark.parametrize("form", WITH_INTEGRAL, ids=name_of)
 WITH_DERIVATIVE = [form for form in forms() if form.has_derivative]
@@ -192,10 +194,8 @@ def test_without_a_time_step_everything_is_held_and_told(form, time_step):
 
 
 @pytest.mark.parametrize("time_step", [1e9, 1e300])
-@pytest.mark.parametrize("anti_windup", ANTI_WINDUPS)
-@every_form
-def test_a_huge_time_step_leaves_numbers_within_the_limits(form, anti_windup, time_step):
-    form = PidForm(form.actions, form.algorithm, form.derivative_on, anti_windup=anti_windup)
+@every_winding_form
+def test_a_huge_time_step_leaves_numbers_within_the_limits(form, time_step):
     law = one_loop(form, settings(form, gain=3.0), time_step=STEP)
     trajectory(law, 20)
     for given_inputs in ({"time_step": time_step}, {"time_step": STEP}, {}, {}):
@@ -207,11 +207,9 @@ def test_a_huge_time_step_leaves_numbers_within_the_limits(form, anti_windup, ti
 NONSENSE = (math.nan, math.inf, -math.inf, 1e308, -1e308, 0.0, 5e-324)
 
 
-@pytest.mark.parametrize("anti_windup", ANTI_WINDUPS)
-@every_form
-def test_a_parameter_changed_to_nonsense_and_back(form, anti_windup):
+@every_winding_form
+def test_a_parameter_changed_to_nonsense_and_back(form):
     """A gain that is no number holds the output; afterwards the law is as good as before."""
-    form = PidForm(form.actions, form.algorithm, form.derivative_on, anti_windup=anti_windup)
     names = one_loop(form, settings(form, gain=3.0)).values
     for name in names:
         for value in NONSENSE:
@@ -227,11 +225,11 @@ def test_a_parameter_changed_to_nonsense_and_back(form, anti_windup):
                     assert output == last
                 assert all(abs(kept) <= 1e300 for kept in law.state.values())
             law.set(**{name: names[name]})
-            following = trajectory(law, 400, start=24)
+            following = trajectory(law, 60, start=24)
             assert all(LOW <= output <= HIGH for output in following)
             assert all(abs(kept) <= 1e300 for kept in law.state.values())
             # Alive: the output still moves with the level.
-            assert max(following[-60:]) - min(following[-60:]) > 1.0, (name, value)
+            assert max(following[-32:]) - min(following[-32:]) > 1.0, (name, value)
 
 
 anything = st.floats()

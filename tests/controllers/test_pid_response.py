@@ -140,7 +140,7 @@ def test_forms_agree_in_frequency_response_when_their_settings_are_converted(fir
         time = INTEGRAL_TIME + DERIVATIVE_TIME
         derivative = INTEGRAL_TIME * (DERIVATIVE_TIME + FILTER_TIME) / time - FILTER_TIME
     gain = GAIN * time / INTEGRAL_TIME
-    one, other = (form for form in forms(anti_windup="none") if name_of(form) in (
+    one, other = (form for form in forms() if name_of(form) in (
         f"{first}-PID-on-measurement", f"{second}-PID-on-measurement"))  # fmt: skip
     equivalent = settings(
         one, gain=gain, integral_time=time, derivative_time=derivative,

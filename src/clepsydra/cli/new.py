@@ -43,7 +43,8 @@ def new(
     from clepsydra.base.errors import InputError
     from clepsydra.process.process_name import check_process_name
 
-    name = name.removesuffix(".toml")
+    if study:
+        name = name.removesuffix(".toml")
     check_process_name(name, "NAME")
     if study and copied is not None:
         raise InputError("--from", copied[:60], "no copy beside --study", "write --process instead")

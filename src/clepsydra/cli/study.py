@@ -1,35 +1,59 @@
-"""``clepsydra study``: every controller that applies, designed, simulated, scored and ranked."""
+"""``clepsydra study``: controllers designed, tuned, simulated, scored and ranked."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clepsydra.cli.options import JsonOption, ProcessArgument
+from clepsydra.cli.options import JsonOption
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from clepsydra.study.study import StudyProgress
 
 
 def study(
-    process: ProcessArgument,
+    subject: Annotated[
+        str,
+        typer.Argument(
+            metavar="PROCESS|STUDY.toml",
+            help="A process of the catalogue or a process file: every design that applies. Or a "
+            "study file, which names the controllers; write one with clepsydra new --study.",
+        ),
+    ],
     as_json: JsonOption = False,
     folder: Annotated[
         Path,
         typer.Option("--output", "-o", metavar="FOLDER", help="Where report and data are written."),
     ] = Path(),
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the measurement noise.")] = 1,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            min=0,
+            help="Seed of noise and tuning; 1, or that of the study file, if left out.",
+        ),
+    ] = None,
 ) -> None:
-    """Design, simulate, score and rank controllers for a process; write report and data."""
+    """Design, tune, simulate, score and rank controllers; write report and data."""
     from clepsydra.cli.output import check_folder, output_file, print_json
     from clepsydra.process.reader import load_process
+    from clepsydra.study.file.reader import is_study_file, read_study
     from clepsydra.study.study import run_study
 
     check_folder(folder)
-    plant = load_process(process)
+    request = read_study(subject, seed=seed) if is_study_file(subject) else load_process(subject)
     report, data = (
-        output_file(folder / f"{plant.file_stem}.{kind}") for kind in ("html", "parquet")
+        output_file(folder / f"{request.file_stem}.{kind}") for kind in ("html", "parquet")
     )
-    result = run_study(plant, seed=seed)
+    with _shown(as_json) as tell:
+        result = run_study(
+            request, seed=1 if seed is None else seed, progress=tell, tuning_folder=folder
+        )
     if not as_json:
         from rich.console import Console
 
@@ -50,3 +74,23 @@ def study(
     else:
         for what, where in written.items():
             typer.echo(f"{what.capitalize()}: {where}")
+
+
+@contextmanager
+def _shown(quiet: bool) -> Iterator[Callable[[StudyProgress], None] | None]:
+    """Show on a terminal which controller is in work; elsewhere nothing."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield None
+        return
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("")
+
+        def tell(progress: StudyProgress) -> None:
+            bar.update(task, completed=progress.done, total=progress.of, description=progress.name)
+
+        yield tell

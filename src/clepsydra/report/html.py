@@ -3,53 +3,30 @@
 from __future__ import annotations
 
 import platform
-from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.files import whole_file
+from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.report.analysis_tables import Grid, analysis_grids, operating_point_grid
 from clepsydra.report.colours import signal_colours
-from clepsydra.report.controller_tables import (
-    ParameterTable,
-    parameter_tables,
-    status_words,
-    wiring,
-)
+from clepsydra.report.controller_page import controller_page
 from clepsydra.report.drawing import process_drawing
-from clepsydra.report.loop_picture import loop_figure
-from clepsydra.report.margin_tables import margin_grid
-from clepsydra.report.panels import all_panels, controlled_panels
-from clepsydra.report.pid_tables import LoopSettings, loop_settings
+from clepsydra.report.map_picture import map_svg
+from clepsydra.report.panels import controlled_panels
 from clepsydra.report.quantities import short_text
 from clepsydra.report.score_tables import (
     RANKING_NOTE,
-    ScoreTable,
+    glossary,
     is_recommended,
     ranking_columns,
     ranking_rows,
-    score_tables,
 )
-from clepsydra.report.svg import svg_text
 from clepsydra.report.template import rendered
-from clepsydra.report.trends import segment_words, trend_figure
-from clepsydra.study.result import Candidate, StudyResult
-
-
-@dataclass(frozen=True)
-class _Page:
-    """What the template shows of one controller."""
-
-    candidate: Candidate
-    loops: list[LoopSettings]
-    margins: Grid | None
-    parameters: list[ParameterTable]
-    wiring: list[tuple[str, str]]
-    scores: list[ScoreTable]
-    status: list[str]
-    picture: str
-    loop_picture: str
+from clepsydra.report.trend_svg import trend_svg
+from clepsydra.report.trends import segment_words
+from clepsydra.study.result import StudyResult
 
 
 def write_report(result: StudyResult, path: str | Path) -> None:
@@ -102,48 +79,28 @@ def report_text(result: StudyResult) -> str:
     first = result.ranking[0] if result.ranking else None
     overview = ""
     if first is not None:
-        figure = trend_figure(first.run, controlled_panels(first.run))
-        overview = svg_text(figure, f"Controlled levels under {first.controller.name}", "overview")
+        title = f"Controlled levels under {first.controller.name}"
+        overview = trend_svg(first.run, controlled_panels(first.run), title, "overview")
     return rendered(
         "report.html.jinja",
         result=result,
         best=first,
         recommended=is_recommended(result),
         overview=Markup(overview),
+        map=Markup(map_svg(result, "Mean error and max|S| of every controller", "map")),
         drawing=Markup(process_drawing(result.process, result.point)),
         columns=ranking_columns(result),
         note=RANKING_NOTE,
         rows=ranking_rows(result),
         operating_point=operating_point_grid(result.point),
         grids=analysis_grids(result.analysis),
-        pages=[_page(result, place) for place in range(len(result.ranking))],
+        pages=[controller_page(result, place) for place in range(len(result.ranking))],
+        glossary=glossary(result),
+        status_bits=[(bit.value, bit.meaning) for bit in STATUS_BITS.values()],
         colours=signal_colours(result.process),
         computation=_computation(result),
         segments=_segments(result),
         picture=Markup,
-    )
-
-
-def _page(result: StudyResult, place: int) -> _Page:
-    candidate = result.ranking[place]
-    figure = trend_figure(candidate.run, all_panels(candidate.run))
-    title = f"Levels, manipulated variables and disturbances under {candidate.controller.name}"
-    response = candidate.response
-    margins, loop_picture = None, ""
-    if response is not None:
-        margins = margin_grid(response)
-        words = f"Loops and sensitivity of {candidate.controller.name}"
-        loop_picture = svg_text(loop_figure(response, result.process), words, f"loop{place + 1}")
-    return _Page(
-        candidate,
-        loop_settings(candidate.controller),
-        margins,
-        parameter_tables(candidate.controller),
-        wiring(candidate.controller),
-        score_tables(result.process, candidate),
-        status_words(candidate.run),
-        svg_text(figure, title, f"run{place + 1}"),
-        loop_picture,
     )
 
 
@@ -157,6 +114,7 @@ def _computation(result: StudyResult) -> list[tuple[str, str]]:
         ("samples", str(scenario.samples)),
         ("seed of the noise", str(scenario.seed)),
     ]
+    solvers: dict[str, list[str]] = {}
     for candidate in result.ranking:
         run = candidate.run
         solver = "reference solver"
@@ -165,7 +123,9 @@ def _computation(result: StudyResult) -> list[tuple[str, str]]:
         error = "not estimated"
         if run.error_estimate is not None:
             error = f"{run.error_estimate:.1e} of the state's range, by step halving"
-        rows.append((f"integration, {candidate.controller.name}", f"{solver}; error {error}"))
+        solvers.setdefault(f"{solver}; error {error}", []).append(str(candidate.rank))
+    for words, ranks in solvers.items():
+        rows.append((f"integration, controller {', '.join(ranks)}", words))
     rows.append(("versions", versions_text()))
     return rows
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
@@ -11,7 +10,19 @@ from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.design.gain_units import GainUnits, gain_units
 from clepsydra.design.pid_settings import PidSettings
-from clepsydra.report.quantities import number_text, unit_text
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.report.facts import (
+    DIGITS,
+    Facts,
+    gain_factor,
+    gain_text,
+    gain_unit,
+    known_signal,
+    level_words,
+    range_text,
+)
+from clepsydra.report.output_facts import output_facts
+from clepsydra.report.quantities import display_factor, number_text, quantity_text, unit_text
 
 _ALGORITHMS = {
     "isa": "ISA (standard, non-interacting)",
@@ -19,106 +30,126 @@ _ALGORITHMS = {
     "parallel": "parallel (independent gains)",
     "velocity": "velocity (incremental, ISA)",
 }
-_ANTI_WINDUPS = {
-    "back_calculation": "back-calculation (external reset)",
-    "conditional_integration": "conditional integration",
-    "clamping": "integral kept within the output's limits",
+#: Name of an anti-windup to what it does.
+ANTI_WINDUPS = {
+    "back_calculation": "back-calculation: the integral follows what was applied",
+    "conditional_integration": "conditional integration: stops where it would push on into a limit",
+    "clamping": "clamping: the integral is kept within the output's limits",
     "none": "none",
 }
 
 
-@dataclass(frozen=True)
-class LoopSettings:
-    """One PID loop as facts: (what, value).
-
-    Parameters
-    ----------
-    title : str
-        "level_1 by pump_1"
-    facts : tuple of (str, str)
-
-    Examples
-    --------
-    >>> LoopSettings("level by pump", (("action", "reverse"),)).facts[0][1]
-    'reverse'
-    """
-
-    title: str
-    facts: tuple[tuple[str, str], ...]
-
-
-def loop_settings(controller: Controller) -> list[LoopSettings]:
+def loop_settings(controller: Controller, point: OperatingPoint) -> list[Facts]:
     """Return the settings of every PID loop of a controller, in every unit and form in use.
 
     Parameters
     ----------
     controller : Controller
+    point : OperatingPoint
+        Where it rests; its process lends ranges and display units.
 
     Returns
     -------
-    list of LoopSettings
+    list of Facts
         Empty for a controller without PID loops.
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
-    >>> result = run_study("quadruple-tank")
-    >>> best = next(c for c in result.ranking if c.controller.name == "PI, SIMC")
-    >>> loop_settings(best.controller)[0].facts[:2]
-    (('measures', 'level_1'), ('moves', 'pump_1'))
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> loop_settings(controller, analysis.operating_point)[0].facts[:2]
+    (('measures', 'level_1 (0 to 10 V)'), ('moves', 'pump_1 (0 to 10 V)'))
     """
     return [
-        _loop(block, controller) for block in controller.law.blocks if isinstance(block, PidBlock)
+        _loop(block, controller, point)
+        for block in controller.law.blocks
+        if isinstance(block, PidBlock)
     ]
 
 
-def _loop(block: PidBlock, controller: Controller) -> LoopSettings:
+def equation(form: PidForm) -> str:
+    """Return the law of a PID loop in automatic, as one equation.
+
+    Examples
+    --------
+    >>> equation(PidForm())
+    'u = K (b r − y) + K/Ti ∫ e dt, e = r − y'
+    """
+    gain = "Kp" if form.algorithm == "parallel" else "K"
+    error = {"linear": "e", "gap": "f(e)", "squared": "e |e|/scale"}[form.error]
+    first = f"{gain} (b r − y)" if form.error == "linear" else f"{gain} {error}"
+    differentiated = "D(e)" if form.derivative_on == "error" else "−D(y)"
+    acts = form.has_derivative
+    if form.algorithm == "series":
+        integral = " + K/Ti ∫ (r − y′) dt" if form.has_integral else " + bias"
+        seen = f"y′ = y − Td·{differentiated}" if acts else "y′ = y"
+        return f"u = K (b r − y′){integral}, {seen}"
+    integral = ("Ki" if form.algorithm == "parallel" else "K/Ti") + f" ∫ {error} dt"
+    derivative = "Kd" if form.algorithm == "parallel" else "K Td"
+    terms = [first]
+    terms.append(integral if form.has_integral else "bias")
+    terms += [f"{derivative}·({differentiated})"] if acts else []
+    words = f"u = {' + '.join(terms)}, e = r − y"
+    if form.error == "gap":
+        words += ", f(e) = e outside the gap, less within it"
+    return words + (", computed as increments of u" if form.algorithm == "velocity" else "")
+
+
+def _loop(block: PidBlock, controller: Controller, point: OperatingPoint) -> Facts:
     number, form, values = block.number, block.form, controller.values
-    settings = _isa_settings(block, controller)
+    process = point.process
+    measurement = known_signal(process, block.measurement)
+    moved = known_signal(process, block.moved)
     facts = [
-        ("measures", block.measurement.name),
-        ("moves", _moved(block)),
-        ("algorithm", _ALGORITHMS[form.algorithm]),
+        ("measures", range_text(measurement)),
+        ("moves", range_text(moved) if block.direct else _moves(block, moved)),
+        ("setpoint", _setpoint(block, controller, measurement, point)),
+        ("algorithm", f"{_ALGORITHMS[form.algorithm]}: {equation(form)}"),
+        *_gains(block, controller, measurement, moved),
+        *_options(block, controller, measurement),
     ]
-    if settings is not None and settings.gain != 0.0:
-        facts += _gains(settings, form, block.measurement, block.moved)
-    if f"derivative_filter_{number}" in values:
-        derivative = values[f"derivative_time_{number}"] / values[f"derivative_filter_{number}"]
-        facts.append(("derivative filter", f"{number_text(derivative, 4)} s time constant"))
-        facts.append(("derivative of", f"the {form.derivative_on}"))
-    if f"setpoint_weight_{number}" in values:
-        weight = number_text(values[f"setpoint_weight_{number}"], 3)
-        facts.append(("setpoint weight", weight))
-    facts.append(("anti-windup", _ANTI_WINDUPS[form.winding]))
+    if form.has_integral:
+        facts.append(("anti-windup", ANTI_WINDUPS[form.winding]))
     if form.tracks_back:
-        tracking = number_text(values[f"tracking_time_{number}"], 4)
+        tracking = number_text(values[f"tracking_time_{number}"], DIGITS)
         facts.append(("tracking time", f"{tracking} s"))
     if block.direct is not None:
-        unit = unit_text(block.moved.unit)
+        facts += output_facts(block.direct, moved, controller)
+    return Facts(f"{measurement.name} by {moved.name}", tuple(facts))
+
+
+def _moves(block: PidBlock, moved: Signal) -> str:
+    return f"{range_text(moved)}, through the blocks below ({block.name})"
+
+
+def _setpoint(
+    block: PidBlock, controller: Controller, measurement: Signal, point: OperatingPoint
+) -> str:
+    if isinstance(block.setpoint, str):
         low, high = (
-            number_text(values[f"{end}_limit_{block.direct}"], 4) for end in ("low", "high")
+            quantity_text(measurement, controller.values[f"setpoint_{end}_limit_{block.number}"], 4)
+            for end in ("low", "high")
         )
-        facts.append(("output limits", f"{low} to {high} {unit}"))
-        bias = number_text(controller.initial_state[f"last_output_{block.direct}"], 4)
-        facts.append(("output at rest", f"{bias} {unit}"))
-    return LoopSettings(f"{block.measurement.name} by {_moved(block)}", tuple(facts))
-
-
-def _moved(block: PidBlock) -> str:
-    return block.moved.name
+        return f"from {block.setpoint} (cascade), kept from {low} to {high}"
+    rest = level_words(point.process, measurement, point.as_dict()[measurement.name])
+    words = f"from the operator, {rest} at rest"
+    return words + (", or from a remote source" if block.form.remote_setpoint else "")
 
 
 def _isa_settings(block: PidBlock, controller: Controller) -> PidSettings | None:
-    """Return the settings in ISA form; of a loop with other actions on the error None."""
+    """Return the settings in ISA form; None where the gain is zero."""
     number, form, values = block.number, block.form, controller.values
     gain = values[f"proportional_gain_{number}"]
+    if gain == 0.0:
+        return None
     if form.algorithm == "parallel":
-        if gain == 0.0:
-            return None
         integral = values.get(f"integral_gain_{number}", 0.0)
         derivative = values.get(f"derivative_gain_{number}", 0.0)
         return PidSettings(gain, gain / integral if integral else math.inf, derivative / gain)
-    integral_time = values.get(f"integral_time_{number}", math.inf)
+    integral_time = values.get(f"integral_time_{number}", 0.0) or math.inf
     derivative_time = values.get(f"derivative_time_{number}", 0.0)
     if form.algorithm == "series" and derivative_time:
         factor = 1.0 + derivative_time / integral_time
@@ -127,60 +158,103 @@ def _isa_settings(block: PidBlock, controller: Controller) -> PidSettings | None
 
 
 def _gains(
-    settings: PidSettings, form: PidForm, measurement: Signal, moved: Signal
+    block: PidBlock, controller: Controller, measurement: Signal, moved: Signal
 ) -> list[tuple[str, str]]:
+    settings, form = _isa_settings(block, controller), block.form
+    if settings is None:
+        return [("gain K", "0: no proportional action")]
+    gain = gain_text(settings.gain, measurement, moved)
+    action = "reverse" if settings.gain > 0.0 else "direct"
+    moves = "rises" if settings.gain > 0.0 else "falls"
+    facts = [("action", f"{action}: the output {moves} when the measurement falls")]
     if not (math.isfinite(measurement.span) and math.isfinite(moved.span)):
-        return [("gain K", f"{number_text(settings.gain, 4)} {moved.unit}/{measurement.unit}")]
+        return [*facts, ("gain K", gain), *_times_alone(settings)]
     shown = gain_units(settings, measurement, moved)
-    unit = unit_text(shown.unit)
-    facts = [
-        ("action", _action(shown)),
-        (
-            "gain K",
-            f"{number_text(shown.gain, 4)} {unit} = {number_text(shown.percent_gain, 4)} %/%",
-        ),
-        ("proportional band", f"{number_text(shown.proportional_band, 4)} %"),
+    facts += [
+        ("gain K", f"{gain} = {number_text(shown.percent_gain, DIGITS)} %/%"),
+        ("proportional band", f"{number_text(shown.proportional_band, DIGITS)} %"),
+        *_times(shown, form),
     ]
-    if form.has_integral:
-        facts.append(
-            (
-                "integral time Ti",
-                f"{number_text(shown.integral_time, 4)} s = "
-                f"{number_text(shown.minutes_per_repeat, 4)} min/repeat = "
-                f"{number_text(shown.repeats_per_minute, 4)} repeats/min",
-            )
-        )
+    factor, unit = gain_factor(measurement, moved), gain_unit(measurement, moved)
     if form.has_derivative:
-        facts.append(
-            (
-                "derivative time Td",
-                f"{number_text(shown.derivative_time, 4)} s = "
-                f"{number_text(shown.derivative_minutes, 4)} min",
-            )
-        )
-        if shown.series is None:
-            facts.append(("as a series form", "none, since Ti < 4 Td"))
-        else:
-            series = shown.series
-            facts.append(
-                (
-                    "as a series form",
-                    f"K = {number_text(series.gain, 4)} {unit}, Ti = "
-                    f"{number_text(series.integral_time, 4)} s, Td = "
-                    f"{number_text(series.derivative_time, 4)} s",
-                )
-            )
+        facts.append(("the same in series form", _series(shown, factor, unit)))
     if form.has_integral or form.has_derivative:
-        parallel = shown.parallel
-        words = f"Kp = {number_text(parallel.gain, 4)}"
-        if form.has_integral:
-            words += f", Ki = {number_text(parallel.integral_gain, 4)} /s"
-        if form.has_derivative:
-            words += f", Kd = {number_text(parallel.derivative_gain, 4)} s"
-        facts.append(("as a parallel form", f"{words} [{unit}]"))
+        facts.append(("the same in parallel form", _parallel(shown, form, factor, unit)))
     return facts
 
 
-def _action(shown: GainUnits) -> str:
-    moves = "rises" if shown.action == "reverse" else "falls"
-    return f"{shown.action}: the output {moves} when the measurement falls"
+def _times_alone(settings: PidSettings) -> list[tuple[str, str]]:
+    names = ("integral time Ti", "derivative time Td")
+    return [
+        (name, f"{number_text(value, DIGITS)} s")
+        for name, value in zip(names, settings[1:], strict=True)
+        if math.isfinite(value) and value > 0.0
+    ]
+
+
+def _times(shown: GainUnits, form: PidForm) -> list[tuple[str, str]]:
+    facts = []
+    if form.has_integral:
+        words = (
+            f"{number_text(shown.integral_time, DIGITS)} s = "
+            f"{number_text(shown.minutes_per_repeat, DIGITS)} min/repeat = "
+            f"{number_text(shown.repeats_per_minute, DIGITS)} repeats/min"
+        )
+        facts.append(("integral time Ti", words))
+    if form.has_derivative:
+        words = (
+            f"{number_text(shown.derivative_time, DIGITS)} s = "
+            f"{number_text(shown.derivative_minutes, DIGITS)} min"
+        )
+        facts.append(("derivative time Td", words))
+    return facts
+
+
+def _series(shown: GainUnits, factor: float, unit: str) -> str:
+    if shown.series is None:
+        return "none, since Ti < 4 Td"
+    series = shown.series
+    return (
+        f"K = {number_text(series.gain * factor, DIGITS)} {unit}, "
+        f"Ti = {number_text(series.integral_time, DIGITS)} s, "
+        f"Td = {number_text(series.derivative_time, DIGITS)} s"
+    )
+
+
+def _parallel(shown: GainUnits, form: PidForm, factor: float, unit: str) -> str:
+    parallel, unit = shown.parallel, unit or "1"
+    words = f"Kp = {number_text(parallel.gain * factor, DIGITS)} {unit}"
+    if form.has_integral:
+        words += f", Ki = {number_text(parallel.integral_gain * factor, DIGITS)} {unit} per s"
+    if form.has_derivative:
+        words += f", Kd = {number_text(parallel.derivative_gain * factor, DIGITS)} {unit} × s"
+    return words
+
+
+def _options(
+    block: PidBlock, controller: Controller, measurement: Signal
+) -> list[tuple[str, str]]:
+    """Return filter, setpoint weight, shape of the error and ramp, each where there is one."""
+    number, values, form = block.number, controller.values, block.form
+    factor, unit = display_factor(measurement), unit_text(measurement.shown_unit)
+    facts = []
+    if form.has_derivative:
+        seconds = values.get(f"filter_time_{number}")
+        words = ""
+        if seconds is None:
+            ratio = values[f"derivative_filter_{number}"]
+            seconds = values[f"derivative_time_{number}"] / ratio
+            words = f" (Td/{ratio:g})"
+        facts.append(("derivative of", f"the {form.derivative_on}"))
+        facts.append(("derivative filter", f"{number_text(seconds, DIGITS)} s{words}"))
+    for name, what, scale, of in (
+        ("setpoint_weight", "setpoint weight b", 1.0, ""),
+        ("gap", "gap, to each side", factor, unit),
+        ("gap_gain", "share of the error within the gap", 1.0, ""),
+        ("squared_error_scale", "error with the nominal gain", factor, unit),
+        ("setpoint_ramp", "setpoint moves at most", factor, f"{unit}/s"),
+    ):
+        if f"{name}_{number}" in values:
+            shown = number_text(values[f"{name}_{number}"] * scale, DIGITS)
+            facts.append((what, f"{shown} {of}".strip()))
+    return facts

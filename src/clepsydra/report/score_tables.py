@@ -33,16 +33,41 @@ class RankingColumn:
 class RankingRow:
     """One controller in the ranking: `cells` follow `ranking_columns`, decimals aligned.
 
+    Parameters
+    ----------
+    rank : int
+    controller : str
+    standing : str
+        How far it can be trusted, in a word.
+    cells : tuple of str
+    reason : str
+        Of the first three in full, of the others what puts them there: the numbers stand in the
+        cells.
+
     Examples
     --------
-    >>> RankingRow(1, "PI, SIMC", ("12.4", "8.1"), "Robust.").cells[0]
+    >>> RankingRow(1, "PI, SIMC", "robust", ("12.4", "8.1"), "Robust.").cells[0]
     '12.4'
     """
 
     rank: int
     controller: str
+    standing: str
     cells: tuple[str, ...]
     reason: str
+
+
+#: The standing of a controller in a word.
+STANDING_WORDS = {
+    Standing.ROBUST: "robust",
+    Standing.NERVOUS: "nervous",
+    Standing.STABLE: "thin margins",
+    Standing.UNSAFE: "unsafe",
+}
+#: So many reasons stand in full.
+_FULL_REASONS = 3
+#: Where the numbers of a reason end.
+_NUMBERS_END = "total variation. "
 
 
 def _worst(score: str, in_percent: bool = False) -> Callable[[Process, Candidate], float]:
@@ -119,11 +144,17 @@ def ranking_rows(result: StudyResult) -> list[RankingRow]:
         RankingRow(
             candidate.rank,
             candidate.controller.name,
+            STANDING_WORDS[candidate.standing],
             tuple(column[place] for column in columns),
-            candidate.reason,
+            candidate.reason if place < _FULL_REASONS else _short(candidate.reason),
         )
         for place, candidate in enumerate(result.ranking)
     ]
+
+
+def _short(reason: str) -> str:
+    """Return what puts a controller behind another, without the numbers of its row."""
+    return reason.rpartition(_NUMBERS_END)[2]
 
 
 def is_recommended(result: StudyResult) -> bool:
@@ -204,7 +235,7 @@ def _score_table(
         if key not in keys or not any(f"{key}[{name}]" in candidate.scores for name in names):
             continue
         cells = tuple(
-            _score_text(
+            score_text(
                 process, name, candidate.scores.get(f"{key}[{name}]", math.nan), description
             )
             for name in names
@@ -213,15 +244,37 @@ def _score_table(
     return ScoreTable(names if rows else (), tuple(rows))
 
 
-def _score_text(
+def score_text(
     process: Process, name: str, value: float, score: ScoreDescription
 ) -> tuple[str, str]:
-    """Return a score [SI] and its unit as the reader sees them."""
+    """Return a score [SI] of a signal and its unit as the reader sees them.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> score_text(load_process("wet-well"), "level", 0.024, SCORES["iae"])
+    ('24.0', 'mA s')
+    """
     rule = score.unit_rule
     if "signal unit" not in rule:
-        return number_text(value), rule.replace(" × ", " ")
+        return number_text(value), "" if rule == "1" else rule.replace(" × ", " ")
     signal = process.signal(name)
     unit = unit_text(signal.shown_unit)
     power = 2 if "signal unit²" in rule else 1
-    words = rule.replace("signal unit²", f"{unit}²").replace("signal unit", unit)
+    squared = f"({unit})²" if "/" in unit else f"{unit}²"
+    words = rule.replace("signal unit²", squared).replace("signal unit", unit)
     return number_text(value * display_factor(signal) ** power), words.replace(" × ", " ")
+
+
+def glossary(result: StudyResult) -> list[tuple[str, str]]:
+    """Return title and definition of every score that a study has.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> candidate = SimpleNamespace(scores={"iae[level]": 1.0})
+    >>> glossary(SimpleNamespace(ranking=(candidate,)))
+    [('IAE', 'Integral of the absolute error over the whole run.')]
+    """
+    present = {key.partition("[")[0] for entry in result.ranking for key in entry.scores}
+    return [(s.title, s.description) for key, s in SCORES.items() if key in present]

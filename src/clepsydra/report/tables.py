@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 
+#: Controllers whose warnings stand in full.
+_IN_FULL = 3
+
+
 def ranking_table(result: StudyResult) -> RenderableType:
     """Return the verdict, the ranking with its reasons, and what to do next, for Rich.
 
@@ -50,24 +54,39 @@ def ranking_table(result: StudyResult) -> RenderableType:
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
     table.add_column("", justify="right")
-    table.add_column("controller", overflow="fold", max_width=26)
+    table.add_column("controller", overflow="fold", max_width=24)
+    table.add_column("standing", max_width=8)
     for column in ranking_columns(result):
-        table.add_column(f"{column.title}\n{column.unit}", justify="right", no_wrap=True)
+        title = column.title.replace(" ", "\n")
+        table.add_column(f"{title}\n{column.unit}", justify="right", no_wrap=True)
     rows = ranking_rows(result)
     for row in rows:
         style = "bold" if row.rank == 1 and is_recommended(result) else ""
-        cells = [Text(text, style=style) for text in (str(row.rank), row.controller, *row.cells)]
-        table.add_row(*cells)
+        texts = (str(row.rank), row.controller, row.standing, *row.cells)
+        table.add_row(*[Text(text, style=style) for text in texts])
     parts: list[RenderableType] = [Text(result.verdict, style="bold"), table]
     parts.append(Padding(Text(RANKING_NOTE, style="dim"), (0, 0, 1, 0)))
     parts += [hanging(f"{row.rank}  {row.controller}: {row.reason}") for row in rows]
-    for candidate in result.ranking:
-        for warning in candidate.warnings:
-            parts.append(hanging(f"!  {candidate.controller.name}: {warning}", "yellow"))
+    parts += [hanging(f"!  {warning}", "yellow") for warning in _warnings(result)]
     for name, reason in result.not_applicable:
         parts.append(hanging(f"–  {name} does not apply: {reason}"))
     parts.append(Text(f"\nNext: {_next_step(result)}"))
     return Group(*parts)
+
+
+def _warnings(result: StudyResult) -> list[str]:
+    """Return the warnings of the best three, and how many the others have."""
+    words = [
+        f"{candidate.controller.name}: {warning}"
+        for candidate in result.ranking[:_IN_FULL]
+        for warning in candidate.warnings
+    ]
+    others = [c for c in result.ranking[_IN_FULL:] if c.warnings]
+    if others:
+        count = sum(len(candidate.warnings) for candidate in others)
+        names = ", ".join(f"{c.rank} ({len(c.warnings)})" for c in others)
+        words.append(f"{count} more in the report, of the controllers ranked {names}.")
+    return words
 
 
 def analysis_table(analysis: Analysis) -> RenderableType:

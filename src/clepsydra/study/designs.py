@@ -16,6 +16,7 @@ from clepsydra.design.lqi_kalman import design_lqi_kalman
 from clepsydra.design.phase_margin import design_phase_margin
 from clepsydra.design.pole_placement import design_pole_placement
 from clepsydra.design.simc import design_simc
+from clepsydra.design.start_stop_levels import design_start_stop_levels
 from clepsydra.design.tyreus_luyben import design_tyreus_luyben
 from clepsydra.design.ziegler_nichols import design_ziegler_nichols
 from clepsydra.linear.analysis import Analysis
@@ -64,5 +65,6 @@ DESIGNS: dict[str, Design] = {
     "LQI, Bryson": lambda a: design_lqi(a.model),
     "LQI with Kalman filter": lambda a: design_lqi_kalman(a.model),
     "LQR with precompensator": lambda a: design_lqr(a.model),
+    "Start/stop levels": lambda a: design_start_stop_levels(a.model),
     "State feedback, pole placement": lambda a: design_pole_placement(a.model),
 }

@@ -11,6 +11,7 @@ import numpy as np
 from clepsydra.controllers.controller import Controller
 from clepsydra.loop.run import Run
 from clepsydra.process.process import Process
+from clepsydra.scores.catalogue import SCORES
 from clepsydra.study.ranking_words import STANDINGS, TIE, percent, reason
 from clepsydra.study.result import Candidate, Standing
 from clepsydra.study.tuning.result import TuningResult
@@ -18,16 +19,16 @@ from clepsydra.study.warnings.levels import leaves_its_tanks
 from clepsydra.study.warnings.loop_response import LoopResponse
 
 RULE = (
-    "safe, robust and quiet controllers first (levels stay in their tanks, no pump trips, max|S| at "
-    "most 2.0, measurement noise throws no manipulated variable about by more than 5 % of its "
-    "range), then nervous ones, which are not quiet, then stable ones, then the rest. Among these the smaller mean of setpoint error and "
-    "load error: the integral absolute error over all setpoint steps and over all load steps, "
-    "without the stretch of noise, each averaged over the controlled variables as multiples of "
-    "the best among the first of these groups. Where a level is there to average a flow, outflow change "
-    "and outflow variance, its largest rate of change and its variance ratio over the load steps, "
-    "stand in place of its errors. A run without such steps is judged by the error over the whole "
-    "of it. Within 2 % of each other the smaller total variation of the "
-    "manipulated variables, averaged as multiples in the same way."
+    "safe, robust and quiet controllers first (levels stay in their tanks, no pump trips, max|S| "
+    "at most 2.0, measurement noise throws no manipulated variable about by more than 5 % of its "
+    "range), then nervous ones, which are not quiet, then stable ones, then the rest. Among these "
+    "the smaller mean of setpoint error and load error: the integral absolute error over all "
+    "setpoint steps and over all load steps, without the stretch of noise, each averaged over the "
+    "controlled variables as multiples of the best among the first of these groups. Where a level "
+    "is there to average a flow, outflow change and outflow variance, its largest rate of change "
+    "and its variance ratio over the load steps, stand in place of its errors. A run without such "
+    "steps is judged by the error over the whole of it. Within 2 % of each other the smaller total "
+    "variation of the manipulated variables, averaged as multiples in the same way."
 )
 
 #: Largest max|S| of a robust controller.
@@ -40,6 +41,8 @@ _ROUNDING = 1e-6
 #: a mean error and a move in shares of the signal's range, a variance ratio [1], and a rate of
 #: change of an outflow [m³/h per h].
 _SMALLEST_SHARE, _SMALLEST_RATIO, _SMALLEST_CHANGE = 1e-9, 1e-6, 1e-9
+#: And an overshoot, or a travel in an hour.
+_SMALLEST_PERCENT = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +56,7 @@ class Trial:
     scores : dict
         As `clepsydra.scores.evaluate.score_run` returns them.
     maximum_sensitivity : float
+        Not a number for a controller without setpoints, which has no linear loop.
     warnings : tuple of str
     response : LoopResponse or None
         Of its linear loop, where there is one.
@@ -71,9 +75,11 @@ class Trial:
     @property
     def standing(self) -> Standing:
         """How far it can be trusted."""
-        if not math.isfinite(self.maximum_sensitivity):
-            return Standing.UNSAFE
         if leaves_its_tanks(self.run) or _trips(self.run):
+            return Standing.UNSAFE
+        if not self.controller.setpoints:  # it switches at levels, and has no linear loop
+            return Standing.ROBUST
+        if not math.isfinite(self.maximum_sensitivity):
             return Standing.UNSAFE
         if self.maximum_sensitivity > ROBUST * (1 + _ROUNDING):
             return Standing.STABLE
@@ -91,13 +97,16 @@ class Trial:
         )
 
 
-def rank(trials: Sequence[Trial]) -> tuple[Candidate, ...]:
+def rank(trials: Sequence[Trial], scores: Sequence[str] = ()) -> tuple[Candidate, ...]:
     """Return the candidates, best first, each with its reason.
 
     Parameters
     ----------
     trials : sequence of Trial
         All of one process and one scenario.
+    scores : sequence of str
+        What to judge by in the place of the rule's errors: names of scores, of all their signals
+        or as "iae[level]" of one.
 
     Returns
     -------
@@ -108,7 +117,7 @@ def rank(trials: Sequence[Trial]) -> tuple[Candidate, ...]:
         return ()
     standings = [trial.standing for trial in trials]
     first = [t for t, s in zip(trials, standings, strict=True) if s is min(standings)]
-    judge = _Judge(trials[0], first)
+    judge = _Judge(trials[0], first, scores)
     candidates = []
     for trial, standing in zip(trials, standings, strict=True):
         criteria = judge.criteria(trial)
@@ -216,16 +225,26 @@ def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
 class _Judge:
     """The scores that count for a process, as multiples of the best."""
 
-    def __init__(self, example: Trial, best_of: Sequence[Trial]) -> None:
+    def __init__(self, example: Trial, best_of: Sequence[Trial], scores: Sequence[str]) -> None:
         process = example.run.process
         self.process = process
         self.duration = float(example.run.time[-1] - example.run.time[0])
         self.best_of = best_of
-        self.judged = {
-            title: keys
-            for title, score, signals in _judged_by(process)
-            if (keys := [k for name in signals if (k := f"{score}[{name}]") in example.scores])
-        } or {"error": [f"iae[{name}]" for name in process.controlled]}
+        self.judged = (
+            {
+                _title(score): keys
+                for score in scores
+                if (
+                    keys := [key for key in example.scores if score in (key, key.partition("[")[0])]
+                )
+            }
+            or {
+                title: keys
+                for title, score, signals in _judged_by(process)
+                if (keys := [k for name in signals if (k := f"{score}[{name}]") in example.scores])
+            }
+            or {"error": [f"iae[{name}]" for name in process.controlled]}
+        )
 
     def criteria(self, trial: Trial) -> dict[str, float]:
         """Return the mean multiple of each criterion."""
@@ -256,10 +275,17 @@ class _Judge:
             return _SMALLEST_RATIO
         if score == "outflow_rate":
             return _SMALLEST_CHANGE
+        rule = SCORES[score].unit_rule
+        if rule == "s":
+            return self.process.sampling_period
+        if rule.startswith("%"):
+            return _SMALLEST_PERCENT
+        if "signal unit" not in rule:
+            return 0.0
         span = self.process.signal(name).span
         if not math.isfinite(span):
             return 0.0
-        if score == "total_variation":
+        if "× s" not in rule:
             return _SMALLEST_SHARE * span
         return _SMALLEST_SHARE * span * self.duration
 
@@ -274,6 +300,12 @@ def _judged_by(process: Process) -> tuple[tuple[str, str, tuple[str, ...]], ...]
         ("outflow change", "outflow_rate", averaging),
         ("outflow variance", "variance_ratio", averaging),
     )
+
+
+def _title(score: str) -> str:
+    """Return what a table calls a score, "IAE" or "IAE of level"."""
+    name, _, signal = score.removesuffix("]").partition("[")
+    return SCORES[name].title + (f" of {signal}" if signal else "")
 
 
 def _trips(run: Run) -> bool:

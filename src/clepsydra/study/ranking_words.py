@@ -51,6 +51,8 @@ def reason(
 
 def _standing(candidate: Candidate) -> str:
     peak = candidate.maximum_sensitivity
+    if math.isnan(peak) and candidate.standing is Standing.ROBUST:
+        return "Safe; it switches at levels, and has no margins"
     if candidate.standing is Standing.ROBUST:
         return f"Robust (max|S| {peak:.2f})"
     if candidate.standing is Standing.NERVOUS:

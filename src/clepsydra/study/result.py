@@ -91,6 +91,8 @@ class StudyResult:
         The answer in one sentence: which controller, how good, how sure, what to watch.
     warnings : tuple of str
         What holds for the process under any controller.
+    title : str
+        That of the study file; else that of the process.
     """
 
     process: Process
@@ -100,6 +102,7 @@ class StudyResult:
     not_applicable: tuple[tuple[str, str], ...]
     verdict: str
     warnings: tuple[str, ...]
+    title: str = ""
 
     @property
     def point(self) -> OperatingPoint:

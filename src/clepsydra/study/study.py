@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,6 +27,7 @@ from clepsydra.study.result import StudyResult
 from clepsydra.study.trial import tried
 from clepsydra.study.tuning.objective import Limits
 from clepsydra.study.tuning.result import TuningResult
+from clepsydra.study.tuning.tune import Progress
 from clepsydra.study.tuning.tuned_pid import tuned_pid
 
 #: The design whose controller a study tunes, and what the reader calls the result.
@@ -31,6 +36,8 @@ _START, _TUNED = "PI, SIMC", "PI, SIMC, tuned"
 #: leaves this share of the noise movement of a quiet one: noise makes most of the moves.
 _WEAR, _OF_QUIET = 2.0, 0.9
 _LARGEST_PEAK = 2.0
+#: Bounds of max|S| at which the front of score against robustness is refined.
+FRONT = (1.2, 1.4, 1.7, 2.0)
 
 
 class StudyProgress(NamedTuple):
@@ -41,7 +48,7 @@ class StudyProgress(NamedTuple):
     done, of : int
         Controllers.
     name : str
-        The one in work.
+        The one in work, and what is done with it.
 
     Examples
     --------
@@ -59,6 +66,7 @@ def run_study(
     *,
     seed: int = 1,
     progress: Callable[[StudyProgress], None] | None = None,
+    tuning_folder: Path | None = None,
 ) -> StudyResult:
     """Design, tune, simulate, score and rank controllers of a process.
 
@@ -71,7 +79,10 @@ def run_study(
     seed : int
         Of the measurement noise and the tuning; that of a study file stands in the file.
     progress : callable, optional
-        Takes a `StudyProgress` before each controller.
+        Takes a `StudyProgress` before each controller, and while one is tuned.
+    tuning_folder : Path, optional
+        Where a tuning keeps what it has computed until it is done. Control-C ends a tuning with
+        the best so far; the same study then goes on from there.
 
     Returns
     -------
@@ -91,13 +102,14 @@ def run_study(
     1
     """
     if isinstance(process, StudyRequest):
-        return _Study.of_request(process, progress).result()
+        study = _Study(process.analysis, process.scenario, process.seed, progress, tuning_folder)
+        return study.of_request(process).result()
     if not isinstance(process, Process):
         process = load_process(process)
     analysis = analyse(process)
     substeps_for(analysis.model)  # a process that cannot be simulated is refused before all else
     scenario = default_scenario(analysis.model, seed=seed)
-    return _Study(analysis, scenario, seed, progress).of_all_designs().result()
+    return _Study(analysis, scenario, seed, progress, tuning_folder).of_all_designs().result()
 
 
 class _Study:
@@ -107,52 +119,82 @@ class _Study:
         scenario: Scenario,
         seed: int,
         progress: Callable[[StudyProgress], None] | None,
+        tuning_folder: Path | None,
     ) -> None:
         self.analysis, self.scenario, self.seed = analysis, scenario, seed
+        self.process = analysis.operating_point.process
         self.model: LinearModel = linearise(analysis.operating_point)
         self.tell = progress or (lambda _: None)
+        self.folder = tuning_folder
+        self.stem = self.process.file_stem
         self.trials: list[Trial] = []
         self.refused: list[tuple[str, str]] = []
-        self.request: StudyRequest | None = None
+        self.scores: tuple[str, ...] = ()
+        self.title = self.process.title
 
-    @classmethod
-    def of_request(
-        cls, request: StudyRequest, progress: Callable[[StudyProgress], None] | None
-    ) -> _Study:
-        study = cls(request.analysis, request.scenario, request.seed, progress)
-        study.request = request
+    def of_request(self, request: StudyRequest) -> _Study:
+        self.stem, self.scores, self.title = request.file_stem, request.scores, request.title
         if not request.controllers:
-            return study.of_all_designs()
+            return self.of_all_designs()
         for place, wanted in enumerate(request.controllers):
-            study.tell(StudyProgress(place, len(request.controllers), wanted.name))
-            with _Refusals(study, wanted.name):
-                controller = wanted.make(study.analysis, study.model)
+            now = StudyProgress(place, len(request.controllers), wanted.name)
+            self.tell(now)
+            with self._refusals(wanted.name):
+                controller = wanted.make(self.analysis, self.model)
                 tuning = None
                 if wanted.tune is not None:
-                    tuning = wanted.tune.run(
-                        controller, study.model, study.scenario, seed=request.seed
-                    )
-                    controller = tuning.controller
-                study.add(controller, tuning)
-        return study
-
-    def of_all_designs(self) -> _Study:
-        for place, (name, design) in enumerate(DESIGNS.items()):
-            self.tell(StudyProgress(place, len(DESIGNS) + 1, name))
-            with _Refusals(self, name):
-                self.add(design(self.analysis))
-        self.tell(StudyProgress(len(DESIGNS), len(DESIGNS) + 1, _TUNED))
-        with _Refusals(self, _TUNED):
-            tuning = self._tuned()
-            self.add(tuning.controller, tuning)
+                    tuning = self._tuned(now, controller, wanted.tune.run)
+                    controller = replace(tuning.controller, name=wanted.name)
+                self._add(controller, tuning)
         return self
 
-    def add(self, controller: Controller, tuning: TuningResult | None = None) -> None:
+    def of_all_designs(self) -> _Study:
+        count = len(DESIGNS) + 1
+        for place, (name, design) in enumerate(DESIGNS.items()):
+            self.tell(StudyProgress(place, count, name))
+            with self._refusals(name):
+                self._add(design(self.analysis))
+        now = StudyProgress(len(DESIGNS), count, _TUNED)
+        self.tell(now)
+        with self._refusals(_TUNED):
+            start, limits = self._start()
+            tuning = self._tuned(now, start, partial(tuned_pid, limits=limits))
+            self._add(tuning.controller, tuning)
+        return self
+
+    def _add(self, controller: Controller, tuning: TuningResult | None = None) -> None:
         self.trials.append(tried(controller, self.analysis, self.model, self.scenario, tuning))
 
-    def _tuned(self) -> TuningResult:
-        """Tune the gains and times of PI control, with hardly more wear, and as quiet."""
-        averaging = self.analysis.operating_point.process.averaging
+    def _tuned(
+        self,
+        now: StudyProgress,
+        controller: Controller,
+        tune: Callable[..., TuningResult],
+    ) -> TuningResult:
+        def tell(progress: Progress) -> None:
+            words = f"{now.name}: {progress.stage}, {progress.evaluations} candidates"
+            self.tell(now._replace(name=words))
+
+        kept = None
+        if self.folder is not None:
+            name = re.sub(r"[^A-Za-z0-9]+", "-", now.name).strip("-").lower()
+            kept = self.folder / f"{self.stem}.{name}.tuning.json"
+        found = tune(
+            controller,
+            self.model,
+            self.scenario,
+            seed=self.seed,
+            front=FRONT,
+            progress=tell,
+            state_file=kept,
+        )
+        if kept is not None and not found.interrupted:
+            kept.unlink(missing_ok=True)
+        return found
+
+    def _start(self) -> tuple[Controller, Limits]:
+        """Return what PI control is tuned from, with hardly more wear, and as quiet."""
+        averaging = self.process.averaging
         if averaging:
             raise NotApplicable(
                 _TUNED,
@@ -168,34 +210,25 @@ class _Study:
             name: more * start.scores[f"total_variation[{name}]"]
             for name in start.controller.manipulated
         }
-        limits = Limits(_LARGEST_PEAK, total_variation=wear)
-        return tuned_pid(start.controller, self.model, self.scenario, limits=limits, seed=self.seed)
+        return start.controller, Limits(_LARGEST_PEAK, total_variation=wear)
+
+    @contextmanager
+    def _refusals(self, name: str) -> Iterator[None]:
+        """Keep the reason of a controller that does not apply."""
+        try:
+            yield
+        except NotApplicable as refusal:
+            self.refused.append((name, refusal.reason))
 
     def result(self) -> StudyResult:
-        process = self.analysis.operating_point.process
-        ranking = rank(self.trials)
+        ranking = rank(self.trials, self.scores)
         return StudyResult(
-            process=process,
+            process=self.process,
             analysis=self.analysis,
             scenario=self.scenario,
             ranking=ranking,
             not_applicable=tuple(self.refused),
-            verdict=verdict(process, ranking),
+            verdict=verdict(self.process, ranking),
             warnings=self.analysis.operating_point.warnings,
+            title=self.title,
         )
-
-
-class _Refusals:
-    """Keeps the reason of a controller that does not apply."""
-
-    def __init__(self, study: _Study, name: str) -> None:
-        self.study, self.name = study, name
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
-        if not isinstance(error, NotApplicable):
-            return False
-        self.study.refused.append((self.name, error.reason))
-        return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
 
 from clepsydra.base.errors import ClepsydraError
@@ -55,16 +56,22 @@ def tried(
     (1.15, ())
     """
     before = warnings_before(analysis, model, controller, scenario)
-    run = Loop(controller, model).run_checked(scenario)
+    loop = Loop(controller, model)
+    switches = not controller.setpoints
+    # Halving the step of a loop of switches moves a switch by a sample, and converges to nothing.
+    run = loop.run(scenario) if switches else loop.run_checked(scenario)
     scores = scores_of(run)
     response: LoopResponse | None = None
-    with suppress(ClepsydraError):  # the warnings before say why there is none
-        response = loop_response(controller, model)
+    if not switches:
+        with suppress(ClepsydraError):  # the warnings before say why there is none
+            response = loop_response(controller, model)
     return Trial(
         controller=controller,
         run=run,
         scores=scores,
-        maximum_sensitivity=sampled_loop(controller, model).maximum_sensitivity,
+        maximum_sensitivity=(
+            math.nan if switches else sampled_loop(controller, model).maximum_sensitivity
+        ),
         warnings=(*before, *warnings_after(run, scores)),
         response=response,
         tuning=tuning,

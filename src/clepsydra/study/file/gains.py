@@ -188,7 +188,7 @@ def check_in_range(table: TableReader, key: str, signal: Signal, value: float, w
     asked = table.written(key)
     raise table.refused(
         key,
-        asked if key == "to" or not isinstance(asked, str) else f"{asked}, to {found}{shown}",
+        f"{asked}, to {found}{shown}" if key == "by" else asked,
         f"{what} from {low} to {high}{shown}, the range of {signal.name}",
         "stay inside the range",
     )

@@ -27,6 +27,8 @@ _LOOPS = {
 }
 #: The second design, from the one that is preferred.
 _OTHERS = {"lqi": "LQI", "lqi_kalman": "LQI, Kalman", "lqr": "LQR", **_LOOPS}
+#: How far the bounds that are shown lie from the design, up and down.
+_WIDTH = 5.0
 #: A line for the first design where it takes a closed-loop time constant.
 _FASTER = """# How fast the loops are to be; left out, as fast as is robust.
 # closed_loop_time_constant = "5 min"
@@ -83,6 +85,7 @@ def new_study(process: Process, named: str, template: str) -> str:
         pairing=f"{{ {pairing} }}",
         more=_FASTER if first in ("simc", "lambda") else "",
         loops=_written_out(process, designed),
+        **_bounds(process, designed),
     )
 
 
@@ -166,6 +169,17 @@ def _written_out(process: Process, designed: Controller) -> str:
             )
         )
     return "\n\n".join(loops)
+
+
+def _bounds(process: Process, designed: Controller) -> dict[str, str]:
+    """Return bounds around the settings of the first loop."""
+    output, moved = designed.measurements[0], designed.manipulated[0]
+    gain = designed.values["proportional_gain_1"]
+    shown = abs(percent_gain(gain, process.signal(output), process.signal(moved)))
+    time = designed.values["integral_time_1"]
+    gains = [f"{shown * factor:.2g} %/%" for factor in (1.0 / _WIDTH, _WIDTH)]
+    times = [time_text(time * factor) for factor in (1.0 / _WIDTH, _WIDTH)]
+    return {"gain_bounds": json.dumps(gains), "time_bounds": json.dumps(times)}
 
 
 def _shown(value: float, signal: Signal) -> str:

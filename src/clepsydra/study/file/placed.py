@@ -13,8 +13,9 @@ from clepsydra.process.table_reader import TableReader, shown_value
 def placed(table: TableReader, places: Mapping[str, str] | None = None) -> Iterator[None]:
     """Give an `InputError` the place in a table that it is about.
 
-    That is the place of the key or parameter with which the error's own place ends, or else of
-    the key whose value the error shows, or else of the table.
+    An error that has a place in the file keeps it. Else it is the place of the key or parameter
+    with which the error's own place ends, or else of the key whose value the error shows, or else
+    of the table.
 
     Parameters
     ----------
@@ -47,6 +48,8 @@ raise it.
 
 def _place(error: InputError, table: TableReader, places: Mapping[str, str]) -> str:
     parts = error.place.split(", ")
+    if error.place.startswith(f"{table.place().partition(', line ')[0]}, line "):
+        return error.place
     for part in reversed(parts):
         if part in places:
             return places[part]

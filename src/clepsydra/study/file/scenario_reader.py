@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.linear.analysis import Analysis
@@ -125,7 +126,7 @@ def _steps(table: TableReader, process: Process, samples: int) -> list[_Step]:
             signal = _signal(row, known, words, process)
             steps.append(_Step(kind, row, signal, _sample(row, process.sampling_period, samples)))
     if not steps:
-        raise table.refused("setpoint", "no step", "at least one step", _STEPS)
+        raise InputError(table.place(), "no step", "at least one step", _STEPS)
     steps.sort(key=lambda step: step.sample)
     for first, second in pairwise(steps):
         if first.sample == second.sample:

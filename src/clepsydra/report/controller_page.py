@@ -1,0 +1,136 @@
+"""What the report shows of one controller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.report.analysis_tables import Grid
+from clepsydra.report.controller_tables import ParameterTable, parameter_tables, status_words
+from clepsydra.report.facts import Facts, range_text
+from clepsydra.report.law_tables import law_facts, law_grids, law_words
+from clepsydra.report.loop_picture import loop_svg
+from clepsydra.report.margin_tables import margin_grid
+from clepsydra.report.panels import all_panels
+from clepsydra.report.pid_tables import loop_settings
+from clepsydra.report.quantities import short_text
+from clepsydra.report.scheme_tables import scheme_blocks
+from clepsydra.report.score_tables import STANDING_WORDS, ScoreTable, score_tables
+from clepsydra.report.trend_svg import trend_svg
+from clepsydra.report.tuning_picture import tuning_svg
+from clepsydra.report.tuning_tables import tuning_grid, tuning_words
+from clepsydra.study.result import Candidate, StudyResult
+
+
+@dataclass(frozen=True)
+class ControllerPage:
+    """The page of one controller, as its template shows it.
+
+    Parameters
+    ----------
+    candidate : Candidate
+    standing : str
+        In a word.
+    law : list of str
+        What it does in automatic.
+    facts : list of Facts
+        What is to be set, part by part.
+    grids : list of Grid
+        Its matrices or levels.
+    margins, tuning : Grid or None
+    tuning_words : list of str
+    parameters : list of ParameterTable
+        Of the step law, in SI.
+    scores : list of ScoreTable
+    status : list of str
+    picture, loop_picture, tuning_picture : str
+        SVG; empty for none.
+
+    Examples
+    --------
+    See `controller_page`.
+    """
+
+    candidate: Candidate
+    standing: str
+    law: list[str]
+    facts: list[Facts]
+    grids: list[Grid]
+    margins: Grid | None
+    tuning: Grid | None
+    tuning_words: list[str]
+    parameters: list[ParameterTable]
+    scores: list[ScoreTable]
+    status: list[str]
+    picture: str
+    loop_picture: str
+    tuning_picture: str
+
+
+def controller_page(result: StudyResult, place: int) -> ControllerPage:
+    """Return what the report shows of the controller at a place of the ranking.
+
+    Parameters
+    ----------
+    result : StudyResult
+    place : int
+        From 0.
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> page = controller_page(run_study("quadruple-tank"), 0)
+    >>> page.standing, page.picture[:4]
+    ('robust', '<svg')
+    """
+    candidate, process = result.ranking[place], result.process
+    controller, name = candidate.controller, candidate.controller.name
+    response, tuning = candidate.response, candidate.tuning
+    number = place + 1
+    title = f"Levels, manipulated variables and disturbances under {name}"
+    loop_picture, margins = "", None
+    if response is not None:
+        margins = margin_grid(response)
+        loop_picture = loop_svg(response, process, f"Loops of {name}", f"loop{number}")
+    front = ""
+    if tuning is not None and len(tuning.front.objective):
+        front = tuning_svg(tuning, f"Objective against max|S| of {name}", f"front{number}")
+    return ControllerPage(
+        candidate,
+        STANDING_WORDS[candidate.standing],
+        law_words(controller),
+        [
+            _wiring(controller, result),
+            *loop_settings(controller, result.point),
+            *scheme_blocks(controller, process),
+            *law_facts(controller, process),
+        ],
+        law_grids(controller, process),
+        margins,
+        None if tuning is None else tuning_grid(tuning, process),
+        [] if tuning is None else tuning_words(tuning),
+        parameter_tables(controller),
+        score_tables(process, candidate),
+        status_words(candidate.run),
+        trend_svg(candidate.run, all_panels(candidate.run), title, f"run{number}"),
+        loop_picture,
+        front,
+    )
+
+
+def _wiring(controller: Controller, result: StudyResult) -> Facts:
+    """Return what is connected to what, and how often the law runs."""
+    signal = result.process.signal
+    facts = [("runs every", f"{short_text(result.scenario.sampling_period)} s")]
+    for what, word, names in (
+        ("measurement", "measurement", controller.measurements),
+        ("setpoint", "setpoint of", controller.setpoints),
+        ("manipulated", "output", controller.manipulated),
+    ):
+        for number, name in enumerate(names, start=1):
+            shown = range_text(signal(name))
+            words = f"{word} {shown}" if what == "setpoint" else shown
+            facts.append((f"{what}_{number}", words))
+    for name, value in controller.free_inputs.items():
+        facts.append((name, f"{short_text(value)} at rest"))
+    return Facts("Wiring", tuple(facts))

@@ -1,0 +1,121 @@
+"""Facts about a controller in the units that its reader sees."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from clepsydra.base.signal import Signal
+from clepsydra.process.process import Process
+from clepsydra.report.quantities import (
+    display_factor,
+    number_text,
+    quantity_text,
+    sensor_scale,
+    unit_text,
+)
+
+DIGITS = 4
+
+
+@dataclass(frozen=True)
+class Facts:
+    """A part of a controller as facts: (what, value).
+
+    Parameters
+    ----------
+    title : str
+        "level_1 by pump_1"
+    facts : tuple of (str, str)
+
+    Examples
+    --------
+    >>> Facts("level by pump", (("action", "reverse"),)).facts[0][1]
+    'reverse'
+    """
+
+    title: str
+    facts: tuple[tuple[str, str], ...]
+
+
+def known_signal(process: Process, signal: Signal) -> Signal:
+    """Return a signal as the process has it, with display unit and range, or as it is.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> known_signal(load_process("wet-well"), Signal("duty")).shown_unit
+    '%'
+    """
+    own = (process.state, process.inputs, process.disturbances, process.measurements)
+    return next((s for group in own for s in group if s.name == signal.name), signal)
+
+
+def range_text(signal: Signal) -> str:
+    """Return a signal's name with its range.
+
+    Examples
+    --------
+    >>> range_text(Signal("level", "A", display_unit="mA", low=0.004, high=0.02))
+    'level (4 to 20 mA)'
+    """
+    factor = display_factor(signal)
+    low, high = f"{signal.low * factor:.4g}", f"{signal.high * factor:.4g}"
+    if "inf" in low + high:
+        return f"{signal.name} [{unit_text(signal.shown_unit) or '1'}]"
+    return f"{signal.name} ({low} to {high} {unit_text(signal.shown_unit)}".strip() + ")"
+
+
+def gain_factor(measurement: Signal, moved: Signal) -> float:
+    """Return how many display units of a gain one SI unit of it is.
+
+    Examples
+    --------
+    >>> level, pump = Signal("level", "m", display_unit="cm"), Signal("pump", "V")
+    >>> gain_factor(level, pump)
+    0.01
+    """
+    return display_factor(moved) / display_factor(measurement)
+
+
+def gain_unit(measurement: Signal, moved: Signal) -> str:
+    """Return the unit of a gain as the reader sees it, empty for a pure number.
+
+    Examples
+    --------
+    >>> level, pump = Signal("level", "A", display_unit="mA"), Signal("pump", "1", "%")
+    >>> gain_unit(level, pump), gain_unit(level, Signal("flow", "m^3/s"))
+    ('%/mA', '(m³/s)/mA')
+    """
+    above, below = (unit_text(signal.shown_unit) for signal in (moved, measurement))
+    above, below = (f"({unit})" if "/" in unit else unit for unit in (above, below))
+    return f"{above or '1'}/{below}" if below else above
+
+
+def gain_text(value: float, measurement: Signal, moved: Signal) -> str:
+    """Return a gain [SI] in display units.
+
+    Examples
+    --------
+    >>> gain_text(250.0, Signal("level", "m", display_unit="cm"), Signal("pump", "V"))
+    '2.500 V/cm'
+    """
+    shown = number_text(value * gain_factor(measurement, moved), DIGITS)
+    return f"{shown} {gain_unit(measurement, moved)}".strip()
+
+
+def level_words(process: Process, measurement: Signal, value: float) -> str:
+    """Return a measurement's value, and the level that it stands for where that is another.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> level_words(process, process.signal("level_1"), 6.0)
+    '6.000 V = 12.00 cm'
+    """
+    words = quantity_text(measurement, value, DIGITS)
+    state = process.measured_state.get(measurement.name)
+    if state is None or process.signal(state).shown_unit == measurement.shown_unit:
+        return words
+    level = float(sensor_scale(process, measurement.name).to_state(value))  # type: ignore[arg-type]
+    return f"{words} = {quantity_text(process.signal(state), level, DIGITS)}"

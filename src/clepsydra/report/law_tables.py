@@ -1,0 +1,219 @@
+"""Laws of matrices and of start and stop levels: their equations and numbers in display units."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.controller import Controller
+from clepsydra.process.process import Process
+from clepsydra.report.analysis_tables import Grid
+from clepsydra.report.facts import DIGITS, Facts, known_signal
+from clepsydra.report.output_facts import output_facts
+from clepsydra.report.pid_tables import ANTI_WINDUPS
+from clepsydra.report.quantities import display_factor, number_text, quantity_text, unit_text
+
+_ESTIMATE = ("expected deviation of ", " from the operating point")
+_OBSERVER = (
+    "Observer: x̂ = x̂⁻ + M (y − y° − C x̂⁻) with the measurements of this sample, then for the next "
+    "one x̂⁻ = Φ x̂ + Γ (u − u°), u being what was applied."
+)
+
+
+def law_words(controller: Controller) -> list[str]:
+    """Return what the law of a controller does in automatic, in equations.
+
+    Parameters
+    ----------
+    controller : Controller
+
+    Returns
+    -------
+    list of str
+        The law's own description where it has one; empty for a scheme of blocks, whose loops
+        say it themselves.
+
+    Examples
+    --------
+    >>> from clepsydra.design.bryson import design_lqi
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> controller = design_lqi(analyse(load_process("quadruple-tank")).model)
+    >>> law_words(controller)[0]
+    'u = u° − F x + I within the limits, I⁺ = I + Δt G (r − y), x = y − y°, each sample.'
+    """
+    if controller.law.description:
+        return list(controller.law.description)
+    values = controller.values
+    if "feedback_1_1" not in values:
+        return []
+    observed = "transition_1_1" in values
+    state = "x = x̂" if observed else "x = y − y°"
+    if "integral_gain_1_1" in values:
+        words = (
+            f"u = u° − F x + I within the limits, I⁺ = I + Δt G (r − y), {state}, each sample."
+        )
+    else:
+        words = (
+            f"u = u° − F x + N (r − r°) + b within the limits, {state}; b makes a change to "
+            "automatic bumpless and fades in the fading time."
+        )
+    return [words, _OBSERVER] if observed else [words]
+
+
+def law_grids(controller: Controller, process: Process) -> list[Grid]:
+    """Return the matrices of a controller with named rows and columns, in display units.
+
+    A number is in the unit of its row per unit of its column. Levels of start and stop are a
+    table of stages.
+
+    Parameters
+    ----------
+    controller : Controller
+    process : Process
+        Lends display units.
+
+    Examples
+    --------
+    >>> from clepsydra.design.bryson import design_lqi
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> grid, _ = law_grids(design_lqi(analysis.model), analysis.operating_point.process)
+    >>> grid.head
+    ('F, feedback', 'level_1 [V]', 'level_2 [V]', 'level_3 [V]', 'level_4 [V]')
+    """
+    if "start_level_1" in controller.values:
+        return [_stages(controller, process)]
+    outputs = [process.signal(name) for name in controller.manipulated]
+    measured = [process.signal(name) for name in controller.measurements]
+    followed = [process.signal(name) for name in controller.setpoints]
+    estimated = _estimates(controller, process)
+    state = estimated or measured
+    grids = []
+    for stem, title, rows, columns in (
+        ("feedback", "F, feedback", outputs, state),
+        ("integral_gain", "G, integral gain per s", outputs, followed),
+        ("precompensator", "N, precompensator", outputs, followed),
+        ("transition", "Φ, a sample later", estimated, estimated),
+        ("input_effect", "Γ, held for a sample", estimated, outputs),
+        ("observation", "C, shown by", measured, estimated),
+        ("correction", "M, correction", estimated, measured),
+    ):
+        grid = _matrix(stem, title, rows, columns, controller)
+        if grid is not None:
+            grids.append(grid)
+    return grids
+
+
+def law_facts(controller: Controller, process: Process) -> list[Facts]:
+    """Return operating point, limits and anti-windup of a controller that is no scheme of blocks.
+
+    Examples
+    --------
+    >>> from clepsydra.design.bryson import design_lqi
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> facts = law_facts(design_lqi(analysis.model), analysis.operating_point.process)
+    >>> [part.title for part in facts]
+    ['Operating point', 'Output pump_1', 'Output pump_2']
+    """
+    if controller.law.blocks:
+        return []
+    values, found = controller.values, []
+    references = tuple(
+        (f"{name}°", quantity_text(process.signal(name), values[key], DIGITS))
+        for j, name in enumerate(controller.measurements, start=1)
+        if (key := f"reference_measurement_{j}") in values
+    )
+    if references:
+        found.append(Facts("Operating point", references))
+    common = tuple(
+        (what, text(values[name]))
+        for name, what, text in (
+            ("alternation", "the duty changes", lambda v: "after each run" if v else "never"),
+            ("shortest_rest", "shortest rest of a pump", lambda v: f"{number_text(v, DIGITS)} s"),
+        )
+        if name in values
+    )
+    if common:
+        found.append(Facts("Pumps", common))
+    for i, name in enumerate(controller.manipulated, start=1):
+        found.append(Facts(f"Output {name}", tuple(_output(i, process.signal(name), controller))))
+    return found
+
+
+def _output(number: int, signal: Signal, controller: Controller) -> list[tuple[str, str]]:
+    values = controller.values
+    facts = []
+    for name, what in (
+        ("bias", f"{signal.name}°, at rest"),
+        ("running_value", "while it runs"),
+        ("stopped_value", "while it stands"),
+    ):
+        if f"{name}_{number}" in values:
+            text = quantity_text(signal, values[f"{name}_{number}"], DIGITS)
+            facts.append((what, text))
+    facts += [
+        fact
+        for fact in output_facts(number, signal, controller)
+        if fact[0] != "output at rest" or f"bias_{number}" not in values
+    ]
+    for name, what in (("tracking_time", "tracking time"), ("fading_time", "fading time")):
+        if f"{name}_{number}" in values:
+            facts.append((what, f"{number_text(values[f'{name}_{number}'], DIGITS)} s"))
+    if f"tracking_time_{number}" in values:
+        facts.append(("anti-windup", ANTI_WINDUPS["back_calculation"]))
+    if f"in_service_{number}" in values:
+        facts.append(("in service", "yes" if values[f"in_service_{number}"] else "no"))
+    return facts
+
+
+def _estimates(controller: Controller, process: Process) -> list[Signal]:
+    """Return the quantities that an observer estimates."""
+    found = []
+    for state in controller.law.state:
+        if isinstance(state, Signal) and state.name.startswith("estimate_"):
+            name = state.description.removeprefix(_ESTIMATE[0]).removesuffix(_ESTIMATE[1])
+            found.append(known_signal(process, Signal(name or state.name, state.unit)))
+    return found
+
+
+def _matrix(
+    stem: str,
+    title: str,
+    rows: Sequence[Signal],
+    columns: Sequence[Signal],
+    controller: Controller,
+) -> Grid | None:
+    values = controller.values
+    if not any(name.startswith(f"{stem}_") for name in values) or not rows or not columns:
+        return None
+    body = []
+    for i, row in enumerate(rows, start=1):
+        cells = []
+        for j, column in enumerate(columns, start=1):
+            value = values.get(f"{stem}_{i}_{j}", 0.0)
+            cells.append(
+                number_text(value * display_factor(row) / display_factor(column), DIGITS)
+            )
+        body.append((_named(row), *cells))
+    return Grid(title, (title, *(_named(column) for column in columns)), tuple(body))
+
+
+def _named(signal: Signal) -> str:
+    unit = unit_text(signal.shown_unit)
+    return f"{signal.name} [{unit}]" if unit else signal.name
+
+
+def _stages(controller: Controller, process: Process) -> Grid:
+    level, values = process.signal(controller.measurements[0]), controller.values
+    rows = []
+    for j in range(1, len(controller.manipulated) + 1):
+        start, stop = (
+            quantity_text(level, values[f"{what}_level_{j}"], DIGITS) for what in ("start", "stop")
+        )
+        rows.append((f"stage {j}: {j} running", start, stop))
+    title = f"Levels ({level.name})"
+    return Grid(title, (title, "starts at", "stops at"), tuple(rows))

@@ -1,0 +1,72 @@
+"""What a tuning by simulation changed, as tables."""
+
+from __future__ import annotations
+
+from clepsydra.process.process import Process
+from clepsydra.report.analysis_tables import Grid
+from clepsydra.report.facts import DIGITS
+from clepsydra.report.quantities import number_text
+from clepsydra.report.score_tables import score_text
+from clepsydra.scores.catalogue import SCORES
+from clepsydra.study.tuning.result import TuningResult
+
+
+def tuning_grid(tuning: TuningResult, process: Process) -> Grid:
+    """Return objective, scores and max\\|S\\| before and after a tuning.
+
+    Parameters
+    ----------
+    tuning : TuningResult
+    process : Process
+        Lends display units.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> from clepsydra.process.reader import load_process
+    >>> found = SimpleNamespace(objective=0.6, start_objective=1.0, maximum_sensitivity=1.8,
+    ...     start_maximum_sensitivity=1.2, scores={"iae[level_1]": 30.0},
+    ...     start_scores={"iae[level_1]": 50.0})
+    >>> tuning_grid(found, load_process("quadruple-tank")).rows[2]
+    ('IAE of level_1', '50.0 V s', '30.0 V s')
+    """
+    rows = [
+        ("objective", *(number_text(v, DIGITS) for v in (tuning.start_objective, tuning.objective))),
+        (
+            "max|S|",
+            *(
+                number_text(v)
+                for v in (tuning.start_maximum_sensitivity, tuning.maximum_sensitivity)
+            ),
+        ),
+    ]
+    for key, value in tuning.scores.items():
+        name, _, signal = key.removesuffix("]").partition("[")
+        before = tuning.start_scores[key]
+        if name in SCORES and signal:
+            cells = [
+                " ".join(score_text(process, signal, number, SCORES[name])).strip()
+                for number in (before, value)
+            ]
+            rows.append((f"{SCORES[name].title} of {signal}", *cells))
+        else:
+            rows.append((key, number_text(before), number_text(value)))
+    return Grid("Tuned by simulation", ("", "start", "tuned"), tuple(rows))
+
+
+def tuning_words(tuning: TuningResult) -> list[str]:
+    """Return on which limits the tuned values stand, and how much was tried.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> tuning_words(SimpleNamespace(binding=("max|S| at most 2",), evaluations=300, seed=1,
+    ...                              interrupted=False))
+    ['On its limit: max|S| at most 2.', '300 candidates were simulated, seed 1.']
+    """
+    binding = "; ".join(tuning.binding)
+    words = [f"On its limit: {binding}." if binding else "No limit and no bound is reached."]
+    words.append(f"{tuning.evaluations} candidates were simulated, seed {tuning.seed}.")
+    if tuning.interrupted:
+        words.append("It was stopped before its end: this is the best so far.")
+    return words

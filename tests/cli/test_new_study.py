@@ -1,0 +1,111 @@
+"""``clepsydra new --study``: a study file that works as it stands, for every process."""
+
+import re
+import tomllib
+
+import numpy as np
+import pytest
+
+from clepsydra.design.detuning import SENSITIVITY_LIMIT
+from clepsydra.linear.linearise import linearise
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.loop import Loop
+from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
+from clepsydra.study.file.reader import STUDY_KEYS, read_study
+
+
+def refused(result, *words):
+    status, output, errors = result
+    assert (status, output) == (2, "")
+    assert errors.startswith("clepsydra: ") and "Traceback" not in errors
+    for word in words:
+        assert word in errors, (word, errors)
+
+
+@pytest.mark.parametrize("name", [*catalogue_names(), "wet-well:flow-meters"])
+def test_what_is_written_is_read_and_every_controller_made(command, tmp_path, name):
+    status, output, errors = command("new", "--study", "mine", "--process", name)
+    assert (status, errors) == (0, "")
+    assert output == "Study file: mine.toml\nRun it with: clepsydra study mine.toml\n"
+    study = read_study(tmp_path / "mine.toml")
+    assert study.process.address == name.replace(":", ":") or study.process.name == name
+    model = linearise(study.analysis.operating_point)
+    first, second, tuned, by_hand = (
+        request.make(study.analysis, model) for request in study.controllers
+    )
+    assert [request.tune is not None for request in study.controllers] == [
+        False,
+        False,
+        True,
+        False,
+    ]
+    assert tuned.values == first.values and second.family
+    # Written with four digits; an integral time too.
+    for key in first.values:
+        if key.startswith(("proportional_gain", "integral_time")):
+            assert by_hand.values[key] == pytest.approx(first.values[key], rel=6e-4)
+    run = Loop(by_hand, model).run(study.scenario)
+    at = study.analysis.operating_point.as_dict()
+    for output in study.process.controlled:
+        setpoint = run.values[f"{output}.setpoint"]
+        last = slice(-study.scenario.samples // 50, None)
+        step = max(abs(s.size) for s in study.scenario.segments if s.signal == output)
+        error = np.mean(run.true_measurement(output)[last] - setpoint[last])
+        assert run.true_measurement(output)[0] == pytest.approx(at[output], rel=1e-9)
+        assert abs(error) < 0.2 * step, (output, error, step)
+
+
+def test_its_steps_are_those_of_the_usual_scenario(command, tmp_path):
+    command("new", "--study", "mine", "--process", "quadruple-tank")
+    study = read_study(tmp_path / "mine.toml")
+    usual = [s for s in default_scenario(study.analysis.model).segments if s.kind != "noise"]
+    assert list(study.scenario.segments) == usual
+
+
+def test_the_process_of_the_readme_is_studied_where_none_is_named(command, tmp_path):
+    assert command("new", "--study", "mine.toml")[0] == 0
+    assert read_study(tmp_path / "mine.toml").process.name == "quadruple-tank"
+
+
+def test_a_process_file_of_ones_own(command, tmp_path):
+    (tmp_path / "plant.toml").write_bytes(catalogue_file("three-tanks").read_bytes())
+    assert command("new", "--study", "mine", "--process", "plant.toml")[0] == 0
+    assert 'process = "plant.toml"' in (tmp_path / "mine.toml").read_text()
+    assert read_study(tmp_path / "mine.toml").process.path == tmp_path / "plant.toml"
+
+
+def test_what_is_commented_out_may_be_written(command, tmp_path):
+    """Every line that begins with "# " and a key is one that the reader takes."""
+    command("new", "--study", "mine", "--process", "equalisation-tank")
+    text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    opened = re.sub(r"^# (\[ranking\]|[a-z_.]+ = )", r"\1", text, flags=re.MULTILINE)
+    (tmp_path / "all.toml").write_text(opened, encoding="utf-8")
+    tables = tomllib.loads(opened)
+    assert set(tables) == set(STUDY_KEYS)
+    assert len(opened.splitlines()) == len(text.splitlines())
+    study = read_study(tmp_path / "all.toml")
+    assert study.scores == ("iae", "total_variation")
+    assert not study.scenario.noise.any()
+    model = linearise(study.analysis.operating_point)
+    for request in study.controllers:
+        request.make(study.analysis, model)
+    bounds = study.controllers[2].tune.bounds
+    assert [(bound.loop, bound.key) for bound in bounds] == [
+        ("level", "gain"),
+        ("level", "integral_time"),
+    ]
+    assert study.controllers[2].tune.limits.maximum_sensitivity < SENSITIVITY_LIMIT
+
+
+def test_nothing_is_ever_written_over(command, tmp_path):
+    (tmp_path / "mine.toml").write_text("mine")
+    refused(command("new", "--study", "mine"), "NAME", "mine.toml")
+    assert (tmp_path / "mine.toml").read_text() == "mine"
+
+
+def test_options_that_do_not_fit_are_refused(command, tmp_path):
+    refused(command("new", "mine", "--process", "three-tanks"), "--process", "add --study")
+    refused(command("new", "mine", "--study", "--from", "three-tanks"), "--from", "--process")
+    refused(command("new", "my study", "--study"), "NAME", "my study")
+    refused(command("new", "mine", "--study", "--process", "three-tonks"), "three-tanks")
+    assert not list(tmp_path.iterdir())
