@@ -13,14 +13,13 @@ from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.deploy.c99 import print_c
 from clepsydra.deploy.structured_text import print_structured_text
-from clepsydra.design.bryson import design_lqi
-from clepsydra.design.simc import design_simc
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Program
 from clepsydra.program.reader import program_of
+from clepsydra.study.designs import DESIGNS
 
 SCANS = 10_000
 STATUS_BITS = (1, 2, 4, 8, 16, 32, 64)
@@ -124,17 +123,25 @@ def test_lqi_is_the_same_in_engine_c_and_structured_text(tmp_path):
     proven(with_defaults(program, values), tmp_path, seed=2)
 
 
-@pytest.mark.parametrize("design", ["PI", "LQI"])
-def test_a_designed_controller_is_the_same_in_engine_c_and_structured_text(design, tmp_path):
+@pytest.mark.parametrize(
+    "name",
+    [
+        "PI, SIMC",
+        "PI, SIMC, dynamic decoupling",
+        "PID, phase margin",
+        "LQI, Bryson",
+        "LQI with Kalman filter",
+        "LQR with precompensator",
+        "State feedback, pole placement",
+    ],
+)
+def test_a_designed_controller_is_the_same_in_engine_c_and_structured_text(name, tmp_path):
     """What is printed is the controller that was designed, with its numbers."""
-    analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
-    if design == "PI":
-        controller = design_simc(analysis.model, analysis.pairing)
-    else:
-        controller = design_lqi(analysis.model)
+    controller = DESIGNS[name](analyse(load_process("quadruple-tank")))
     program = controller.program()
     in_c, in_text = print_c(program).source, print_structured_text(program)
-    for name, value in (controller.values | controller.initial_state).items():
-        assert re.search(rf"->{name} = {re.escape(repr(float(value)))};", in_c), name
-        assert re.search(rf"  {name} : LREAL := {re.escape(repr(float(value)))};", in_text), name
+    for entry, value in (controller.values | controller.initial_state).items():
+        for printed, pattern in ((in_c, rf"->{entry} = "), (in_text, rf"  {entry} : LREAL := ")):
+            found = re.search(pattern + r"([-+.\dE]+);", printed)
+            assert found is not None and float(found[1]) == float(value), entry
     proven(program, tmp_path, seed=3)
