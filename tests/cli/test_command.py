@@ -13,6 +13,7 @@ import pytest
 
 import clepsydra
 from clepsydra.cli.output import print_json
+from clepsydra.study.designs import DESIGNS
 
 NAMES = ["quadruple-tank", "quadruple-tank-nonminimum-phase"]
 HEAVY = {
@@ -100,13 +101,14 @@ def test_study_prints_one_document_and_writes_report_and_data(command, tmp_path,
     document = one_document(output)
     ranking = document["ranking"]
     assert isinstance(ranking, list)
-    assert [entry["rank"] for entry in ranking] == [1, 2, 3]
+    assert [entry["rank"] for entry in ranking] == list(range(1, len(ranking) + 1))
+    assert len(ranking) + len(document["not_applicable"]) == len(DESIGNS) + 1  # one is tuned
     assert names(tmp_path) == [f"{name}.html", f"{name}.parquet"]
     assert Path(document["report"]).samefile(tmp_path / f"{name}.html")
     assert Path(document["trajectories"]).samefile(tmp_path / f"{name}.parquet")
     table = pandas.read_parquet(tmp_path / f"{name}.parquet")
     assert set(table["controller"]) == {entry["controller"] for entry in ranking}
-    assert len(table) == 3 * document["scenario"]["samples"]
+    assert len(table) == len(ranking) * document["scenario"]["samples"]
     page = (tmp_path / f"{name}.html").read_text(encoding="utf-8")
     assert page.rstrip().endswith("</html>")
     assert all(entry["controller"] in page for entry in ranking)

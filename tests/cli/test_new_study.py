@@ -28,7 +28,7 @@ def test_what_is_written_is_read_and_every_controller_made(command, tmp_path, na
     assert (status, errors) == (0, "")
     assert output == "Study file: mine.toml\nRun it with: clepsydra study mine.toml\n"
     study = read_study(tmp_path / "mine.toml")
-    assert study.process.address == name.replace(":", ":") or study.process.name == name
+    assert study.process.address == name or study.process.name == name
     model = linearise(study.analysis.operating_point)
     first, second, tuned, by_hand = (
         request.make(study.analysis, model) for request in study.controllers
@@ -52,14 +52,18 @@ def test_what_is_written_is_read_and_every_controller_made(command, tmp_path, na
         step = max(abs(s.size) for s in study.scenario.segments if s.signal == output)
         error = np.mean(run.true_measurement(output)[last] - setpoint[last])
         assert run.true_measurement(output)[0] == pytest.approx(at[output], rel=1e-9)
-        assert abs(error) < 0.2 * step, (output, error, step)
+        # An averaging level is on its way back for days.
+        share = 1.0 if output in study.process.averaging else 0.2
+        assert abs(error) < share * step, (output, error, step)
 
 
 def test_its_steps_are_those_of_the_usual_scenario(command, tmp_path):
     command("new", "--study", "mine", "--process", "quadruple-tank")
     study = read_study(tmp_path / "mine.toml")
-    usual = [s for s in default_scenario(study.analysis.model).segments if s.kind != "noise"]
-    assert list(study.scenario.segments) == usual
+    usual = default_scenario(study.analysis.model)
+    assert study.scenario.segments == usual.segments
+    assert np.array_equal(study.scenario.noise, usual.noise)
+    assert study.scenario.setpoints == pytest.approx(usual.setpoints, rel=1e-12)
 
 
 def test_the_process_of_the_readme_is_studied_where_none_is_named(command, tmp_path):
@@ -85,7 +89,6 @@ def test_what_is_commented_out_may_be_written(command, tmp_path):
     assert len(opened.splitlines()) == len(text.splitlines())
     study = read_study(tmp_path / "all.toml")
     assert study.scores == ("iae", "total_variation")
-    assert not study.scenario.noise.any()
     model = linearise(study.analysis.operating_point)
     for request in study.controllers:
         request.make(study.analysis, model)

@@ -5,17 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.linear.analysis import Analysis, analyse
+from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
-from clepsydra.program.step_law import Equations, StepLaw, step_law
 from clepsydra.study.result import Candidate, Standing, StudyResult
+from clepsydra.study.tuning.pareto import ParetoFront
+from clepsydra.study.tuning.result import TuningResult
+from clepsydra.study.warnings.loop_response import loop_response
 
+PROCESS = load_process("quadruple-tank")
 AREAS = np.array([28e-4, 32e-4, 28e-4, 32e-4])
 OUTLETS = np.array([0.071e-4, 0.057e-4, 0.071e-4, 0.057e-4])
 GAINS = (3.33e-6, 3.35e-6)
@@ -60,50 +64,28 @@ def scenario(point: OperatingPoint) -> Scenario:
     return Scenario(1.0, setpoints, disturbances, noise, tuple(segments), seed=7)
 
 
-def pi_law() -> StepLaw:
-    inputs = [Signal(f"{word}_{i}", "V") for i in (1, 2) for word in ("setpoint", "measurement")]
-    parameters = [
-        signal
-        for i in (1, 2)
-        for signal in (
-            Signal(f"proportional_gain_{i}", "1", description="gain"),
-            Signal(f"integral_time_{i}", "s", description="integral time"),
-        )
-    ]
-    return step_law(
-        "multiloop_pi",
-        inputs=inputs,
-        parameters=parameters,
-        state=[Signal("integral_1", "V"), Signal("integral_2", "V")],
-        outputs=[Signal("manipulated_1", "V"), Signal("manipulated_2", "V")],
-        equations=lambda s: Equations(
-            {
-                f"integral_{i}": s[f"integral_{i}"]
-                + s[f"proportional_gain_{i}"]
-                / s[f"integral_time_{i}"]
-                * (s[f"setpoint_{i}"] - s[f"measurement_{i}"])
-                for i in (1, 2)
-            },
-            {
-                f"manipulated_{i}": s[f"integral_{i}"]
-                + s[f"proportional_gain_{i}"] * (s[f"setpoint_{i}"] - s[f"measurement_{i}"])
-                for i in (1, 2)
-            },
-        ),
-    )
-
-
 def controller(name: str, gains: tuple[float, float], times: tuple[float, float]) -> Controller:
-    values = {f"proportional_gain_{i}": gains[i - 1] for i in (1, 2)}
-    values |= {f"integral_time_{i}": times[i - 1] for i in (1, 2)}
+    law = multiloop_pid_law(
+        2,
+        measured=[PROCESS.signal(f"level_{i}") for i in (1, 2)],
+        manipulated=[PROCESS.signal(f"pump_{i}") for i in (1, 2)],
+    )
+    values = {parameter.name: parameter.initial for parameter in law.parameters}
+    values |= {f"proportional_gain_{i}": gains[i - 1] for i in (1, 2)}
+    values |= {
+        f"{what}_time_{i}": times[i - 1] for what in ("integral", "tracking") for i in (1, 2)
+    }
+    state = {signal.name: signal.initial for signal in law.state}
+    state |= {f"{what}_{i}": 3.0 for what in ("integral", "last_output") for i in (1, 2)}
+    state |= {f"last_proportional_gain_{i}": gains[i - 1] for i in (1, 2)}
     return Controller(
         name=name,
         family="multiloop PI",
         design=f"Gains {gains[0]:g} and {gains[1]:g}, integral times {times[0]:g} s and "
         f"{times[1]:g} s, chosen by hand.",
-        law=pi_law(),
+        law=law,
         values=values,
-        initial_state={"integral_1": 3.0, "integral_2": 3.0},
+        initial_state=state,
         measurements=("level_1", "level_2"),
         setpoints=("level_1", "level_2"),
         manipulated=("pump_1", "pump_2"),
@@ -153,6 +135,7 @@ def scores_of(run: Run) -> dict[str, float]:
             - SENSOR_GAIN * run.values[run.process.measured_state[name]]
         )
         found[f"iae[{name}]"] = float(np.abs(error).sum())
+        found[f"settling_time_noisy[{name}]"] = 90.0
         found[f"ise[{name}]"] = float((error**2).sum())
         found[f"overshoot[{name}]"] = 12.5
         found[f"rise_time[{name}]"] = 21.0
@@ -165,6 +148,26 @@ def scores_of(run: Run) -> dict[str, float]:
     return found
 
 
+def tuning_of(law: Controller, start: dict[str, float], found: dict[str, float]) -> TuningResult:
+    """A tuning whose front has three points, the chosen one last."""
+    front = ParetoFront(np.array([1.2, 1.4, 1.62]), np.array([0.9, 0.7, 0.55]), {})
+    return TuningResult(
+        controller=law,
+        objective=0.55,
+        start_objective=1.0,
+        scores=found,
+        start_scores=start,
+        maximum_sensitivity=1.62,
+        start_maximum_sensitivity=1.3,
+        binding=("total variation of pump_1 at most 200",),
+        evaluations=321,
+        history=np.array([[1.0, 1.0], [321.0, 0.55]]),
+        front=front,
+        seed=1,
+        interrupted=False,
+    )
+
+
 def build_study(analysis: Analysis) -> StudyResult:
     point = analysis.operating_point
     process = point.process
@@ -174,6 +177,8 @@ def build_study(analysis: Analysis) -> StudyResult:
         controller("PI, <SIMC> & detuned", (12.0, 9.0), (62.0, 90.0)),
     ]
     runs = [simulate(process, point, law, plan) for law in laws]
+    model = linearise(point)
+    tuning = tuning_of(laws[0], {"iae[level_1]": 50.0}, {"iae[level_1]": 30.0})
     candidates = tuple(
         Candidate(
             controller=law,
@@ -188,6 +193,10 @@ def build_study(analysis: Analysis) -> StudyResult:
                 "Faster, but its pumps reach their limits after each step.",
             )[place],
             warnings=() if place == 0 else ("pump_1 stood at its limit after setpoint steps.",),
+            criteria={"setpoint error": 1.0 + 0.1 * place, "load error": 1.0 + 0.3 * place},
+            wear=1.0 + 11.5 * place,
+            response=loop_response(law, model),
+            tuning=None if place else tuning,
         )
         for place, (law, run) in enumerate(zip(laws, runs, strict=True))
     )

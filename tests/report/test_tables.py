@@ -9,11 +9,12 @@ from rich.console import Console
 
 from clepsydra.base.signal import Signal
 from clepsydra.report.analysis_tables import relative_gain_grid, roots_grid, static_gain_grid
-from clepsydra.report.controller_tables import parameter_tables, status_words, wiring
+from clepsydra.report.controller_tables import parameter_tables, status_words
 from clepsydra.report.html import report_text
 from clepsydra.report.score_tables import (
-    RANKING_COLUMNS,
+    glossary,
     is_recommended,
+    ranking_columns,
     ranking_rows,
     score_tables,
 )
@@ -27,19 +28,75 @@ def printed(renderable):
     return stream.getvalue()
 
 
-def column(rows, title):
-    place = [entry.title for entry in RANKING_COLUMNS].index(title)
-    return [row.cells[place] for row in rows]
+def column(result, title):
+    place = [entry.title for entry in ranking_columns(result)].index(title)
+    return [row.cells[place] for row in ranking_rows(result)]
+
+
+def test_the_ranking_shows_what_decided_first(result):
+    titles = [entry.title for entry in ranking_columns(result)]
+    assert titles[:4] == ["setpoint error", "load error", "mean", "moves"]
+    assert column(result, "load error") == ["1.00", "1.30"]
+    assert column(result, "mean") == ["1.00", "1.20"]
+    assert column(result, "moves") == ["1.00", "12.50"]
 
 
 def test_the_ranking_shows_the_worst_signal_in_percent_of_its_range(result):
-    expected = [
-        # level sensors have a range of 10 V
-        max(candidate.scores["iae[level_1]"], candidate.scores["iae[level_2]"]) * 10
-        for candidate in result.ranking
+    first, *others = result.ranking
+    noise = {"noise_movement[pump_1]": 0.25, "noise_movement[pump_2]": 0.5}  # of 10 V
+    loud = replace(first, scores=first.scores | noise)
+    changed = replace(result, ranking=(loud, *others))
+    assert column(changed, "noise") == ["5.00", "–"]
+
+
+def test_one_criterion_needs_no_mean(result):
+    alone = tuple(replace(c, criteria={"error": c.mean_error}) for c in result.ranking)
+    titles = [entry.title for entry in ranking_columns(replace(result, ranking=alone))]
+    assert titles[:2] == ["error", "moves"]
+
+
+def test_a_standing_is_a_word(result):
+    standings = (Standing.NERVOUS, Standing.STABLE, Standing.UNSAFE)
+    twins = tuple(replace(result.ranking[0], standing=standing) for standing in standings)
+    changed = replace(result, ranking=twins)
+    words = ["nervous", "thin margins", "unsafe"]
+    assert [row.standing for row in ranking_rows(changed)] == words
+    text = printed(ranking_table(changed))
+    assert all(word in text for word in ("nervous", "thin", "unsafe"))
+    page = report_text(changed)
+    assert all(f">{word}</td>" in page for word in words)
+
+
+def test_beyond_the_third_a_reason_has_no_numbers(result):
+    reason = (
+        "Robust (max|S| 1.07). Setpoint error 1.78 times the best; 7.85 times the least total "
+        "variation. Behind PI: its mean is 34 % larger, most of all by the load error (6.04 "
+        "against 3.81)."
+    )
+    level = "Robust. 1.2 times the least total variation. Level with PI to within 2 %."
+    first = result.ranking[0]
+    twins = tuple(replace(first, reason=words) for words in (reason,) * 4 + (level, "Unsafe."))
+    rows = ranking_rows(replace(result, ranking=twins))
+    assert [row.reason for row in rows[:3]] == [reason] * 3
+    assert [row.reason for row in rows[3:]] == [
+        "Behind PI: its mean is 34 % larger.",
+        "Level with PI to within 2 %.",
+        "Unsafe.",
     ]
-    shown = [float(cell) for cell in column(ranking_rows(result), "IAE")]
-    assert shown == pytest.approx(expected, rel=0.005)
+
+
+def test_warnings_of_the_best_stand_in_full_and_the_others_are_counted(result):
+    first = replace(result.ranking[0], warnings=("a level spills",))
+    twins = tuple(replace(first, rank=rank) for rank in range(1, 6))
+    text = printed(ranking_table(replace(result, ranking=twins)))
+    assert text.count("a level spills") == 3
+    assert "2 more in the report, of the controllers ranked 4 (1), 5 (1)." in text
+
+
+def test_the_glossary_defines_the_scores_that_are_there(result):
+    defined = dict(glossary(result))
+    assert "three samples in a row" in defined["Settling time, measured"]
+    assert "IAE" in defined and "ITAE" not in defined
 
 
 def test_rows_keep_the_order_and_the_reasons_of_the_study(result):
@@ -50,17 +107,16 @@ def test_rows_keep_the_order_and_the_reasons_of_the_study(result):
 
 def test_decimals_of_a_column_line_up(result):
     lines = printed(ranking_table(result)).splitlines()
-    numbered = [line for line in lines if re.match(r"\s*[12]  PI, .*\d\s*$", line)][:2]
+    numbered = [line for line in lines if re.match(r"\s*[12]  PI, .* robust .*\d\s*$", line)]
     assert len(numbered) == 2
     points = [[match.start() for match in re.finditer(r"\.", line)] for line in numbered]
     assert points[0] == points[1] and points[0]
 
 
-def test_a_score_that_is_never_reached_is_shown_as_infinite(result):
-    first = result.ranking[0]
-    never = replace(first, scores=first.scores | {"settling_time[level_1]": np.inf})
+def test_what_has_no_end_is_shown_as_infinite(result):
+    never = replace(result.ranking[0], maximum_sensitivity=np.inf)
     changed = replace(result, ranking=(never, *result.ranking[1:]))
-    assert column(ranking_rows(changed), "settling") == ["∞", "140"]
+    assert column(changed, "max|S|") == ["∞", "1.92"]
 
 
 def test_the_terminal_table_fits_100_columns_and_ends_with_what_to_do(result):
@@ -83,7 +139,8 @@ def test_a_study_without_any_controller_is_shown_too(result):
 
 
 def test_scores_carry_the_units_of_their_signal(result):
-    outputs, inputs = score_tables(result.process, result.ranking[0])
+    outputs, inputs, plant = score_tables(result.process, result.ranking[0])
+    assert plant.signals == ()
     units = {title: cells[0][1] for title, _, cells in (*outputs.rows, *inputs.rows)}
     assert units["IAE"] == "V s"
     assert units["ISE"] == "V² s"
@@ -102,7 +159,7 @@ def test_scores_of_a_level_in_metres_are_shown_in_centimetres(result):
         result.ranking[0],
         scores={"iae[level_1]": 0.5, "ise[level_1]": 0.03, "rise_time[level_1]": 7},
     )
-    table, _ = score_tables(replace(process, measurements=sensors), candidate)
+    table, *_ = score_tables(replace(process, measurements=sensors), candidate)
     assert [cells[0] for _, _, cells in table.rows] == [
         ("50.0", "cm s"),
         ("300", "cm² s"),
@@ -114,8 +171,12 @@ def test_parameters_with_an_index_stand_side_by_side(result):
     (table,) = parameter_tables(result.ranking[0].controller)
     assert table.columns == ("1", "2")
     assert table.rows == (
-        ("proportional_gain", "", ("3.000", "2.700")),
+        ("proportional_gain", "V/V", ("3.000", "2.700")),
         ("integral_time", "s", ("30.00", "40.00")),
+        ("setpoint_weight", "", ("1.000", "1.000")),
+        ("tracking_time", "s", ("30.00", "40.00")),
+        ("low_limit", "V", ("0", "0")),
+        ("high_limit", "V", ("10.00", "10.00")),
     )
 
 
@@ -132,13 +193,6 @@ def test_rows_of_a_matrix_stand_together():
         ("bias", "V", ("2.000", "3.000")),
     )
     assert single.rows == (("floor", "V", ("6.000",)),)
-
-
-def test_the_wiring_names_what_stands_behind_each_index(result):
-    assert wiring(result.ranking[0].controller)[2] == (
-        "manipulated variables",
-        "1 = pump_1, 2 = pump_2",
-    )
 
 
 def test_status_words_are_told_with_their_durations(run):

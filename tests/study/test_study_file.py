@@ -126,6 +126,18 @@ def test_noise_is_that_of_the_process_over_the_whole_scenario(study):
     assert not np.any(noise == other.scenario.noise)
 
 
+def test_noise_may_have_a_stretch_of_its_own_after_the_steps(study):
+    found = study(
+        BASIN + '[scenario]\nduration = "6 h"\nnoise = "5 h"\n[[scenario.setpoint]]\n'
+        'signal = "level"\nat = "1 h"\nby = "5 %"\n'
+    ).scenario
+    assert [(s.kind, s.start, s.stop) for s in found.segments] == [
+        ("setpoint", 3600.0, 18000.0),
+        ("noise", 18000.0, 21600.0),
+    ]
+    assert not found.noise[:300].any() and found.noise[300:].all()
+
+
 def test_scores(study):
     names = ("iae", "total_variation[pump_1]", "energy")
     listed = ", ".join(f'"{name}"' for name in names)

@@ -114,11 +114,11 @@ SCENARIO = [
     ),
     (f"{BASIN}[scenario]\nduration = '0 h'\n", "line 3, scenario.duration: got '0 h', expected a "),
     (f"{BASIN}[scenario]\nduration = '9 years'\n", "expected at most "),
+    (f"{BASIN}[scenario]\nduration = '6 h'\nnoise = '6 h'\n", "line 4, scenario.noise: got '6 h'"),
     (
         step("setpoint", 'signal = "level"', 'at = "7 h"', 'to = "60 %"'),
         "line 6, scenario.setpoint.1.at: got '7 h', expected a time before the end of "
-        "the scenario at "
-        "6 h; lengthen the duration, or let it step earlier.",
+        "the steps at 6 h; lengthen the duration, or let it step earlier.",
     ),
     (
         step("setpoint", 'signal = "level"', 'at = "1 h"', 'to = "110 %"'),
@@ -589,6 +589,7 @@ def test_laws_of_users_that_cannot_be_used(message, tmp_path):
     assert "line 6, controllers.a.parameters.gian: got 'gian'" in message(
         wired + "parameters = { gian = 1.0 }\n"
     )
+    assert "controllers.a.tune: got 'a law in Python'" in message(wired + "tune = {}\n")
     assert "got 'level_1, level_2', expected 1 names" in message(
         law + 'measurements = ["level_1", "level_2"]\nmanipulated = ["pump_1"]\n'
     )

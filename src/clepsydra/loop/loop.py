@@ -26,7 +26,7 @@ from clepsydra.loop.closed_loop import (
 from clepsydra.loop.motion_block import motion_at_rest, recorded_signals, spilt_totals
 from clepsydra.loop.python_loop import naming_sample, python_loop
 from clepsydra.loop.reference_motion import ReferenceMotion
-from clepsydra.loop.refinement import TOLERANCE, refined
+from clepsydra.loop.refinement import LARGEST_REFINEMENT, TOLERANCE, refined
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.solver import Solver, check_solver
@@ -118,11 +118,11 @@ class Loop:
             return self._collect(scenario, self._by_reference(scenario, count), substeps=0)
         return self._collect(scenario, self._by_kernel(scenario, count), substeps=count)
 
-    def run_checked(self, scenario: Scenario) -> Run:
+    def run_checked(self, scenario: Scenario, largest: int = LARGEST_REFINEMENT) -> Run:
         """Simulate, estimate the error by halving the step, and refine until it is small.
 
         The estimate is the largest difference between the two runs, as a fraction of each
-        state's range; the steps are halved until it is below 1e-6, 64 times as many have
+        state's range; the steps are halved until it is below 1e-6, `largest` times as many have
         been tried, or a sampling period would hold more than 10,000. The run with the smaller
         step is returned.
         """
@@ -131,6 +131,7 @@ class Loop:
             lambda count: self.run(scenario, substeps=count),
             self.substeps,
             TOLERANCE,
+            largest,
         )
         return replace(run, error_estimate=estimate)
 

@@ -12,7 +12,7 @@ from clepsydra.process.process import Process
 
 #: The error that a run may have, as a fraction of a state's range, before its step is halved.
 TOLERANCE = 1e-6
-_LARGEST_REFINEMENT = 64
+LARGEST_REFINEMENT = 64
 
 
 class Trajectories(Protocol):
@@ -27,7 +27,11 @@ Found = TypeVar("Found", bound=Trajectories)
 
 
 def refined(
-    process: Process, run: Callable[[int], Found], substeps: int, tolerance: float
+    process: Process,
+    run: Callable[[int], Found],
+    substeps: int,
+    tolerance: float,
+    largest: int = LARGEST_REFINEMENT,
 ) -> tuple[Found, float]:
     """Run with a number of steps in a sampling period and double it until the result stands.
 
@@ -40,8 +44,9 @@ def refined(
         To begin with.
     tolerance : float
         Largest difference of two runs, as a fraction of a state's range, that ends the search.
-        It also ends with 64 times as many steps, or before a sampling period would hold more
-        than 10,000.
+        It also ends before a sampling period would hold more than 10,000.
+    largest : int
+        And with so many times as many steps.
 
     Returns
     -------
@@ -61,7 +66,7 @@ def refined(
     (2, True)
     """
     multiple = delay_substeps(process)
-    most = min(_LARGEST_REFINEMENT * substeps, MOST_SUBSTEPS)
+    most = min(largest * substeps, MOST_SUBSTEPS)
     count = min(substeps, max(most // 2 // multiple, 1) * multiple)
     coarse = run(count)
     while True:

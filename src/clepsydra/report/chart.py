@@ -62,17 +62,21 @@ class Scale:
     def ticks(self, most: int = 4) -> list[float]:
         """Return round values between its ends: 1, 2 or 5 times a power of ten."""
         if self.logarithmic:
-            decades = np.arange(math.floor(math.log10(self.low)), math.log10(self.high) + 1.0)
-            found = [10.0**decade for decade in decades]
-            if len(found) <= 3:
-                found = [factor * value for value in found for factor in (1.0, 2.0, 5.0)]
-            inside = [v for v in found if 0.999 * self.low <= v <= 1.001 * self.high]
-            return inside[:: 1 + len(inside) // 10]
+            return self._decades()
         step = _step((self.high - self.low) / most)
         rounding = 1e-9 * max(1.0, abs(self.low / step), abs(self.high / step))
         first = math.ceil(self.low / step - rounding)
         last = math.floor(self.high / step + rounding)
         return [number * step for number in range(first, last + 1)]
+
+    def _decades(self) -> list[float]:
+        size = math.log10(self.high / self.low)
+        factors: tuple[float, ...] = (1.0, 2.0, 5.0) if size < 2.5 else (1.0,)
+        factors = (1.0, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0) if size < 0.7 else factors
+        first, last = math.floor(math.log10(self.low)), math.ceil(math.log10(self.high))
+        found = [factor * 10.0**decade for decade in range(first, last + 1) for factor in factors]
+        inside = [v for v in found if 0.999 * self.low <= v <= 1.001 * self.high]
+        return inside[:: 1 + len(inside) // 10]
 
 
 def _step(least: float) -> float:

@@ -18,7 +18,7 @@ from clepsydra.report.scheme_tables import scheme_blocks
 from clepsydra.report.score_tables import STANDING_WORDS, ScoreTable, score_tables
 from clepsydra.report.trend_svg import trend_svg
 from clepsydra.report.tuning_picture import tuning_svg
-from clepsydra.report.tuning_tables import tuning_grid, tuning_words
+from clepsydra.report.tuning_tables import tuning_grid
 from clepsydra.study.result import Candidate, StudyResult
 
 
@@ -38,7 +38,6 @@ class ControllerPage:
     grids : list of Grid
         Its matrices or levels.
     margins, tuning : Grid or None
-    tuning_words : list of str
     parameters : list of ParameterTable
         Of the step law, in SI.
     scores : list of ScoreTable
@@ -58,7 +57,6 @@ class ControllerPage:
     grids: list[Grid]
     margins: Grid | None
     tuning: Grid | None
-    tuning_words: list[str]
     parameters: list[ParameterTable]
     scores: list[ScoreTable]
     status: list[str]
@@ -100,15 +98,14 @@ def controller_page(result: StudyResult, place: int) -> ControllerPage:
         STANDING_WORDS[candidate.standing],
         law_words(controller),
         [
-            _wiring(controller, result),
             *loop_settings(controller, result.point),
             *scheme_blocks(controller, process),
             *law_facts(controller, process),
+            _wiring(controller, result),
         ],
         law_grids(controller, process),
         margins,
         None if tuning is None else tuning_grid(tuning, process),
-        [] if tuning is None else tuning_words(tuning),
         parameter_tables(controller),
         score_tables(process, candidate),
         status_words(candidate.run),

@@ -1,8 +1,7 @@
-"""Parameters, wiring and status words of a controller as text."""
+"""Parameters and status words of a controller as text."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,24 +65,6 @@ def parameter_tables(controller: Controller) -> list[ParameterTable]:
     return [ParameterTable(columns, tuple(rows)) for columns, rows in tables.items()]
 
 
-def wiring(controller: Controller) -> list[tuple[str, str]]:
-    """Return which signal of the process stands behind each index: (role, "1 = level_1, …").
-
-    Examples
-    --------
-    >>> from clepsydra.study.study import run_study
-    >>> result = run_study("quadruple-tank")
-    >>> wiring(result.ranking[0].controller)[-1]
-    ('manipulated variables', '1 = pump_1, 2 = pump_2')
-    """
-    roles = (
-        ("measurements", controller.measurements),
-        ("setpoints", controller.setpoints),
-        ("manipulated variables", controller.manipulated),
-    )
-    return [(role, _numbered(names)) for role, names in roles]
-
-
 def status_words(run: Run) -> list[str]:
     """Return what the status words told, and for how long; outputs that told the same together.
 
@@ -120,7 +101,3 @@ def status_words(run: Run) -> list[str]:
         words = "; ".join(told) or "the mode is manual, nothing else to tell"
         outputs.setdefault(words, []).append(name)
     return [f"{', '.join(names)}: {words}" for words, names in outputs.items()]
-
-
-def _numbered(names: Iterable[str]) -> str:
-    return ", ".join(f"{place} = {name}" for place, name in enumerate(names, start=1))

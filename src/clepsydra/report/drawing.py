@@ -23,12 +23,13 @@ from clepsydra.report.quantities import (
 from clepsydra.report.routing import Pipe, Routes, route
 from clepsydra.report.vessel_outline import TANK_HEIGHT, Outline, outline_of
 
+#: Of the drawing alone: in a page, a style holds for every picture.
 _STYLE = (
-    "text{font-family:system-ui,-apple-system,'Segoe UI',Roboto,'Liberation Sans',"
+    ".plant text{font-family:system-ui,-apple-system,'Segoe UI',Roboto,'Liberation Sans',"
     "'DejaVu Sans',sans-serif;font-size:13px;paint-order:stroke;stroke:#fff;stroke-width:3px;"
     "stroke-linejoin:round}"
-    "text.name{font-weight:600;font-size:14px}text.tag{font-size:11.5px;stroke:none}"
-    "text.small{font-size:12px}"
+    ".plant text.name{font-weight:600;font-size:14px}.plant text.tag{font-size:11.5px;stroke:none}"
+    ".plant text.small{font-size:12px}"
 )
 #: Letters that the name beside a pump, a flow or a splitter may have, and one in or at a tank.
 _LABEL, _NARROW = 24, 14
@@ -102,7 +103,7 @@ class _Drawing:
         least = max(min(width, _LEAST_WIDTH), _LEAST_SHARE * width)
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}"'
-            f' role="img" style="max-width:{width:.0f}px;min-width:{least:.0f}px">'
+            f' class="plant" role="img" style="max-width:{width:.0f}px;min-width:{least:.0f}px">'
             f"<title>{title}</title><style>{_STYLE}</style>" + "\n".join(parts) + "</svg>"
         )
 

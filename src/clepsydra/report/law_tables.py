@@ -40,7 +40,8 @@ def law_words(controller: Controller) -> list[str]:
     >>> from clepsydra.process.reader import load_process
     >>> controller = design_lqi(analyse(load_process("quadruple-tank")).model)
     >>> law_words(controller)[0]
-    'u = u° − F x + I within the limits, I⁺ = I + Δt G (r − y), x = y − y°, each sample.'
+    'u = u° − F x + I within the limits, I⁺ = I + Δt G (r − y), x = y − y°, each sample. ° marks \
+values at the operating point.'
     """
     if controller.law.description:
         return list(controller.law.description)
@@ -50,14 +51,13 @@ def law_words(controller: Controller) -> list[str]:
     observed = "transition_1_1" in values
     state = "x = x̂" if observed else "x = y − y°"
     if "integral_gain_1_1" in values:
-        words = (
-            f"u = u° − F x + I within the limits, I⁺ = I + Δt G (r − y), {state}, each sample."
-        )
+        words = f"u = u° − F x + I within the limits, I⁺ = I + Δt G (r − y), {state}, each sample."
     else:
         words = (
             f"u = u° − F x + N (r − r°) + b within the limits, {state}; b makes a change to "
             "automatic bumpless and fades in the fading time."
         )
+    words += " ° marks values at the operating point."
     return [words, _OBSERVER] if observed else [words]
 
 
@@ -195,9 +195,7 @@ def _matrix(
         cells = []
         for j, column in enumerate(columns, start=1):
             value = values.get(f"{stem}_{i}_{j}", 0.0)
-            cells.append(
-                number_text(value * display_factor(row) / display_factor(column), DIGITS)
-            )
+            cells.append(number_text(value * display_factor(row) / display_factor(column), DIGITS))
         body.append((_named(row), *cells))
     return Grid(title, (title, *(_named(column) for column in columns)), tuple(body))
 

@@ -69,14 +69,17 @@ def map_svg(result: StudyResult, title: str, prefix: str) -> str:
     chart.box((x.place(ROBUST), x.end), _BOX_Y, "#f6f0ec")
     draw_box(chart, x, y, x_label="max|S| (smaller is more robust)", y_label="mean error, × best")
     chart.line((x.place(ROBUST),) * 2, _BOX_Y, _LIMIT, 0.8)
-    chart.text(x.place(ROBUST) + 3.0, _BOX_Y[1] + 8.0, f"limit {short_text(ROBUST)}", colour=_LIMIT)
+    words = f"limit {short_text(ROBUST)}"
+    chart.text(x.place(ROBUST), _BOX_Y[1] - 4.0, words, anchor="middle", colour=_LIMIT)
     taken: list[tuple[float, float]] = []
-    # The best are placed last, so that they lie on top.
-    for candidate, peak, error in reversed(list(zip(result.ranking, peaks, errors, strict=True))):
+    for peak, error in zip(peaks, errors, strict=True):
         home = (x.place(peak), y.place(error))
         place = _free(home, taken)
         taken.append(place)
-        _draw_rank(chart, candidate, place, home)
+        if place != home:
+            chart.line((home[0], place[0]), (home[1], place[1]), MUTED, 0.6)
+    for candidate, place in zip(result.ranking, taken, strict=True):
+        _draw_rank(chart, candidate, place)
     across = _BOX_X[0]
     for standing in sorted({candidate.standing for candidate in result.ranking}):
         fill, edge, _ = _LOOKS[standing]
@@ -108,12 +111,7 @@ def _free(home: tuple[float, float], taken: list[tuple[float, float]]) -> tuple[
     return home
 
 
-def _draw_rank(
-    chart: Chart, candidate: Candidate, place: tuple[float, float], home: tuple[float, float]
-) -> None:
+def _draw_rank(chart: Chart, candidate: Candidate, place: tuple[float, float]) -> None:
     fill, edge, ink = _LOOKS[candidate.standing]
-    if place != home:
-        chart.line((home[0], place[0]), (home[1], place[1]), MUTED, 0.6)
-        chart.circle(*home, 1.2, MUTED)
     chart.circle(*place, _RADIUS, fill, edge, 1.2)
     chart.text(place[0], place[1] + 2.7, str(candidate.rank), anchor="middle", colour=ink)

@@ -49,8 +49,9 @@ def draw_panel(axes: Axes, content: PanelContent) -> None:
         axes.axhspan(limit, edge, facecolor=LIMIT, edgecolor="#9aa4af", hatch="////", lw=0)
         axes.axhline(limit, color=MUTED, linewidth=0.7)
     for words in content.beyond:
-        place = {"ha": "right", "va": "bottom", "color": MUTED}
-        axes.text(0.995, 1.03, words, transform=axes.transAxes, **place)
+        axes.text(
+            0.995, 1.03, words, transform=axes.transAxes, ha="right", va="bottom", color=MUTED
+        )  # fmt: skip
     for start, stop in content.saturated:
         axes.axvspan(start, stop, 0.0, 0.075, facecolor=INK, edgecolor=INK, lw=1.2)
     axes.set_ylabel(content.unit)
@@ -91,7 +92,7 @@ def _few_ticks() -> Any:
 def _draw_legend(axes: Axes, content: PanelContent) -> None:
     from matplotlib.lines import Line2D
 
-    saturation = {"color": INK, "linewidth": 4.0, "solid_capstyle": "butt"}
+    saturation: dict[str, Any] = {"color": INK, "linewidth": 4.0, "solid_capstyle": "butt"}
     entries = content.legend()
     lines = []
     for _, curve in entries:

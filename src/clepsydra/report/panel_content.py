@@ -138,9 +138,7 @@ def panel_content(
     curves = (*measured, *setpoint, main)
     bottom, top = _view(panel, np.concatenate([curve.values for curve in curves]), factor)
     hatched, beyond = _limits(panel, bottom, top, factor)
-    saturated, words = (), ""
-    if panel.kind == "input":
-        saturated, words = _saturation(recording, signal, time)
+    held_at_limit = _saturation(recording, signal, time) if panel.kind == "input" else ((), "")
     span = signal.span * factor
     ranged = panel.kind not in ("disturbance", "total") and np.isfinite(span) and span > 0.0
     return PanelContent(
@@ -150,8 +148,7 @@ def panel_content(
         top,
         hatched,
         beyond,
-        saturated,
-        words,
+        *held_at_limit,
         unit_text(signal.shown_unit) or "–",
         (signal.low * factor, signal.high * factor) if ranged else None,
     )

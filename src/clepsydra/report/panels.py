@@ -40,7 +40,7 @@ class Panel:
 
 
 def controlled_panels(run: Run) -> list[Panel]:
-    """Return one panel for each level that follows a setpoint.
+    """Return one panel for each state that follows a setpoint.
 
     Examples
     --------
@@ -50,10 +50,8 @@ def controlled_panels(run: Run) -> list[Panel]:
     ['tank_1.level', 'tank_2.level']
     """
     process = run.process
-    return [
-        Panel("level", process.signal(process.measured_state[name]), 1.3, name, True)
-        for name in process.controlled
-    ]
+    shown = [(name, process.signal(process.measured_state[name])) for name in process.controlled]
+    return [Panel(_kind(signal), signal, 1.3, name, True) for name, signal in shown]
 
 
 def all_panels(run: Run | Simulation) -> list[Panel]:

@@ -171,7 +171,7 @@ def _gains(
         return [*facts, ("gain K", gain), *_times_alone(settings)]
     shown = gain_units(settings, measurement, moved)
     facts += [
-        ("gain K", f"{gain} = {number_text(shown.percent_gain, DIGITS)} %/%"),
+        ("gain K", _with_percent(gain, shown)),
         ("proportional band", f"{number_text(shown.proportional_band, DIGITS)} %"),
         *_times(shown, form),
     ]
@@ -181,6 +181,13 @@ def _gains(
     if form.has_integral or form.has_derivative:
         facts.append(("the same in parallel form", _parallel(shown, form, factor, unit)))
     return facts
+
+
+def _with_percent(gain: str, shown: GainUnits) -> str:
+    percent = f"{number_text(shown.percent_gain, DIGITS)} %/%"
+    if percent == gain:
+        return gain
+    return f"{gain}, that is {percent}" + (" with direct action" if shown.gain < 0.0 else "")
 
 
 def _times_alone(settings: PidSettings) -> list[tuple[str, str]]:
@@ -231,9 +238,7 @@ def _parallel(shown: GainUnits, form: PidForm, factor: float, unit: str) -> str:
     return words
 
 
-def _options(
-    block: PidBlock, controller: Controller, measurement: Signal
-) -> list[tuple[str, str]]:
+def _options(block: PidBlock, controller: Controller, measurement: Signal) -> list[tuple[str, str]]:
     """Return filter, setpoint weight, shape of the error and ramp, each where there is one."""
     number, values, form = block.number, controller.values, block.form
     factor, unit = display_factor(measurement), unit_text(measurement.shown_unit)

@@ -31,7 +31,7 @@ class RankingColumn:
 
 @dataclass(frozen=True)
 class RankingRow:
-    """One controller in the ranking: `cells` follow `ranking_columns`, decimals aligned.
+    """One controller in the ranking: `cells` follow `ranking_columns`.
 
     Parameters
     ----------
@@ -64,10 +64,14 @@ STANDING_WORDS = {
     Standing.STABLE: "thin margins",
     Standing.UNSAFE: "unsafe",
 }
+#: From here on decimals say nothing.
+_MANY = 1e4
+#: Units that the definition of the score says at length.
+_SHARES = {"% of the step": "%", "% of the tank": "%", "% of range per h": "%/h"}
 #: So many reasons stand in full.
 _FULL_REASONS = 3
-#: Where the numbers of a reason end.
-_NUMBERS_END = "total variation. "
+#: Where the numbers of a reason end, and where further ones begin.
+_NUMBERS_END, _NUMBERS_BEGIN = "total variation. ", ", most of all by "
 
 
 def _worst(score: str, in_percent: bool = False) -> Callable[[Process, Candidate], float]:
@@ -154,7 +158,8 @@ def ranking_rows(result: StudyResult) -> list[RankingRow]:
 
 def _short(reason: str) -> str:
     """Return what puts a controller behind another, without the numbers of its row."""
-    return reason.rpartition(_NUMBERS_END)[2]
+    words, more, _ = reason.rpartition(_NUMBERS_END)[2].partition(_NUMBERS_BEGIN)
+    return f"{words}." if more else words
 
 
 def is_recommended(result: StudyResult) -> bool:
@@ -175,15 +180,9 @@ def is_recommended(result: StudyResult) -> bool:
 
 
 def _aligned(values: Sequence[float]) -> list[str]:
-    """Return numbers with one count of decimals, so that a right-aligned column lines up.
-
-    The largest number has three significant digits, but none has more than three decimals.
-    """
-    largest = max((abs(value) for value in values if math.isfinite(value)), default=0.0)
-    decimals = 2 - math.floor(math.log10(largest)) if largest > 0.0 else 0
-    decimals = min(max(decimals, 0), 3)
+    """Return numbers with two decimals, so that a right-aligned column lines up."""
     return [
-        f"{value:.{decimals}f}".replace("-", "−") if math.isfinite(value) else number_text(value)
+        f"{value:.2f}".replace("-", "−") if abs(value) < _MANY else number_text(value)
         for value in values
     ]
 
@@ -235,9 +234,7 @@ def _score_table(
         if key not in keys or not any(f"{key}[{name}]" in candidate.scores for name in names):
             continue
         cells = tuple(
-            score_text(
-                process, name, candidate.scores.get(f"{key}[{name}]", math.nan), description
-            )
+            score_text(process, name, candidate.scores.get(f"{key}[{name}]", math.nan), description)
             for name in names
         )
         rows.append((description.title, description.description, cells))
@@ -257,7 +254,7 @@ def score_text(
     """
     rule = score.unit_rule
     if "signal unit" not in rule:
-        return number_text(value), "" if rule == "1" else rule.replace(" × ", " ")
+        return number_text(value), "" if rule == "1" else _SHARES.get(rule, rule)
     signal = process.signal(name)
     unit = unit_text(signal.shown_unit)
     power = 2 if "signal unit²" in rule else 1

@@ -54,9 +54,7 @@ def trend_svg(run: Run, panels: Sequence[Panel], title: str, prefix: str) -> str
     strip = _STRIP if recording.segments else 0.0
     events = _EVENTS if recording.happenings else 0.0
     heights = [72.0 * panel.height for panel in panels]
-    chart = Chart(
-        strip + events + sum(heights) + _LEGEND * len(heights) + _FOOTER, title, prefix
-    )
+    chart = Chart(strip + events + sum(heights) + _LEGEND * len(heights) + _FOOTER, title, prefix)
     x = Scale(float(time[0]) - 0.012 * end, end, _LEFT, WIDTH - _RIGHT)
     if recording.segments:
         _draw_strip(chart, recording, seconds, x)
@@ -108,8 +106,8 @@ def _draw_panel(
         chart.box((start, stop), (y.start - 0.075 * height, y.start), INK)
     if content.percent is not None:
         low, high = content.percent
-        percent = [100.0 * (v - low) / (high - low) for v in (content.bottom, content.top)]
-        draw_right_numbers(chart, x.end, Scale(*percent, y.start, y.end), "%")
+        floor, top_share = (100.0 * (v - low) / (high - low) for v in (y.low, y.high))
+        draw_right_numbers(chart, x.end, Scale(floor, top_share, y.start, y.end), "%")
     entries = [
         (name, INK, 4.0, "")
         if curve is None
@@ -157,9 +155,7 @@ def _hairlines(recording: Recording, seconds: float, x: Scale) -> list[float]:
     return sorted(places)
 
 
-def _draw_numbers(
-    chart: Chart, recording: Recording, seconds: float, x: Scale, top: float
-) -> None:
+def _draw_numbers(chart: Chart, recording: Recording, seconds: float, x: Scale, top: float) -> None:
     """Write above the panels the number of each event that has room."""
     free = 0.0
     for number, event in enumerate(recording.happenings, 1):

@@ -13,6 +13,8 @@ from clepsydra.study.tuning.result import TuningResult
 
 _WIDTH, _HEIGHT = 300.0, 190.0
 _BOX_X, _BOX_Y = (48.0, 286.0), (158.0, 24.0)
+#: From this ratio on the objective has a logarithmic scale.
+_WIDE = 4.0
 _FRONT, _CHOSEN = "#0072B2", "#D55E00"
 
 
@@ -45,8 +47,12 @@ def tuning_svg(tuning: TuningResult, title: str, prefix: str) -> str:
     start = (tuning.start_maximum_sensitivity, tuning.start_objective)
     seen = [point for point in (*points, chosen, start) if all(map(math.isfinite, point))]
     chart = Chart(_HEIGHT, title, prefix, _WIDTH)
-    ends = [_ends([point[axis] for point in seen]) for axis in (0, 1)]
-    x, y = Scale(*ends[0], *_BOX_X), Scale(*ends[1], *_BOX_Y)
+    values = [value for _, value in seen]
+    # A margin that costs many times the score would press the rest of the front flat.
+    wide = min(values) > 0.0 and max(values) > _WIDE * min(values)
+    x = Scale(*_ends([peak for peak, _ in seen]), *_BOX_X)
+    ends = (0.9 * min(values), 1.1 * max(values)) if wide else _ends(values)
+    y = Scale(*ends, *_BOX_Y, logarithmic=wide)
     draw_box(chart, x, y, x_label="max|S|", y_label="objective", ticks=(6, 5))
     places = np.array([(x.place(peak), y.place(value)) for peak, value in points]).reshape(-1, 2)
     chart.curve(places[:, 0], places[:, 1], _FRONT, 1.2)
@@ -63,7 +69,7 @@ def tuning_svg(tuning: TuningResult, title: str, prefix: str) -> str:
                 x.place(point[0]) + (7.0 if left else -7.0), y.place(point[1]) - 4.0, word,
                 anchor="start" if left else "end", bold=True,
             )  # fmt: skip
-    chart.text(_BOX_X[0], 12.0, "each dot: no other candidate beats it in both", colour=MUTED)
+    chart.text(_BOX_X[0], 12.0, "no other candidate beats a dot in both", colour=MUTED)
     return chart.svg()
 
 

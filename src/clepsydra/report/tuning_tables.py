@@ -31,7 +31,10 @@ def tuning_grid(tuning: TuningResult, process: Process) -> Grid:
     ('IAE of level_1', '50.0 V s', '30.0 V s')
     """
     rows = [
-        ("objective", *(number_text(v, DIGITS) for v in (tuning.start_objective, tuning.objective))),
+        (
+            "objective",
+            *(number_text(v, DIGITS) for v in (tuning.start_objective, tuning.objective)),
+        ),
         (
             "max|S|",
             *(
@@ -52,21 +55,3 @@ def tuning_grid(tuning: TuningResult, process: Process) -> Grid:
         else:
             rows.append((key, number_text(before), number_text(value)))
     return Grid("Tuned by simulation", ("", "start", "tuned"), tuple(rows))
-
-
-def tuning_words(tuning: TuningResult) -> list[str]:
-    """Return on which limits the tuned values stand, and how much was tried.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> tuning_words(SimpleNamespace(binding=("max|S| at most 2",), evaluations=300, seed=1,
-    ...                              interrupted=False))
-    ['On its limit: max|S| at most 2.', '300 candidates were simulated, seed 1.']
-    """
-    binding = "; ".join(tuning.binding)
-    words = [f"On its limit: {binding}." if binding else "No limit and no bound is reached."]
-    words.append(f"{tuning.evaluations} candidates were simulated, seed {tuning.seed}.")
-    if tuning.interrupted:
-        words.append("It was stopped before its end: this is the best so far.")
-    return words

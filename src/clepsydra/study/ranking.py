@@ -40,7 +40,9 @@ _ROUNDING = 1e-6
 #: What is smaller is rounding, and no reason to call a controller many times worse than another:
 #: a mean error and a move in shares of the signal's range, a variance ratio [1], and a rate of
 #: change of an outflow [m³/h per h].
-_SMALLEST_SHARE, _SMALLEST_RATIO, _SMALLEST_CHANGE = 1e-9, 1e-6, 1e-9
+_SMALLEST_SHARE, _SMALLEST_RATIO, _SMALLEST_CHANGE = 1e-6, 1e-6, 1e-9
+#: Moves of a manipulated variable below this share of its range wear nothing.
+_SMALLEST_MOVE = 1e-3
 #: And an overshoot, or a travel in an hour.
 _SMALLEST_PERCENT = 0.1
 
@@ -285,6 +287,8 @@ class _Judge:
         span = self.process.signal(name).span
         if not math.isfinite(span):
             return 0.0
+        if score == "total_variation":
+            return _SMALLEST_MOVE * span
         if "× s" not in rule:
             return _SMALLEST_SHARE * span
         return _SMALLEST_SHARE * span * self.duration

@@ -27,7 +27,7 @@ from clepsydra.study.result import StudyResult
 from clepsydra.study.trial import tried
 from clepsydra.study.tuning.objective import Limits
 from clepsydra.study.tuning.result import TuningResult
-from clepsydra.study.tuning.tune import Progress
+from clepsydra.study.tuning.tune import GENERATIONS, Progress
 from clepsydra.study.tuning.tuned_pid import tuned_pid
 
 #: The design whose controller a study tunes, and what the reader calls the result.
@@ -36,6 +36,9 @@ _START, _TUNED = "PI, SIMC", "PI, SIMC, tuned"
 #: leaves this share of the noise movement of a quiet one: noise makes most of the moves.
 _WEAR, _OF_QUIET = 2.0, 0.9
 _LARGEST_PEAK = 2.0
+#: The global search of a tuning that nobody asked for simulates about so many samples of each
+#: candidate in all, but has at least so many generations.
+_SIMULATED, _FEWEST = 400_000, 8
 #: Bounds of max|S| at which the front of score against robustness is refined.
 FRONT = (1.2, 1.4, 1.7, 2.0)
 
@@ -158,7 +161,9 @@ class _Study:
         self.tell(now)
         with self._refusals(_TUNED):
             start, limits = self._start()
-            tuning = self._tuned(now, start, partial(tuned_pid, limits=limits))
+            generations = max(_FEWEST, min(GENERATIONS, round(_SIMULATED / self.scenario.samples)))
+            search = partial(tuned_pid, limits=limits, generations=generations)
+            tuning = self._tuned(now, start, search)
             self._add(tuning.controller, tuning)
         return self
 

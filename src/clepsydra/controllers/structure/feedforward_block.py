@@ -151,6 +151,7 @@ class FeedforwardBlock:
                 good = ca.logic_and(good, sound)
                 sensors = ca.logic_and(sensors, sound)
             deviation = value_or_zero(raw, good) - symbols[f"feedforward_reference_{term.label}"]
+            good = ca.logic_and(good, is_number(deviation))
             gain = symbols[f"feedforward_gain_{term.label}"]
             lagged = symbols[f"lagged_signal_{term.label}"]
             if not term.dynamic:

@@ -193,7 +193,9 @@ class PidBlock:
             (result,) = applied
             state = terms.next_state(result)
             if self.direct is None:
-                state[name("last_applied")] = result.value
+                state[name("last_applied")] = ca.if_else(
+                    is_number(result.value), result.value, symbols[name("last_applied")]
+                )
             if self._chooses or self.form.setpoint_ramp:
                 state[name("working_setpoint")] = self._working(
                     symbols, value, terms.measurement, known, result
@@ -201,9 +203,7 @@ class PidBlock:
             if self._chooses:
                 last = symbols[name("last_setpoint_source")]
                 heard = ca.logic_and(known, ca.logic_or(result.in_force, result.follows))
-                state[name("last_setpoint_source")] = ca.if_else(
-                    heard, self._source(symbols), last
-                )
+                state[name("last_setpoint_source")] = ca.if_else(heard, self._source(symbols), last)
             told = (
                 self._told(
                     symbols, terms.measurement, value, setpoint, known, terms.unlimited, result

@@ -9,6 +9,7 @@ from pathlib import Path
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.process.process import Process
@@ -129,6 +130,13 @@ def _start_stop(rows: TableReader, name: str, process: Process, folder: Path) ->
 def _own_law(rows: TableReader, name: str, process: Process, folder: Path) -> _Made:
     table = rows.table(name, "a table", _WAYS, (*OWN_LAW_KEYS, "tune"))
     own = read_own_law(table, name, process, folder)
+    if table.has("tune") and isinstance(own.law, PythonLaw):
+        raise table.refused(
+            "tune",
+            "a law in Python",
+            "a law of expressions, whose candidates run as a batch",
+            "write it with step_law, or leave tune out",
+        )
     tune = _tuning(table, process)
     return lambda analysis, model: own.controller(model), tune
 

@@ -24,6 +24,7 @@ _LOOPS = {
     "lambda": "PI, lambda",
     "phase_margin": "PI, phase margin",
     "amigo": "PI, AMIGO",
+    "arrest_time": "PI, arrest time",
 }
 #: The second design, from the one that is preferred.
 _OTHERS = {"lqi": "LQI", "lqi_kalman": "LQI, Kalman", "lqr": "LQR", **_LOOPS}
@@ -63,8 +64,8 @@ def new_study(process: Process, named: str, template: str) -> str:
     output = "outflow"
     actions = "PI"
     action = "direct"
-    gain = "3.86 %/%"
-    integral_time = "172.7 min"
+    gain = "0.4416 %/%"
+    integral_time = "25.14 h"
     """
     analysis = analyse(process)
     scenario = default_scenario(analysis.model)
@@ -75,7 +76,8 @@ def new_study(process: Process, named: str, template: str) -> str:
     return Template(template).substitute(
         process=_quoted(named),
         title=_quoted(f"Controllers for {process.title}"),
-        duration=_duration(scenario),
+        duration=time_text(scenario.samples * scenario.sampling_period),
+        noise=time_text(max(s.start for s in scenario.segments if s.kind == "noise")),
         steps=_steps(process, scenario),
         output=process.controlled[0],
         first=first,
@@ -92,7 +94,8 @@ def new_study(process: Process, named: str, template: str) -> str:
 def _first(analysis: Analysis) -> tuple[str, Controller]:
     """Return a design of single loops that applies, and its controller."""
     reasons = []
-    for name in _LOOPS:
+    averages = bool(analysis.operating_point.process.averaging)
+    for name in sorted(_LOOPS, key=lambda name: averages and name != "arrest_time"):
         try:
             return name, _designed(name, analysis)
         except NotApplicable as refusal:
@@ -125,11 +128,6 @@ def _designed(name: str, analysis: Analysis) -> Controller:
     if not analysis.pairing:
         raise NotApplicable(_LOOPS[name], "the relative gains suggest no pairing")
     return design(analysis.model, analysis.pairing)
-
-
-def _duration(scenario: Scenario) -> str:
-    """Return the length of the scenario without its stretch of noise, rounded up."""
-    return time_text(max(s.stop for s in scenario.segments if s.kind != "noise"))
 
 
 def _steps(process: Process, scenario: Scenario) -> str:

@@ -106,5 +106,5 @@ def first_samples(
             )
     if notes:
         return FirstSamples(dict(state), tuple(notes))
-    after = zip((entry.name for entry in law.state), now.tolist(), strict=True)
-    return FirstSamples(dict(after), ())
+    entries = [entry.name for entry in law.state]
+    return FirstSamples(dict(zip(entries, now.tolist(), strict=True)), ())

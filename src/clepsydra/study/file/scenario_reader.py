@@ -37,7 +37,8 @@ def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenar
 
     Steps come one at a time: each begins a segment that lasts until the next one, whatever its
     signal, so that every score knows what it is of. A step between two samples acts from the
-    later one on. Noise is that of the process, over the whole scenario.
+    later one on. Noise is that of the process, over the whole scenario, or in a stretch of its
+    own after the last step, by which it is judged how quiet a controller is.
 
     Parameters
     ----------
@@ -87,13 +88,14 @@ def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenar
             f"at most {time_text(MOST_SAMPLES * period)}, {MOST_SAMPLES:,} sampling periods",
             "shorten it, or lengthen the sampling period of the process",
         )
-    steps = _steps(table, process, samples)
+    quiet = _noise_begins(table, period, samples)
+    steps = _steps(table, process, samples if quiet is None else quiet)
     at = analysis.operating_point.as_dict()
     setpoints = np.tile([at[name] for name in process.controlled], (samples, 1))
     disturbances = np.tile([at[signal.name] for signal in process.disturbances], (samples, 1))
     noise = np.zeros((samples, len(process.measurements)))
-    ends = [step.sample for step in steps[1:]] + [samples]
-    segments = []
+    ends = [step.sample for step in steps[1:]] + [samples if quiet is None else quiet]
+    segments: list[Segment] = []
     for step, end in zip(steps, ends, strict=True):
         if step.kind == "setpoint":
             column = setpoints[:, process.controlled.index(step.signal.name)]
@@ -105,13 +107,32 @@ def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenar
         column[step.sample :] = value
         start, stop = step.sample * period, end * period
         segments.append(Segment(step.kind, step.signal.name, start, stop, value - before))
-    if table.flag("noise", default=True):
-        add_noise(process, noise, disturbances, slice(None), seed)
+    if quiet is not None:
+        segments.append(Segment("noise", "", quiet * period, samples * period, 0.0))
+    if quiet is not None or table.flag("noise", default=True):
+        add_noise(process, noise, disturbances, slice(quiet, None), seed)
     return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed)
 
 
+def _noise_begins(table: TableReader, period: float, samples: int) -> int | None:
+    """Return the sample from which on there is noise and nothing else; None without such a time."""
+    if not table.has("noise") or isinstance(table.raw("noise"), bool):
+        return None
+    remedy = 'write true, false, or when a stretch of noise without steps begins, as in "5 h"'
+    time = table.quantity("noise", "s", "a time", remedy, above=0.0)
+    sample = samples_before(time, period)
+    if sample >= samples:
+        raise table.refused(
+            "noise",
+            table.written("noise"),
+            f"a time before the end of the scenario at {time_text(samples * period)}",
+            "lengthen the duration, or let the noise begin earlier",
+        )
+    return sample
+
+
 def _steps(table: TableReader, process: Process, samples: int) -> list[_Step]:
-    """Return the steps in order of time."""
+    """Return the steps in order of time, all of them before the sample `samples`."""
     controlled = [process.signal(name) for name in process.controlled]
     steps = []
     kinds: tuple[tuple[Literal["setpoint", "load"], list[Signal], str], ...] = (
@@ -161,7 +182,7 @@ def _sample(row: TableReader, period: float, samples: int) -> int:
         raise row.refused(
             "at",
             row.written("at"),
-            f"a time before the end of the scenario at {time_text(samples * period)}",
+            f"a time before the end of the steps at {time_text(samples * period)}",
             "lengthen the duration, or let it step earlier",
         )
     return sample

@@ -13,7 +13,7 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.study.tuning.objective import Limits, minimax
 from clepsydra.study.tuning.parameters import around
 from clepsydra.study.tuning.result import TuningResult
-from clepsydra.study.tuning.tune import METHOD, Progress, tune
+from clepsydra.study.tuning.tune import GENERATIONS, METHOD, Progress, tune
 
 #: How far gains and integral times may move from the rule's, up and down.
 _FACTOR = 10.0
@@ -26,6 +26,7 @@ def tuned_pid(
     scenario: Scenario,
     *,
     limits: Limits | None = None,
+    generations: int = GENERATIONS,
     seed: int = 1,
     front: Sequence[float] = (),
     progress: Callable[[Progress], None] | None = None,
@@ -42,7 +43,7 @@ def tuned_pid(
         Designed by a rule.
     limits : Limits, optional
         max|S| at most 2 if omitted.
-    model, scenario, seed, front, progress, state_file
+    model, scenario, generations, seed, front, progress, state_file
         As for `clepsydra.study.tuning.tune.tune`.
 
     Raises
@@ -78,6 +79,7 @@ def tuned_pid(
         around(controller, names, _FACTOR),
         minimax(*(f"iae[{name}]" for name in dict.fromkeys(controller.setpoints))),
         limits=limits or Limits(SENSITIVITY_LIMIT),
+        generations=generations,
         seed=seed,
         front=front,
         progress=progress,

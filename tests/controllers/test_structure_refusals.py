@@ -1,0 +1,124 @@
+"""Schemes that cannot work are refused, each with its place and what to do."""
+
+import pytest
+from scheme_rig import FLOW, LEVEL, PUMP, VALVE
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.structure.law import structure_law
+from clepsydra.controllers.structure.output_block import OutputBlock
+from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.controllers.structure.selector_block import SelectorBlock
+
+
+def loop(name, number=1, setpoint=1, form=None):
+    return PidBlock(name, number, form or PidForm(), LEVEL, 1, PUMP, setpoint, None)
+
+
+def refused(*blocks):
+    with pytest.raises(InputError) as caught:
+        structure_law("scheme", blocks, controlled=[LEVEL], measured=[LEVEL, FLOW])
+    return caught.value
+
+
+def test_loops_that_give_each_other_their_setpoints_run_in_a_circle():
+    error = refused(
+        loop("first", 1, "second"), loop("second", 2, "first"), loop("third", 3),
+        OutputBlock(1, PUMP, "third"),
+    )  # fmt: skip
+    assert error.place == "control scheme scheme"
+    assert "first" in str(error.value) and "second" in str(error.value)
+    assert "third" not in str(error.value)
+    assert "circle" in error.expected and error.remedy
+
+
+def test_a_port_is_taken_once():
+    error = refused(loop("level_loop"), OutputBlock(1, PUMP, "level_loop"),
+                    OutputBlock(2, VALVE, "level_loop"))  # fmt: skip
+    assert error.place == "control scheme scheme, level_loop"
+    assert "pump" in str(error.value) and "valve" in str(error.value)
+    assert "one block" in error.expected and "split the range" in error.remedy
+
+
+def test_a_loop_that_moves_nothing():
+    error = refused(loop("level_loop"), loop("idle", 2), OutputBlock(1, PUMP, "level_loop"))
+    assert error.place == "control scheme scheme, idle"
+    assert error.remedy == "connect it, or leave it out"
+
+
+def test_a_source_that_is_not_there():
+    error = refused(loop("level_loop"), OutputBlock(1, PUMP, "level_loop"),
+                    OutputBlock(2, VALVE, "levle_loop"))  # fmt: skip
+    assert error.place == "control scheme scheme, valve"
+    assert error.value == "levle_loop" and "level_loop" in error.expected
+
+
+def test_two_blocks_of_one_name():
+    error = refused(loop("level_loop"), loop("level_loop", 2), OutputBlock(1, PUMP, "level_loop"))
+    assert error.value == "level_loop" and error.remedy == "rename one"
+
+
+@pytest.mark.parametrize("selection", ["low", "high"])
+@pytest.mark.parametrize("anti_windup", ["conditional_integration", "clamping", "none"])
+@pytest.mark.parametrize("algorithm", ["isa", "series", "parallel"])
+@pytest.mark.parametrize("waiting", [0, 1])
+def test_an_override_without_tracking(selection, anti_windup, algorithm, waiting):
+    bad = PidForm("PI", algorithm, anti_windup=anti_windup)
+    names = ["level_loop", "flow_loop"]
+    error = refused(
+        *(loop(name, i + 1, 1, bad if i == waiting else None) for i, name in enumerate(names)),
+        SelectorBlock("selected", tuple(names), selection),
+        OutputBlock(1, PUMP, "selected"),
+    )
+    assert error.place == f"control scheme scheme, {names[waiting]}"
+    assert error.value == anti_windup
+    assert "back_calculation" in error.expected and "selected" in error.expected
+    assert 'anti_windup = "back_calculation"' in error.remedy
+
+
+def test_an_override_behind_another_one_needs_tracking_too():
+    bad = PidForm(anti_windup="none")
+    error = refused(
+        loop("a", 1), loop("b", 2, 1, bad), loop("c", 3),
+        SelectorBlock("inner", ("a", "b"), "low"), SelectorBlock("outer", ("inner", "c"), "high"),
+        OutputBlock(1, PUMP, "outer"),
+    )  # fmt: skip
+    assert error.place == "control scheme scheme, b"
+
+
+@pytest.mark.parametrize(
+    "form",
+    [PidForm("P", anti_windup="none"), PidForm("PI", "velocity", anti_windup="none"), PidForm()],
+    ids=["no-integral", "velocity", "tracking"],
+)
+def test_an_override_of_what_cannot_wind_up_is_accepted(form):
+    structure_law(
+        "scheme",
+        [
+            loop("a", 1, 1, form), loop("b", 2, 1, form),
+            SelectorBlock("selected", ("a", "b"), "low"), OutputBlock(1, PUMP, "selected"),
+        ],
+        controlled=[LEVEL], measured=[LEVEL, FLOW],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"actions": "ID"}, "PID form, actions"),
+        ({"algorithm": "ideal"}, "PID form, algorithm"),
+        ({"derivative_on": "setpoint"}, "PID form, derivative_on"),
+        ({"error": "cubed"}, "PID form, error"),
+        ({"anti_windup": "off"}, "anti_windup"),
+        ({"actions": "P", "algorithm": "velocity"}, "PID form, velocity"),
+        ({"actions": "PD", "algorithm": "velocity"}, "PID form, velocity"),
+        ({"error": "gap", "algorithm": "series"}, "PID form, series"),
+        ({"error": "squared", "algorithm": "velocity"}, "PID form, velocity"),
+    ],
+)
+def test_a_form_that_does_not_exist(options, words):
+    with pytest.raises(InputError) as caught:
+        PidForm(**options)
+    assert caught.value.place == words
+    assert caught.value.value in options.values()
+    assert caught.value.remedy

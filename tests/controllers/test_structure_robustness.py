@@ -1,0 +1,77 @@
+"""Every scheme under anything that can arrive: outputs within limits, states numbers."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pid_rig import Scans
+from scheme_rig import SCHEMES
+
+anything = st.floats()
+plausible = st.floats(0.0, 10.0)
+
+
+def value_of(signal):
+    """What arrives at an input: mostly plausible, at times anything."""
+    name = signal.name
+    if name.startswith("mode"):
+        return st.sampled_from([0.0, 1.0, 1.0, 1.0, 2.0, 3.0])
+    if name.startswith("sensor"):
+        return st.sampled_from([0.0, 1.0, 1.0, 1.0])
+    if name.startswith("setpoint_source"):
+        return st.sampled_from([0.0, 1.0, 2.0])
+    if name == "time_step":
+        return st.one_of(st.sampled_from([0.5, 1.0]), anything)
+    return st.one_of(plausible, plausible, anything)
+
+
+def check(scheme, outputs):
+    for number in (1, 2):
+        if f"manipulated_{number}" in outputs:
+            low, high = (scheme.values[f"{end}_limit_{number}"] for end in ("low", "high"))
+            assert low <= outputs[f"manipulated_{number}"] <= high
+            assert outputs[f"status_{number}"] in range(256)
+    assert all(abs(value) <= 1e300 for value in scheme.state.values()), scheme.state
+
+
+@pytest.mark.parametrize("name", SCHEMES)
+@settings(max_examples=60, deadline=None)
+@given(data=st.data())
+def test_outputs_within_limits_and_states_numbers_whatever_comes(name, data):
+    law = SCHEMES[name]
+    scheme = Scans(law, {})
+    for _ in range(data.draw(st.integers(1, 6))):
+        given_inputs = {signal.name: data.draw(value_of(signal)) for signal in law.inputs}
+        changed = data.draw(
+            st.sampled_from([p.name for p in law.parameters if "limit" not in p.name])
+        )
+        scheme.set(**{changed: data.draw(anything)})
+        check(scheme, scheme.scan(**given_inputs))
+
+
+@pytest.mark.parametrize("name", SCHEMES)
+def test_after_every_signal_failed_once_it_controls_again(name):
+    """A fault of each input, one after the other, leaves nothing behind that stops control."""
+    law = SCHEMES[name]
+    rest = {signal.name: 5.0 for signal in law.inputs if signal.name.startswith(
+        ("setpoint_", "measurement_", "local_", "tracking_", "manual_")
+    ) and "source" not in signal.name}  # fmt: skip
+    modes = {
+        signal.name: 1.0 for signal in law.inputs if signal.name.startswith(("mode", "sensor"))
+    }
+    scheme = Scans(law, {}, **rest, **modes, time_step=0.5)
+    untouched = scheme.twin()
+    for signal in law.inputs:
+        for wrong in (math.nan, math.inf, -math.inf, 1e301):
+            before = scheme.inputs[signal.name]
+            for _ in range(3):
+                check(scheme, scheme.scan(**{signal.name: wrong}))
+            check(scheme, scheme.scan(**{signal.name: before}))
+    moved = [name for name in ("measurement_1", "measurement_2") if name in scheme.inputs]
+    for instance in (scheme, untouched):
+        instance.give(dict.fromkeys(moved, 4.5))
+    found, expected = (instance.scan() for instance in (scheme, untouched))
+    # All at rest: a fault moves nothing, and what the measurements then do acts as ever.
+    for output in expected:
+        assert found[output] == pytest.approx(expected[output], abs=1e-7)
