@@ -153,8 +153,12 @@ def test_a_loop_whose_sensor_fails_is_passed_over():
     assert set(read_status(int(found["status_1"]))) == {
         "automatic", "sensor_fault", "invalid_input"
     }  # fmt: skip
-    held = scheme.moved(sensor_1=0.0)  # and with both the output is held
-    assert held == found["manipulated_1"]
+    # What it cannot compute it does not integrate either.
+    integral = scheme.state["integral_2"]
+    for _ in range(5):
+        last = scheme.moved()
+    assert scheme.state["integral_2"] == integral == 50.0
+    assert scheme.moved(sensor_1=0.0) == last  # and with both the output is held
 
 
 # --- split range ------------------------------------------------------------------------------
@@ -180,6 +184,22 @@ def test_a_split_range_by_hand():
         found = scheme.scan(measurement_1=5.0 - value / 10.0)
         assert found["manipulated_1"] == pytest.approx(pump, abs=BUMP)
         assert found["manipulated_2"] == pytest.approx(valve, abs=BUMP)
+
+
+def test_the_limit_of_one_leg_stops_the_integral_of_the_loop():
+    """The valve ends at 60 %, which is 84 % of the range: I goes to 84 + K e (Tt/Ti − 1)."""
+    law = split_range((0.0, 40.0, 100.0, 0.0), (60.0, 100.0, 0.0, 100.0))
+    scheme = Scans(
+        law, loop_settings(1, 10.0, 30.0) | {"high_limit_2": 60.0}, setpoint_1=5.0,
+        measurement_1=5.0, tracking_1=50.0, tracking_2=0.0, time_step=STEP,
+    )  # fmt: skip
+    for _ in range(3000):
+        found = scheme.scan(measurement_1=4.0)
+    assert (found["manipulated_1"], found["manipulated_2"]) == (0.0, 60.0)
+    assert scheme.state["integral_1"] == pytest.approx(84.0, abs=1e-6)
+    # The error turns to −0.1: the valve leaves its limit by K e = 1 % of the range at once.
+    found = scheme.scan(measurement_1=5.1)
+    assert found["manipulated_2"] == pytest.approx(60.0 - 1.0 / 40.0 * 100.0, abs=1e-5)
 
 
 def test_a_gap_between_the_parts_is_crossed_at_the_speed_of_the_integral():

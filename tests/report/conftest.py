@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -226,3 +228,27 @@ def result(process: Process) -> StudyResult:
 def run(result: StudyResult) -> Run:
     """The run that reaches the limits of its pumps."""
     return result.ranking[1].run
+
+
+def path_points(data: str) -> np.ndarray:
+    """The points of a path written with M, l, h and v, in points."""
+    found, here = [], np.zeros(2)
+    for command, words in re.findall(r"([Mlhv])([^Mlhv]*)", data):
+        numbers = [int(word) for word in re.findall(r"-?\d+", words)]
+        if command == "M":
+            here = np.array(numbers, float)
+            found.append(here.copy())
+        elif command == "l":
+            for move in np.reshape(numbers, (-1, 2)):
+                here = here + move
+                found.append(here.copy())
+        else:
+            (length,) = numbers
+            here = here + (np.array([length, 0]) if command == "h" else np.array([0, length]))
+            found.append(here.copy())
+    return np.array(found) / 10.0
+
+
+@pytest.fixture(scope="session")
+def points_of():
+    return path_points

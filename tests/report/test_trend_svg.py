@@ -10,7 +10,6 @@ import pytest
 from clepsydra.report.colours import signal_colours
 from clepsydra.report.panels import all_panels, controlled_panels
 from clepsydra.report.trend_svg import trend_svg
-from tests.report.test_chart import points_of
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +17,7 @@ def text(run):
     return trend_svg(run, all_panels(run), "all", "a")
 
 
-def curves(text, colour, width):
+def curves(text, colour, width, points_of):
     found = re.findall(rf'<path d="([^"]*)"[^>]*stroke="{colour}" stroke-width="{width}"', text)
     return [points_of(data) for data in found]
 
@@ -35,8 +34,8 @@ def axis_of(text, panel):
     return groups[panel]
 
 
-def test_a_level_stands_where_its_axis_says(text, run):
-    (curve, *_) = curves(text, signal_colours(run.process)["tank_1.level"], "14")
+def test_a_level_stands_where_its_axis_says(text, run, points_of):
+    (curve, *_) = curves(text, signal_colours(run.process)["tank_1.level"], "14", points_of)
     (y1, v1), *_, (y2, v2) = axis_of(text, 0)
     levels = v1 + (curve[:, 1] - y1) * (v2 - v1) / (y2 - y1)
     shown = 100 * run.values["tank_1.level"]
@@ -62,14 +61,14 @@ def test_the_words_of_a_strip_have_room(text):
         assert len(words) * 0.58 * 6.5 <= max(float(width) for _, width in boxes)
 
 
-def test_a_run_that_broke_down_is_still_drawn(run):
+def test_a_run_that_broke_down_is_still_drawn(run, points_of):
     broken = run.values["tank_1.level"].copy()
     broken[100:] = np.nan
     text = trend_svg(
         replace(run, values=run.values | {"tank_1.level": broken}), controlled_panels(run), "b", "b"
     )
     assert "nan" not in text
-    (curve, *_) = curves(text, signal_colours(run.process)["tank_1.level"], "14")
+    (curve, *_) = curves(text, signal_colours(run.process)["tank_1.level"], "14", points_of)
     assert curve[-1, 0] < 80.0
 
 

@@ -11,6 +11,7 @@ import pytest
 from clepsydra.base.errors import InputError
 from clepsydra.process.reader import load_process
 from clepsydra.study.designs import DESIGNS
+from clepsydra.study.file.reader import read_study
 from clepsydra.study.result import StudyResult
 from clepsydra.study.study import run_study
 
@@ -246,3 +247,25 @@ def test_a_design_whose_numbers_no_controller_takes_does_not_end_the_study(tmp_p
     assert "its feedback_1_1 would be 1." in reasons["LQI, Bryson"]
     assert "a controller takes a number from -1e+09 to 1e+09 V/m" in reasons["LQI, Bryson"]
     assert {"PI, SIMC", "PI, phase margin"} <= {c.controller.name for c in result.ranking}
+
+
+def test_an_interrupted_tuning_is_told_and_goes_on(tmp_path):
+    """Control-C in the middle of the search: the best so far now, the same end afterwards."""
+    file = tmp_path / "tuned.toml"
+    file.write_text('process = "three-tanks"\n[controllers.a]\ndesign = "simc"\ntune = {}\n')
+    calls = []
+
+    def interrupt(progress):
+        calls.append(progress)
+        if len(calls) == 6:
+            raise KeyboardInterrupt
+
+    (cut,) = run_study(read_study(file), progress=interrupt, tuning_folder=tmp_path).ranking
+    assert cut.tuning.interrupted and "interrupted after" in cut.warnings[0]
+    (kept,) = tmp_path.glob("*.tuning.json")
+    (ended,) = run_study(read_study(file), tuning_folder=tmp_path).ranking
+    assert not kept.exists()
+    (whole,) = run_study(read_study(file)).ranking
+    assert not whole.tuning.interrupted and not any("interrupted" in w for w in whole.warnings)
+    assert ended.controller.values == whole.controller.values
+    assert ended.tuning.objective == whole.tuning.objective <= cut.tuning.objective

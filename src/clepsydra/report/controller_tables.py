@@ -42,9 +42,12 @@ def parameter_tables(controller: Controller) -> list[ParameterTable]:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
-    >>> result = run_study("quadruple-tank")
-    >>> [table.columns for table in parameter_tables(result.ranking[0].controller)]
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> [table.columns for table in parameter_tables(controller)]
     [('1', '2')]
     """
     units = {signal.name: signal.unit for signal in controller.law.parameters}
@@ -80,9 +83,15 @@ def status_words(run: Run) -> list[str]:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
-    >>> result = run_study("quadruple-tank")
-    >>> status_words(result.ranking[0].run)[0].split(" (")[0]
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.loop.loop import Loop
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
+    >>> status_words(run)[0].split(" (")[0]
     'pump_1, pump_2: the mode is automatic'
     """
     outputs: dict[str, list[str]] = {}

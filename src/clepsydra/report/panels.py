@@ -44,8 +44,14 @@ def controlled_panels(run: Run) -> list[Panel]:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
-    >>> run = run_study("quadruple-tank").ranking[0].run
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.loop.loop import Loop
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
     >>> [panel.signal.name for panel in controlled_panels(run)]
     ['tank_1.level', 'tank_2.level']
     """
@@ -61,8 +67,14 @@ def all_panels(run: Run | Simulation) -> list[Panel]:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
-    >>> run = run_study("quadruple-tank").ranking[0].run
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.loop.loop import Loop
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
     >>> [panel.signal.name for panel in all_panels(run)][2:6]
     ['tank_3.level', 'tank_4.level', 'pump_1', 'pump_2']
     """

@@ -212,7 +212,7 @@ def score_tables(process: Process, candidate: Candidate) -> list[ScoreTable]:
     >>> result = run_study("quadruple-tank")
     >>> outputs, inputs, plant = score_tables(result.process, result.ranking[0])
     >>> [title for title, _, _ in inputs.rows][:3]
-    ['Total variation', 'Largest move', 'Time in saturation']
+    ['Total variation', 'Noise movement', 'Travel']
     """
     of_signals = [key for key in SCORES if key not in PLANT_SCORES]
     named = [key.partition("[") for key in candidate.scores]

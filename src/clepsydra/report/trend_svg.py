@@ -42,8 +42,14 @@ def trend_svg(run: Run, panels: Sequence[Panel], title: str, prefix: str) -> str
     Examples
     --------
     >>> from clepsydra.report.panels import controlled_panels
-    >>> from clepsydra.study.study import run_study
-    >>> run = run_study("quadruple-tank").ranking[0].run
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.loop.loop import Loop
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
     >>> trend_svg(run, controlled_panels(run), "levels", "a").count("<title>levels</title>")
     1
     """

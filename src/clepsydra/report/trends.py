@@ -87,8 +87,14 @@ def trend_figure(run: Run | Simulation, panels: Sequence[Panel]) -> Figure:
     Examples
     --------
     >>> from clepsydra.report.panels import controlled_panels
-    >>> from clepsydra.study.study import run_study
-    >>> run = run_study("quadruple-tank").ranking[0].run
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.loop.loop import Loop
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
     >>> len(trend_figure(run, controlled_panels(run)).axes)  # two panels and the strip above
     3
     """

@@ -75,9 +75,18 @@ def tried(
         maximum_sensitivity=(
             math.nan if switches else sampled_loop(controller, model).maximum_sensitivity
         ),
-        warnings=(*before, *warnings_after(run, scores)),
+        warnings=(*_cut_short(tuning), *before, *warnings_after(run, scores)),
         response=response,
         tuning=tuning,
+    )
+
+
+def _cut_short(tuning: TuningResult | None) -> tuple[str, ...]:
+    if tuning is None or not tuning.interrupted:
+        return ()
+    return (
+        f"The tuning was interrupted after {tuning.evaluations} candidates, and this is the best "
+        "of them: run the same study again, and it goes on from there.",
     )
 
 

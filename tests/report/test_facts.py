@@ -1,0 +1,241 @@
+"""The facts from which an engineer sets up a controller, against the parameters of its law."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.start_stop_levels import start_stop_law
+from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
+from clepsydra.controllers.structure.output_block import OutputBlock
+from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.controllers.structure.ratio_block import RatioBlock
+from clepsydra.controllers.structure.selector_block import SelectorBlock
+from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
+from clepsydra.design.bryson import design_lqi
+from clepsydra.design.lqi_kalman import design_lqi_kalman
+from clepsydra.design.simc import design_simc
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
+from clepsydra.report.law_tables import law_facts, law_grids, law_words
+from clepsydra.report.pid_tables import equation, loop_settings
+from clepsydra.report.scheme_tables import scheme_blocks
+
+
+@pytest.fixture(scope="module")
+def wet_well():
+    return analyse(load_process("wet-well"))
+
+
+def by_hand(point, form, **values):
+    """One loop of the wet well: level [A] by duty [1]; the display is in mA and %."""
+    process = point.process
+    law = multiloop_pid_law(
+        1, form, measured=[process.signal("level")], manipulated=[process.signal("duty")]
+    )
+    given = {p.name: p.initial for p in law.parameters} | values
+    state = {s.name: s.initial for s in law.state if not s.name.startswith("last_")}
+    state |= {f"last_{name}": given[name] for name in given}
+    names = {s.name for s in law.state}
+    state = {name: state.get(name, 0.0) for name in names}
+    return Controller(
+        "by hand", "PID", "By hand.", law, given, state, ("level",), ("level",), ("duty",)
+    )
+
+
+def facts_of(controller, point):
+    (loop,) = loop_settings(controller, point)
+    return dict(loop.facts)
+
+
+def test_gains_are_in_the_units_of_the_displays(wet_well):
+    point = wet_well.operating_point
+    facts = facts_of(
+        by_hand(point, PidForm(), proportional_gain_1=-125.0, integral_time_1=120.0), point
+    )
+    # -125 per A are -12.5 % per mA; of 16 mA that is 200 %, so 2 %/% and a band of 50 %.
+    assert facts["gain K"] == "−12.50 %/mA, that is 2.000 %/% with direct action"
+    assert facts["proportional band"] == "50.00 %"
+    assert facts["integral time Ti"] == "120.0 s = 2.000 min/repeat = 0.5000 repeats/min"
+    assert facts["action"].startswith("direct: the output falls when the measurement falls")
+    assert facts["the same in parallel form"] == "Kp = −12.50 %/mA, Ki = −0.1042 %/mA per s"
+    assert facts["output limits"] == "0 to 100.0 %"
+
+
+def test_a_pid_names_its_derivative_and_the_other_forms(wet_well):
+    point = wet_well.operating_point
+    values = {"proportional_gain_1": -125.0, "integral_time_1": 100.0, "derivative_time_1": 16.0}
+    facts = facts_of(by_hand(point, PidForm("PID"), **values, derivative_filter_1=8.0), point)
+    assert facts["derivative time Td"] == "16.00 s = 0.2667 min"
+    assert facts["derivative filter"] == "2.000 s (Td/8)"
+    # Ti' + Td' = 100 and Ti' Td' = 1600: 80 and 20 s; K' = K 80/100.
+    assert facts["the same in series form"] == "K = −10.00 %/mA, Ti = 80.00 s, Td = 20.00 s"
+    series = facts_of(by_hand(point, PidForm("PID", "series"), **values), point)
+    assert series["integral time Ti"].startswith("116.0 s")
+    assert series["the same in series form"].endswith("Ti = 100.0 s, Td = 16.00 s")
+
+
+def test_a_parallel_form_is_shown_in_isa_too(wet_well):
+    point = wet_well.operating_point
+    form = PidForm("PI", "parallel", anti_windup="conditional_integration")
+    facts = facts_of(by_hand(point, form, proportional_gain_1=-125.0, integral_gain_1=-2.5), point)
+    assert facts["integral time Ti"].startswith("50.00 s")
+    assert "tracking time" not in facts
+    assert facts["anti-windup"].startswith("conditional integration")
+
+
+def test_gap_action_and_ramp_are_in_display_units(wet_well):
+    point = wet_well.operating_point
+    form = PidForm(error="gap", setpoint_ramp=True)
+    facts = facts_of(
+        by_hand(point, form, proportional_gain_1=-9.0, gap_1=0.002, setpoint_ramp_1=1e-5), point
+    )
+    assert facts["gap, to each side"] == "2.000 mA"
+    assert facts["setpoint moves at most"] == "0.01000 mA/s"
+
+
+def test_without_integral_action_there_is_a_bias_and_no_integral_time(wet_well):
+    point = wet_well.operating_point
+    facts = facts_of(by_hand(point, PidForm("P"), proportional_gain_1=-125.0), point)
+    assert "integral time Ti" not in facts and "anti-windup" not in facts
+    assert "+ bias" in facts["algorithm"]
+
+
+def test_equations_of_the_forms():
+    assert equation(PidForm("PID")) == "u = K (b r − y) + K/Ti ∫ e dt + K Td·(−D(y)), e = r − y"
+    assert "Kd·(D(e))" in equation(PidForm("PID", "parallel", "error"))
+    assert equation(PidForm("PI", "velocity")).endswith("computed as increments of u")
+    assert "y′ = y − Td" in equation(PidForm("PID", "series"))
+
+
+def scheme_of(blocks, values=None):
+    parameters = {p.name: p.initial for block in blocks for p in block.parameters()}
+    law = SimpleNamespace(blocks=tuple(blocks), description=(), state=())
+    return SimpleNamespace(
+        law=law, values=parameters | (values or {}), initial_state={}, measurements=()
+    )
+
+
+def test_every_block_of_a_scheme_is_said(wet_well):
+    process = wet_well.operating_point.process
+    level, duty = process.signal("level"), process.signal("duty")
+    percent = Signal("split", "%", low=0.0, high=100.0)
+    standby = Signal("standby", "1", "%", 0.0, 1.0)
+    blocks = [
+        SelectorBlock("lowest", ("level loop", "power loop"), "low"),
+        FeedforwardBlock(
+            "sum", "lowest", percent, (FeedforwardTerm("1", level, "measurement_1", True),)
+        ),
+        SplitRangeBlock(
+            "split",
+            "sum",
+            (Leg(1, duty, 0.0, 50.0, 0.0, 1.0), Leg(2, standby, 50.0, 100.0, 0, 0.8)),
+        ),
+        RatioBlock("ratio", 3, level, 1, duty, None),
+        OutputBlock(1, duty, "split, duty", True),
+    ]
+    given = {
+        "feedforward_gain_1": 5000.0, "feedforward_reference_1": 0.012, "feedforward_lead_1": 3.0,
+        "feedforward_lag_1": 9.0, "rate_limit_1": 0.02, "ratio_3": 40.0,
+    }  # fmt: skip
+    found = {
+        part.title: dict(part.facts) for part in scheme_blocks(scheme_of(blocks, given), process)
+    }
+    selector = found["Override, lowest selector (lowest)"]
+    assert selector["takes"] == "the lowest of level loop, power loop"
+    assert "external reset" in selector["loops not selected"]
+    assert found["Feedforward of split (sum)"]["from level"] == (
+        "5.000 %/mA × (level − 12.00 mA), through (1 + 3.000 s · s)/(1 + 9.000 s · s)"
+    )
+    split = found["Split range (split)"]
+    assert split["duty"] == "from 0 % at 0 % to 100.0 % at 50.00 %, level beyond"
+    assert split["standby"] == "from 0 % at 50.00 % to 80.00 % at 100.0 %, level beyond"
+    assert found["Ratio of duty to level (ratio)"]["ratio"] == "4.000 %/mA"
+    output = found["Output duty"]
+    assert output["moved by"] == "split, duty" and output["rate limit"] == "2.000 % per s"
+
+
+def test_an_inner_loop_says_where_its_setpoint_comes_from(wet_well):
+    point = wet_well.operating_point
+    level, duty = point.process.signal("level"), point.process.signal("duty")
+    inner = PidBlock("inner", 2, PidForm(), level, 1, duty, "outer", 1)
+    values = {"setpoint_low_limit_2": 0.006, "setpoint_high_limit_2": 0.018, "integral_time_2": 5.0}
+    (loop,) = loop_settings(scheme_of([inner, OutputBlock(1, duty, "inner")], values), point)
+    assert dict(loop.facts)["setpoint"] == "from outer (cascade), kept from 6.000 mA to 18.00 mA"
+
+
+def test_decoupling_is_said_of_every_output():
+    analysis = analyse(load_process("quadruple-tank"))
+    controller = design_simc(analysis.model, analysis.pairing, decoupling="dynamic")
+    process = analysis.operating_point.process
+    found = {part.title: dict(part.facts) for part in scheme_blocks(controller, process)}
+    words = found["Decoupling of pump_2 (sum 2)"]["from pump_1"]
+    assert words.startswith(f"{controller.values['feedforward_gain_2_1']:.4f}".replace("-", "−"))
+    assert "V/V × (pump_1 − 3.000 V), through (1 + " in words
+    assert found["Output pump_1"]["output limits"] == "0 to 10.00 V"
+
+
+def test_matrices_name_their_rows_and_columns_in_display_units(wet_well):
+    controller = design_lqi_kalman(wet_well.model)
+    grids = {grid.title: grid for grid in law_grids(controller, wet_well.operating_point.process)}
+    feedback = grids["F, feedback"]
+    assert feedback.head[1:] == ("well.level [m]", "duty.actual [%]")
+    ((name, level, actual),) = feedback.rows
+    values = controller.values
+    assert name == "duty [%]"
+    assert float(level.replace("−", "-")) == pytest.approx(100 * values["feedback_1_1"], rel=1e-3)
+    assert float(actual.replace("−", "-")) == pytest.approx(values["feedback_1_2"], rel=1e-3)
+    (row,) = grids["C, shown by"].rows
+    # 4 to 20 mA over 4 m of level.
+    assert row[0] == "level [mA]" and float(row[1]) == pytest.approx(4.0, rel=1e-3)
+    assert len(grids["Φ, a sample later"].rows) == 2
+    assert any("Observer" in sentence for sentence in law_words(controller))
+
+
+def test_a_state_feedback_says_its_operating_point():
+    analysis = analyse(load_process("quadruple-tank"))
+    controller = design_lqi(analysis.model)
+    parts = {
+        p.title: dict(p.facts) for p in law_facts(controller, analysis.operating_point.process)
+    }
+    assert parts["Operating point"]["level_1°"] == "6.131 V"
+    assert parts["Output pump_1"]["pump_1°, at rest"] == "3.000 V"
+    assert "output at rest" not in parts["Output pump_1"]
+    assert (
+        law_facts(design_simc(analysis.model, analysis.pairing), analysis.operating_point.process)
+        == []
+    )
+
+
+def test_start_and_stop_levels_are_a_table_of_stages():
+    process = load_process("wet-well:start-stop")
+    pumps = list(process.inputs)
+    law = start_stop_law(2, measured=process.signal("level"), manipulated=pumps)
+    values = {p.name: p.initial for p in law.parameters} | {
+        "start_level_1": 0.012, "stop_level_1": 0.008,
+        "start_level_2": 0.016, "stop_level_2": 0.010,
+        "shortest_rest": 60.0,
+    }  # fmt: skip
+    state = {s.name: s.initial for s in law.state}
+    names = tuple(signal.name for signal in pumps)
+    controller = Controller(
+        "levels", "start/stop levels", "By hand.", law, values, state, ("level",), (), names
+    )
+    (grid,) = law_grids(controller, process)
+    assert grid.rows[1] == ("stage 2: 2 running", "16.00 mA", "10.00 mA")
+    parts = {part.title: dict(part.facts) for part in law_facts(controller, process)}
+    assert parts["Pumps"]["shortest rest of a pump"] == "60.00 s"
+    assert parts["Pumps"]["the duty changes"] == "after each run"
+    assert parts[f"Output {names[0]}"]["in service"] == "yes"
+    assert law_words(controller)[0].startswith("Stage j begins at start_level_j")
+
+
+def test_a_gain_of_zero_is_said(wet_well):
+    point = wet_well.operating_point
+    controller = by_hand(point, PidForm(), proportional_gain_1=1.0)
+    still = replace(controller, values=controller.values | {"proportional_gain_1": 0.0})
+    assert facts_of(still, point)["gain K"] == "0: no proportional action"
