@@ -273,6 +273,18 @@ def test_a_feedforward_signal_that_fails_leaves_its_term_and_the_loop_goes_on():
         assert scheme.moved(measurement_1=4.9) == pytest.approx(48.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("dynamic", [False, True])
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, 1e308, -1e308])
+def test_a_reference_that_is_no_number_leaves_the_term_where_it_was(dynamic, wrong):
+    scheme = resting_feedforward(feedforward(dynamic=dynamic), feedforward_lag_1=2.0)
+    for _ in range(100):
+        scheme.moved(measurement_2=9.0)
+    state = dict(scheme.state)
+    scheme.set(feedforward_reference_1=wrong)
+    assert scheme.moved() == pytest.approx(47.0, abs=1e-9)
+    assert scheme.state == pytest.approx(state, abs=1e-9)
+
+
 def test_inverted_decoupling_adds_what_the_other_loop_moved_at_last():
     law = decoupled()
     values = loop_settings(1, 10.0, 1e9) | loop_settings(2, 2.0, 1e9)
@@ -335,7 +347,7 @@ def test_a_loop_trims_a_ratio_between_its_ends():
 BETWEEN = {
     "feedforward": (
         lambda form: feedforward(form, dynamic=False),
-        {"feedforward_gain_1": 0.37, "feedforward_reference_1": 0.1},
+        {"feedforward_gain_1": 23.1, "feedforward_reference_1": 0.1},
         {"measurement_2": 1.7},
         1.0,
     ),

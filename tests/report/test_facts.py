@@ -168,6 +168,15 @@ def test_an_inner_loop_says_where_its_setpoint_comes_from(wet_well):
     assert dict(loop.facts)["setpoint"] == "from outer (cascade), kept from 6.000 mA to 18.00 mA"
 
 
+def test_an_outer_loop_moves_a_setpoint(wet_well):
+    point = wet_well.operating_point
+    level, duty = point.process.signal("level"), point.process.signal("duty")
+    outer = PidBlock("outer", 1, PidForm(), level, 1, level, 1, None)
+    inner = PidBlock("inner", 2, PidForm(), level, 1, duty, "outer", 1)
+    loops = loop_settings(scheme_of([outer, inner, OutputBlock(1, duty, "inner")]), point)
+    assert dict(loops[0].facts)["moves"] == "the setpoint of level (4 to 20 mA)"
+
+
 def test_decoupling_is_said_of_every_output():
     analysis = analyse(load_process("quadruple-tank"))
     controller = design_simc(analysis.model, analysis.pairing, decoupling="dynamic")
@@ -226,7 +235,7 @@ def test_start_and_stop_levels_are_a_table_of_stages():
         "levels", "start/stop levels", "By hand.", law, values, state, ("level",), (), names
     )
     (grid,) = law_grids(controller, process)
-    assert grid.rows[1] == ("stage 2: 2 running", "16.00 mA", "10.00 mA")
+    assert grid.rows[1] == ("stage 2: 2 running", "16.00 mA = 3.000 m", "10.00 mA = 1.500 m")
     parts = {part.title: dict(part.facts) for part in law_facts(controller, process)}
     assert parts["Pumps"]["shortest rest of a pump"] == "60.00 s"
     assert parts["Pumps"]["the duty changes"] == "after each run"

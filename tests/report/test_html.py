@@ -185,7 +185,7 @@ def test_definitions_are_printed_and_do_not_hide_behind_the_mouse(text):
 def test_a_loop_without_a_linear_model_still_has_its_page(result):
     bare = tuple(replace(c, response=None, tuning=None) for c in result.ranking)
     words = words_of(report_text(replace(result, ranking=bare)))
-    assert "There is no linear loop to draw" in words
+    assert "There is no linear loop" in words
     assert "Margins, the other loops closed" not in words
 
 

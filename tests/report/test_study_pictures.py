@@ -83,6 +83,11 @@ def test_what_is_out_of_the_question_stands_at_the_edge(result):
         assert f">{words}<" in text
 
 
+def test_what_has_no_margins_is_left_out(result):
+    text = map_svg(ranked(result, [1.2, np.nan, 1.4], [1.0, 2.0, 3.0]), "map", "a")
+    assert sorted(places(text)) == [1, 3] and "nan" not in text
+
+
 def test_one_controller_needs_no_map(result):
     assert map_svg(ranked(result, [1.2], [1.0]), "map", "a") == ""
 

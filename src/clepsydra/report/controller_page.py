@@ -13,9 +13,9 @@ from clepsydra.report.loop_picture import loop_svg
 from clepsydra.report.margin_tables import margin_grid
 from clepsydra.report.panels import all_panels
 from clepsydra.report.pid_tables import loop_settings
-from clepsydra.report.quantities import short_text
+from clepsydra.report.quantities import quantity_text, short_text
 from clepsydra.report.scheme_tables import scheme_blocks
-from clepsydra.report.score_tables import STANDING_WORDS, ScoreTable, score_tables
+from clepsydra.report.score_tables import ScoreTable, score_tables, standing_word
 from clepsydra.report.trend_svg import trend_svg
 from clepsydra.report.tuning_picture import tuning_svg
 from clepsydra.report.tuning_tables import tuning_grid
@@ -95,7 +95,7 @@ def controller_page(result: StudyResult, place: int) -> ControllerPage:
         front = tuning_svg(tuning, f"Objective against max|S| of {name}", f"front{number}")
     return ControllerPage(
         candidate,
-        STANDING_WORDS[candidate.standing],
+        standing_word(candidate),
         law_words(controller),
         [
             *loop_settings(controller, result.point),
@@ -128,6 +128,8 @@ def _wiring(controller: Controller, result: StudyResult) -> Facts:
             shown = range_text(signal(name))
             words = f"{word} {shown}" if what == "setpoint" else shown
             facts.append((f"{what}_{number}", words))
-    for name, value in controller.free_inputs.items():
-        facts.append((name, f"{short_text(value)} at rest"))
+    for entry in controller.law.inputs:
+        if entry.name in controller.free_inputs:
+            value = quantity_text(entry, controller.free_inputs[entry.name])
+            facts.append((entry.name, f"{value} at rest"))
     return Facts("Wiring", tuple(facts))

@@ -8,7 +8,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.process.process import Process
 from clepsydra.report.analysis_tables import Grid
-from clepsydra.report.facts import DIGITS, Facts, known_signal
+from clepsydra.report.facts import DIGITS, Facts, known_signal, level_words
 from clepsydra.report.output_facts import output_facts
 from clepsydra.report.pid_tables import ANTI_WINDUPS
 from clepsydra.report.quantities import display_factor, number_text, quantity_text, unit_text
@@ -210,7 +210,7 @@ def _stages(controller: Controller, process: Process) -> Grid:
     rows = []
     for j in range(1, len(controller.manipulated) + 1):
         start, stop = (
-            quantity_text(level, values[f"{what}_level_{j}"], DIGITS) for what in ("start", "stop")
+            level_words(process, level, values[f"{what}_level_{j}"]) for what in ("start", "stop")
         )
         rows.append((f"stage {j}: {j} running", start, stop))
     title = f"Levels ({level.name})"

@@ -37,7 +37,8 @@ _WORDS = {
 def map_svg(result: StudyResult, title: str, prefix: str) -> str:
     """Draw each controller as its rank: to the left is robust, below is a small error.
 
-    What is beyond max|S| 10 or a hundred times the smallest error stands at the edge.
+    What is beyond max|S| 10 or a hundred times the smallest error stands at the edge; a law that
+    switches has no max|S| and is left out.
 
     Parameters
     ----------
@@ -48,7 +49,7 @@ def map_svg(result: StudyResult, title: str, prefix: str) -> str:
     Returns
     -------
     str
-        Empty where there are fewer than two controllers.
+        Empty where there are fewer than two controllers with margins.
 
     Examples
     --------
@@ -57,10 +58,11 @@ def map_svg(result: StudyResult, title: str, prefix: str) -> str:
     >>> map_svg(result, "ranks", "a").count("<circle") >= len(result.ranking)
     True
     """
-    if len(result.ranking) < 2:
+    shown = [c for c in result.ranking if not math.isnan(c.maximum_sensitivity)]
+    if len(shown) < 2:
         return ""
-    peaks = [min(_finite(c.maximum_sensitivity, _WORST_PEAK), _WORST_PEAK) for c in result.ranking]
-    errors = [max(c.mean_error, 1e-9) for c in result.ranking]
+    peaks = [min(_finite(c.maximum_sensitivity, _WORST_PEAK), _WORST_PEAK) for c in shown]
+    errors = [max(c.mean_error, 1e-9) for c in shown]
     least = min(errors)
     errors = [min(_finite(e, math.inf), _WORST_ERROR * least) for e in errors]
     chart = Chart(_HEIGHT, title, prefix)
@@ -78,10 +80,10 @@ def map_svg(result: StudyResult, title: str, prefix: str) -> str:
         taken.append(place)
         if place != home:
             chart.line((home[0], place[0]), (home[1], place[1]), MUTED, 0.6)
-    for candidate, place in zip(result.ranking, taken, strict=True):
+    for candidate, place in zip(shown, taken, strict=True):
         _draw_rank(chart, candidate, place)
     across = _BOX_X[0]
-    for standing in sorted({candidate.standing for candidate in result.ranking}):
+    for standing in sorted({candidate.standing for candidate in shown}):
         fill, edge, _ = _LOOKS[standing]
         chart.circle(across + 4.0, 9.0, 4.0, fill, edge, 1.2)
         chart.text(across + 11.0, 11.8, _WORDS[standing])

@@ -228,4 +228,6 @@ def _saturation(
         (float(time[start]), float(time[stop - 1] + period)) for start, stop in edges.reshape(-1, 2)
     )
     lengths = np.diff(recording.time, append=recording.end)
-    return stretches, f"at a limit for {short_text(float(lengths[flags].sum()))} s"
+    seconds = float(lengths[flags].sum())
+    shown = short_text(seconds) if seconds < 1e4 else f"{seconds:.0f}"
+    return stretches, f"at a limit for {shown} s"

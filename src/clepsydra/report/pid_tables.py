@@ -105,7 +105,7 @@ def _loop(block: PidBlock, controller: Controller, point: OperatingPoint) -> Fac
     moved = known_signal(process, block.moved)
     facts = [
         ("measures", range_text(measurement)),
-        ("moves", range_text(moved) if block.direct else _moves(block, moved)),
+        ("moves", range_text(moved) if block.direct else _moves(block, moved, controller)),
         ("setpoint", _setpoint(block, controller, measurement, point)),
         ("algorithm", f"{_ALGORITHMS[form.algorithm]}: {equation(form)}"),
         *_gains(block, controller, measurement, moved),
@@ -121,7 +121,10 @@ def _loop(block: PidBlock, controller: Controller, point: OperatingPoint) -> Fac
     return Facts(f"{measurement.name} by {moved.name}", tuple(facts))
 
 
-def _moves(block: PidBlock, moved: Signal) -> str:
+def _moves(block: PidBlock, moved: Signal, controller: Controller) -> str:
+    for other in controller.law.blocks:
+        if isinstance(other, PidBlock) and other.setpoint == block.name:
+            return f"the setpoint of {range_text(moved)}"
     return f"{range_text(moved)}, through the blocks below ({block.name})"
 
 

@@ -74,6 +74,22 @@ _FULL_REASONS = 3
 _NUMBERS_END, _NUMBERS_BEGIN = "total variation. ", ", most of all by "
 
 
+def standing_word(candidate: Candidate) -> str:
+    """Return how far a controller can be trusted, in a word.
+
+    Examples
+    --------
+    A law that switches has no margins, and is no more than safe:
+
+    >>> from types import SimpleNamespace
+    >>> standing_word(SimpleNamespace(standing=Standing.ROBUST, maximum_sensitivity=math.nan))
+    'safe'
+    """
+    if candidate.standing is Standing.ROBUST and math.isnan(candidate.maximum_sensitivity):
+        return "safe"
+    return STANDING_WORDS[candidate.standing]
+
+
 def _worst(score: str, in_percent: bool = False) -> Callable[[Process, Candidate], float]:
     """Return the largest value of a score over its signals, in percent of range if asked."""
 
@@ -148,7 +164,7 @@ def ranking_rows(result: StudyResult) -> list[RankingRow]:
         RankingRow(
             candidate.rank,
             candidate.controller.name,
-            STANDING_WORDS[candidate.standing],
+            standing_word(candidate),
             tuple(column[place] for column in columns),
             candidate.reason if place < _FULL_REASONS else _short(candidate.reason),
         )
