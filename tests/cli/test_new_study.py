@@ -6,7 +6,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from clepsydra.design.detuning import SENSITIVITY_LIMIT
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop

@@ -11,9 +11,9 @@ from scipy.signal import cont2discrete
 from clepsydra.base.errors import InputError
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.bryson import design_lqi
-from clepsydra.design.linear_quadratic import bryson_weights, lqi_gains
 from clepsydra.design.lqi_by_weights import design_lqi_by_weights
-from clepsydra.design.sampled_loop import sampled_loop
+from clepsydra.design.sampled.sampled_loop import sampled_loop
+from clepsydra.design.states.linear_quadratic import bryson_weights, lqi_gains
 
 
 def cost_by_quadrature(model, errors, moves, horizon, period):

@@ -8,10 +8,10 @@ import pytest
 
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.bryson import design_lqi
+from clepsydra.design.models.transfer_element import transfer_element
 from clepsydra.design.phase_margin import design_phase_margin
-from clepsydra.design.sampled_loop import sampled_loop
+from clepsydra.design.sampled.sampled_loop import sampled_loop
 from clepsydra.design.simc import design_simc
-from clepsydra.design.transfer_element import transfer_element
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
 from clepsydra.process.reader import load_process

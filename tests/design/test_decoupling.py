@@ -8,7 +8,7 @@ import pytest
 from clepsydra.base.errors import InputError
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.decoupling import decoupling_element, inverted_decoupler
-from clepsydra.design.transfer_element import TransferElement
+from clepsydra.design.models.transfer_element import TransferElement
 from clepsydra.linear.response import frequency_response
 
 DIRECT = [("level_1", "pump_1"), ("level_2", "pump_2")]

@@ -5,9 +5,9 @@ import math
 import pytest
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.first_order_delay import FirstOrderDelay, half_rule
+from clepsydra.design.models.first_order_delay import FirstOrderDelay, half_rule
+from clepsydra.design.models.transfer_element import TransferElement
 from clepsydra.design.simc import simc_settings
-from clepsydra.design.transfer_element import TransferElement
 
 
 def made_of(gain, lags, leads=(), integrators=0):

@@ -10,9 +10,9 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.arrest_time import arrest_settings, arrest_time_for, design_arrest_time
-from clepsydra.design.averaging_room import averaging_room, largest_load
-from clepsydra.design.first_order_delay import FirstOrderDelay
 from clepsydra.design.lambda_tuning import design_lambda, lambda_settings
+from clepsydra.design.loops.averaging_room import averaging_room, largest_load
+from clepsydra.design.models.first_order_delay import FirstOrderDelay
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 

@@ -10,13 +10,13 @@ from scipy.signal import cont2discrete
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.detuning import detune
-from clepsydra.design.margin_settings import margin_of, pi_for_margin, pid_for_margin
-from clepsydra.design.multiloop import MultiloopPid
+from clepsydra.design.loops.detuning import detune
+from clepsydra.design.loops.margin_settings import margin_of, pi_for_margin, pid_for_margin
+from clepsydra.design.loops.multiloop import MultiloopPid
+from clepsydra.design.loops.pid_settings import PidSettings, slowed_down
+from clepsydra.design.models.transfer_element import TransferElement
 from clepsydra.design.phase_margin import default_crossover, design_phase_margin
-from clepsydra.design.pid_settings import PidSettings, slowed_down
 from clepsydra.design.simc import design_simc
-from clepsydra.design.transfer_element import TransferElement
 from clepsydra.linear.response import evaluate_transfer, frequency_response
 
 DIRECT = [("level_1", "pump_1"), ("level_2", "pump_2")]

@@ -14,13 +14,13 @@ from clepsydra.design.bryson import design_lqi
 from clepsydra.design.linear_quadratic_regulator import design_lqr
 from clepsydra.design.lqi_by_weights import design_lqi_by_weights
 from clepsydra.design.lqi_kalman import design_lqi_kalman
-from clepsydra.design.measured_states import with_outputs
-from clepsydra.design.observed_process import observed_process
 from clepsydra.design.pole_placement import design_pole_placement
-from clepsydra.design.quadratic_weights import QuadraticWeights, diagonal_weights
-from clepsydra.design.relevant_states import without_idle_states
-from clepsydra.design.sampled_loop import sampled_loop
-from clepsydra.design.sampled_process import sampled_process, sampled_states
+from clepsydra.design.sampled.sampled_loop import sampled_loop
+from clepsydra.design.sampled.sampled_process import sampled_process, sampled_states
+from clepsydra.design.states.measured_states import with_outputs
+from clepsydra.design.states.observed_process import observed_process
+from clepsydra.design.states.quadratic_weights import QuadraticWeights, diagonal_weights
+from clepsydra.design.states.relevant_states import without_idle_states
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
 from clepsydra.process.reader import load_process

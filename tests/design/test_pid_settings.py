@@ -13,8 +13,8 @@ from clepsydra.design.gain_units import (
     gain_units,
     integral_time_from_repeats,
 )
-from clepsydra.design.law_settings import law_settings
-from clepsydra.design.pid_settings import (
+from clepsydra.design.loops.law_settings import law_settings
+from clepsydra.design.loops.pid_settings import (
     ParallelSettings,
     PidSettings,
     SeriesSettings,

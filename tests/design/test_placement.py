@@ -9,11 +9,11 @@ from scipy.optimize import linear_sum_assignment
 
 from clepsydra.base.errors import InputError
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.bessel_poles import bessel_poles, bessel_radius
-from clepsydra.design.observed_process import observed_process
-from clepsydra.design.observer_placement import bessel_correction, placed_correction
-from clepsydra.design.placement import placed_gain
-from clepsydra.design.slow_modes import place_slow_modes
+from clepsydra.design.states.bessel_poles import bessel_poles, bessel_radius
+from clepsydra.design.states.observed_process import observed_process
+from clepsydra.design.states.observer_placement import bessel_correction, placed_correction
+from clepsydra.design.states.placement import placed_gain
+from clepsydra.design.states.slow_modes import place_slow_modes
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 

@@ -9,14 +9,14 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.amigo import amigo_settings, design_amigo
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.first_order_delay import FirstOrderDelay
-from clepsydra.design.pid_settings import PidSettings, to_series
-from clepsydra.design.reaction_curve import reaction_curve
-from clepsydra.design.second_order_delay import half_rule_of_second_order
+from clepsydra.design.loops.pid_settings import PidSettings, to_series
+from clepsydra.design.models.first_order_delay import FirstOrderDelay
+from clepsydra.design.models.reaction_curve import reaction_curve
+from clepsydra.design.models.second_order_delay import half_rule_of_second_order
+from clepsydra.design.models.transfer_element import TransferElement
+from clepsydra.design.models.ultimate_point import UltimatePoint, ultimate_point
 from clepsydra.design.simc import simc_pid_settings
-from clepsydra.design.transfer_element import TransferElement
 from clepsydra.design.tyreus_luyben import design_tyreus_luyben, tyreus_luyben_settings
-from clepsydra.design.ultimate_point import UltimatePoint, ultimate_point
 from clepsydra.design.ziegler_nichols import (
     design_ziegler_nichols,
     ziegler_nichols_settings,

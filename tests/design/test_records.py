@@ -7,8 +7,8 @@ import pytest
 
 from clepsydra.base.errors import InputError
 from clepsydra.design.integrating_delay import integrating_delay
+from clepsydra.design.models.step_record import step_record
 from clepsydra.design.relay_autotune import ultimate_point_of_relay
-from clepsydra.design.step_record import step_record
 from clepsydra.design.two_point_fopdt import SHARES, two_point_fopdt
 
 TIME = np.arange(0.0, 400.0, 1.0)

@@ -9,10 +9,10 @@ import pytest
 from clepsydra.base.errors import InputError
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.kalman import Noise, kalman_gain, process_noise
-from clepsydra.design.linear_quadratic import bryson_weights, lqr_gains
-from clepsydra.design.observed_process import observed_process
-from clepsydra.design.quadratic_weights import QuadraticWeights, diagonal_weights
-from clepsydra.design.riccati import optimal_regulator, riccati_residual
+from clepsydra.design.states.linear_quadratic import bryson_weights, lqr_gains
+from clepsydra.design.states.observed_process import observed_process
+from clepsydra.design.states.quadratic_weights import QuadraticWeights, diagonal_weights
+from clepsydra.design.states.riccati import optimal_regulator, riccati_residual
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 

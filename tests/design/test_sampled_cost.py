@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.linalg import expm
 
-from clepsydra.design.sampled_cost import sampled_cost
+from clepsydra.design.sampled.sampled_cost import sampled_cost
 
 
 @pytest.mark.parametrize("rate", [0.0, 0.02, 3.0, 40.0, 2000.0])

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.design.sampled_loop import SampledLoop, sampled_loop
+from clepsydra.design.sampled.sampled_loop import SampledLoop, sampled_loop
 from clepsydra.design.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise

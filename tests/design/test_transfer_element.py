@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import zpk2ss
 
-from clepsydra.design.transfer_element import transfer_element
+from clepsydra.design.models.transfer_element import transfer_element
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.response import frequency_response
 

@@ -10,7 +10,7 @@ import pytest
 from clepsydra.base.errors import InputError
 from clepsydra.design.bryson import design_lqi
 from clepsydra.design.phase_margin import design_phase_margin
-from clepsydra.design.sampled_loop import sampled_loop
+from clepsydra.design.sampled.sampled_loop import sampled_loop
 from clepsydra.design.simc import design_simc
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.reference import LawEvaluation

@@ -7,7 +7,7 @@ import pytest
 
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.design.sampled_loop import sampled_loop
+from clepsydra.design.sampled.sampled_loop import sampled_loop
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.loop import Loop
 from clepsydra.study.file.reader import read_study

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from clepsydra.design.sampled_loop import sampled_loop
+from clepsydra.design.sampled.sampled_loop import sampled_loop
 from clepsydra.design.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise

@@ -6,12 +6,12 @@ import math
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.design.first_order_delay import FirstOrderDelay
-from clepsydra.design.multiloop import PairedLoop
-from clepsydra.design.pairing import Pairing
-from clepsydra.design.pid_settings import PidSettings
-from clepsydra.design.published_rule import PublishedRule, RuleActions, design_by_rule
-from clepsydra.design.reaction_curve import reaction_curve
+from clepsydra.design.loops.multiloop import PairedLoop
+from clepsydra.design.loops.pairing import Pairing
+from clepsydra.design.loops.pid_settings import PidSettings
+from clepsydra.design.loops.published_rule import PublishedRule, RuleActions, design_by_rule
+from clepsydra.design.models.first_order_delay import FirstOrderDelay
+from clepsydra.design.models.reaction_curve import reaction_curve
 from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "AMIGO"
@@ -79,7 +79,7 @@ def design_amigo(
     The first-order model comes from the exact step response, as the authors take it: L where
     the steepest tangent leaves the start, T the time from there to 63 %; half a sampling
     period counts as delay. Unless `as_published`, all loops are slowed down by one factor
-    until together they have a sensitivity peak of 2 (`design.detuning`). The rules themselves
+    until together they have a sensitivity peak of 2 (`design.loops.detuning`). The rules themselves
     aim at a peak of 1.4 of each loop alone.
 
     Parameters

@@ -9,12 +9,12 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable, reasons_about
-from clepsydra.design.averaging_room import averaging_room, is_level, largest_load
-from clepsydra.design.detuning import SENSITIVITY_LIMIT, as_given, detune
-from clepsydra.design.first_order_delay import FirstOrderDelay, half_rule
-from clepsydra.design.multiloop import MultiloopPid, PairedLoop, note_on_peak, pi_only
-from clepsydra.design.pairing import Pairing
-from clepsydra.design.pid_settings import PidSettings, slowed_down
+from clepsydra.design.loops.averaging_room import averaging_room, is_level, largest_load
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, as_given, detune
+from clepsydra.design.loops.multiloop import MultiloopPid, PairedLoop, note_on_peak, pi_only
+from clepsydra.design.loops.pairing import Pairing
+from clepsydra.design.loops.pid_settings import PidSettings, slowed_down
+from clepsydra.design.models.first_order_delay import FirstOrderDelay, half_rule
 from clepsydra.design.request import positive_number
 from clepsydra.linear.linear_model import LinearModel
 

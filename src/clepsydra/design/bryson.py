@@ -13,14 +13,14 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.control_authority import DESIGN_STEP, check_ranges, control_authority
-from clepsydra.design.linear_quadratic import METHOD, LqiGains, lqi_gains
-from clepsydra.design.measured_states import measurements_of_states, with_outputs
-from clepsydra.design.relevant_states import without_idle_states
+from clepsydra.design.loops.control_authority import DESIGN_STEP, check_ranges, control_authority
 from clepsydra.design.request import in_shown_unit, positive_number
-from clepsydra.design.sampling_period import check_sampling_period
-from clepsydra.design.slowing_down import note_on_slowing, slow_down
-from clepsydra.design.state_controllers import lqi_controller, sensitivity_peak
+from clepsydra.design.sampled.sampling_period import check_sampling_period
+from clepsydra.design.states.linear_quadratic import METHOD, LqiGains, lqi_gains
+from clepsydra.design.states.measured_states import measurements_of_states, with_outputs
+from clepsydra.design.states.relevant_states import without_idle_states
+from clepsydra.design.states.slowing_down import note_on_slowing, slow_down
+from clepsydra.design.states.state_controllers import lqi_controller, sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.pade import at_rest
@@ -83,7 +83,7 @@ def design_lqi(
     zero z in the right half-plane where that is longer: no controller removes an error sooner.
     Of a tank that only integrates it is the time in which the largest moves make the largest
     error. The gains are optimal for the process held over each sampling period
-    (`design.linear_quadratic`), however long that is. Where the sensitivity peak of the loop
+    (`design.states.linear_quadratic`), however long that is. Where the sensitivity peak of the loop
     is above 2, moves are made smaller and the horizon longer by one factor until it is 2.
 
     Parameters

@@ -10,8 +10,8 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.design.applicability import NotApplicable, reasons_about
-from clepsydra.design.pairing import Pairing, checked_pairing
-from clepsydra.design.transfer_element import TransferElement, transfer_element
+from clepsydra.design.loops.pairing import Pairing, checked_pairing
+from clepsydra.design.models.transfer_element import TransferElement, transfer_element
 from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "inverted decoupling"

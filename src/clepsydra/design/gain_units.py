@@ -9,7 +9,7 @@ from typing import Literal
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.parameters import is_finite_number
-from clepsydra.design.pid_settings import (
+from clepsydra.design.loops.pid_settings import (
     ParallelSettings,
     PidSettings,
     SeriesSettings,

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
-from clepsydra.design.first_order_delay import FirstOrderDelay
-from clepsydra.design.step_record import checked_record
+from clepsydra.design.models.first_order_delay import FirstOrderDelay
+from clepsydra.design.models.step_record import checked_record
 
 PLACE = "integrating plus delay"
 _GRID = 400

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.control_authority import control_authority
-from clepsydra.design.observed_process import ObservedProcess
+from clepsydra.design.loops.control_authority import control_authority
 from clepsydra.design.request import in_shown_unit
-from clepsydra.design.riccati import optimal_regulator
-from clepsydra.design.sampled_cost import sampled_cost
+from clepsydra.design.sampled.sampled_cost import sampled_cost
+from clepsydra.design.states.observed_process import ObservedProcess
+from clepsydra.design.states.riccati import optimal_regulator
 from clepsydra.linear.linearise import operating_point_of
 
 METHOD = "Kalman filter"
@@ -151,7 +151,7 @@ def process_noise(observed: ObservedProcess, horizon: float) -> Noise:
 
     Examples
     --------
-    >>> from clepsydra.design.observed_process import observed_process
+    >>> from clepsydra.design.states.observed_process import observed_process
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> seen = observed_process(analyse(load_process("quadruple-tank")).model, None, METHOD)
@@ -202,7 +202,7 @@ def input_variances(observed: ObservedProcess) -> np.ndarray:
     --------
     The pumps of the quadruple tank stand at 3 V of 10 V:
 
-    >>> from clepsydra.design.observed_process import observed_process
+    >>> from clepsydra.design.states.observed_process import observed_process
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> seen = observed_process(analyse(load_process("quadruple-tank")).model, None, METHOD)

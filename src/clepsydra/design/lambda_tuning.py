@@ -7,11 +7,11 @@ import math
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import reasons_about
-from clepsydra.design.closed_loop_time import TimedLoop, design_by_time
-from clepsydra.design.first_order_delay import FirstOrderDelay, half_rule
-from clepsydra.design.multiloop import MultiloopPid, PairedLoop, pi_only
-from clepsydra.design.pairing import Pairing
-from clepsydra.design.pid_settings import PidSettings
+from clepsydra.design.loops.closed_loop_time import TimedLoop, design_by_time
+from clepsydra.design.loops.multiloop import MultiloopPid, PairedLoop, pi_only
+from clepsydra.design.loops.pairing import Pairing
+from clepsydra.design.loops.pid_settings import PidSettings
+from clepsydra.design.models.first_order_delay import FirstOrderDelay, half_rule
 from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "lambda"
@@ -78,8 +78,9 @@ def design_lambda(
     effective delays and at which a setpoint step of a tenth of the measurement's range does not
     saturate the input; a self-regulating loop is not made faster than its own lag. Then all are
     lengthened by one factor until the sampled loops together have a sensitivity peak of 2
-    (`design.detuning`). A given λ is used as it is. An element whose lag is more than ten times
-    λ is taken as integrating: to cancel such a lag would leave loads to be answered as slowly.
+    (`design.loops.detuning`). A given λ is used as it is. An element whose lag is more than ten
+    times λ is taken as integrating: to cancel such a lag would leave loads to be answered as
+    slowly.
 
     Parameters
     ----------

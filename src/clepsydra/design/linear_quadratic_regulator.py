@@ -9,15 +9,15 @@ import numpy as np
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.bryson import acceptable_deviations, slowest_time_constant
-from clepsydra.design.control_authority import check_ranges
-from clepsydra.design.estimation import Estimation, with_loads
-from clepsydra.design.feedback_controller import feedback_controller, states_to_feed_back
 from clepsydra.design.kalman import input_variances, kalman_gain, process_noise
-from clepsydra.design.linear_quadratic import bryson_weights, check_independent, lqr_gains
-from clepsydra.design.observed_process import ObservedProcess
-from clepsydra.design.quadratic_weights import QuadraticWeights
-from clepsydra.design.slowing_down import note_on_slowing, slow_down
-from clepsydra.design.state_controllers import sensitivity_peak
+from clepsydra.design.loops.control_authority import check_ranges
+from clepsydra.design.states.estimation import Estimation, with_loads
+from clepsydra.design.states.feedback_controller import feedback_controller, states_to_feed_back
+from clepsydra.design.states.linear_quadratic import bryson_weights, check_independent, lqr_gains
+from clepsydra.design.states.observed_process import ObservedProcess
+from clepsydra.design.states.quadratic_weights import QuadraticWeights
+from clepsydra.design.states.slowing_down import note_on_slowing, slow_down
+from clepsydra.design.states.state_controllers import sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
@@ -51,7 +51,7 @@ def design_lqr(
         Of the states that act on the outputs and of the inputs; default Bryson's weights.
     measurements : sequence of str, optional
         What a filter reads; naming them asks for the filter. See
-        `design.observed_process.observed_process`.
+        `design.states.observed_process.observed_process`.
     maximum_errors, maximum_moves : mapping, optional
         For Bryson's weights, as for `design.bryson.design_lqi`.
 

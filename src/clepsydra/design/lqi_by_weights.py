@@ -16,13 +16,13 @@ from clepsydra.design.bryson import (
     refuse_more_inputs,
     slowest_time_constant,
 )
-from clepsydra.design.control_authority import check_ranges
-from clepsydra.design.detuning import SENSITIVITY_LIMIT
-from clepsydra.design.linear_quadratic import METHOD, lqi_gains_by_weights
-from clepsydra.design.measured_states import measurements_of_states, with_outputs
-from clepsydra.design.quadratic_weights import QuadraticWeights
-from clepsydra.design.sampling_period import check_sampling_period
-from clepsydra.design.state_controllers import lqi_controller, sensitivity_peak
+from clepsydra.design.loops.control_authority import check_ranges
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.design.sampled.sampling_period import check_sampling_period
+from clepsydra.design.states.linear_quadratic import METHOD, lqi_gains_by_weights
+from clepsydra.design.states.measured_states import measurements_of_states, with_outputs
+from clepsydra.design.states.quadratic_weights import QuadraticWeights
+from clepsydra.design.states.state_controllers import lqi_controller, sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
@@ -62,7 +62,7 @@ def design_lqi_by_weights(
 
     Examples
     --------
-    >>> from clepsydra.design.quadratic_weights import diagonal_weights
+    >>> from clepsydra.design.states.quadratic_weights import diagonal_weights
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> model = analyse(load_process("three-tanks")).model

@@ -14,13 +14,13 @@ from clepsydra.design.bryson import (
     refuse_more_inputs,
     slowest_time_constant,
 )
-from clepsydra.design.control_authority import check_ranges
-from clepsydra.design.estimation import Estimation
 from clepsydra.design.kalman import kalman_gain, process_noise
-from clepsydra.design.linear_quadratic import bryson_weights, lqi_gains_by_weights
-from clepsydra.design.observed_process import observed_process
-from clepsydra.design.slowing_down import note_on_slowing, slow_down
-from clepsydra.design.state_controllers import lqi_controller, sensitivity_peak
+from clepsydra.design.loops.control_authority import check_ranges
+from clepsydra.design.states.estimation import Estimation
+from clepsydra.design.states.linear_quadratic import bryson_weights, lqi_gains_by_weights
+from clepsydra.design.states.observed_process import observed_process
+from clepsydra.design.states.slowing_down import note_on_slowing, slow_down
+from clepsydra.design.states.state_controllers import lqi_controller, sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
@@ -54,7 +54,7 @@ def design_lqi_kalman(
     measurements : sequence of str, optional
         What the filter reads, with the controlled outputs among them; default the controlled
         outputs alone where sensors show every state, else all sensors of use
-        (`design.observed_process`).
+        (`design.states.observed_process`).
     maximum_errors, maximum_moves, anti_windup
         As for `design.bryson.design_lqi`.
 

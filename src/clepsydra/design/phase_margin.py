@@ -11,19 +11,19 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable, reasons_about
-from clepsydra.design.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
-from clepsydra.design.margin_settings import (
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
+from clepsydra.design.loops.margin_settings import (
     METHOD,
     lag_needed,
     margin_of,
     pi_for_margin,
     pid_for_margin,
 )
-from clepsydra.design.multiloop import MultiloopPid, PairedLoop, checked_form, note_on_peak
-from clepsydra.design.pairing import Pairing
-from clepsydra.design.pid_settings import slowed_down
+from clepsydra.design.loops.multiloop import MultiloopPid, PairedLoop, checked_form, note_on_peak
+from clepsydra.design.loops.pairing import Pairing
+from clepsydra.design.loops.pid_settings import slowed_down
+from clepsydra.design.models.transfer_element import TransferElement
 from clepsydra.design.request import positive_number
-from clepsydra.design.transfer_element import TransferElement
 from clepsydra.linear.linear_model import LinearModel
 
 #: The lag of the PI at the default crossover is at least this, which makes ω Ti at most 3.
@@ -122,7 +122,7 @@ def design_phase_margin(
     this margin. Without a given crossover each takes the highest at which a PI has ω Ti ≤ 3, or
     a PID has to lead by no more than 30°, and a setpoint step of a tenth of the measurement's
     range does not saturate the input; then all are slowed down by one factor, K/F and F·Ti,
-    until the sampled loops together have a sensitivity peak of 2 (`design.detuning`), which
+    until the sampled loops together have a sensitivity peak of 2 (`design.loops.detuning`), which
     changes the margins: the notes give what they became. A given crossover is used as it is,
     and where no form is given a loop that a PI cannot lead enough gets a PID.
 

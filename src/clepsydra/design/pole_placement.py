@@ -13,20 +13,20 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.bryson import slowest_time_constant
-from clepsydra.design.control_authority import DESIGN_STEP, check_ranges, control_authority
-from clepsydra.design.detuning import SENSITIVITY_LIMIT
-from clepsydra.design.estimation import Estimation, input_noise, with_loads
-from clepsydra.design.feedback_controller import feedback_controller, states_to_feed_back
 from clepsydra.design.kalman import process_noise
-from clepsydra.design.linear_quadratic import check_independent, refuse_feedthrough
-from clepsydra.design.observed_process import ObservedProcess
-from clepsydra.design.observer_placement import bessel_correction, placed_correction
-from clepsydra.design.placement import checked_poles, placed_gain
-from clepsydra.design.precompensator import precompensator
+from clepsydra.design.loops.control_authority import DESIGN_STEP, check_ranges, control_authority
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.design.request import positive_number
-from clepsydra.design.slow_modes import place_slow_modes
-from clepsydra.design.slowing_down import SlowedDown, note_on_slowing, slow_down
-from clepsydra.design.state_controllers import sensitivity_peak
+from clepsydra.design.states.estimation import Estimation, input_noise, with_loads
+from clepsydra.design.states.feedback_controller import feedback_controller, states_to_feed_back
+from clepsydra.design.states.linear_quadratic import check_independent, refuse_feedthrough
+from clepsydra.design.states.observed_process import ObservedProcess
+from clepsydra.design.states.observer_placement import bessel_correction, placed_correction
+from clepsydra.design.states.placement import checked_poles, placed_gain
+from clepsydra.design.states.precompensator import precompensator
+from clepsydra.design.states.slow_modes import place_slow_modes
+from clepsydra.design.states.slowing_down import SlowedDown, note_on_slowing, slow_down
+from clepsydra.design.states.state_controllers import sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
@@ -81,9 +81,9 @@ def design_pole_placement(
     """Design state feedback with a precompensator by placing the poles of the sampled loop.
 
     u = u° − F x + N (r − r°). By default the poles have Bessel's pattern
-    (`design.bessel_poles`) with the largest bandwidth at which a setpoint step of a tenth of a
-    measurement's range does not saturate an input, and at which a sample is at most half of the
-    pattern's time 1/ω.
+    (`design.states.bessel_poles`) with the largest bandwidth at which a setpoint step of a tenth
+    of a measurement's range does not saturate an input, and at which a sample is at most half of
+    the pattern's time 1/ω.
 
     Where sensors show every state they are fed back as measured. Else a Luenberger observer
     estimates the states and a constant load at each input, which is taken off the input. Its
@@ -105,7 +105,7 @@ def design_pole_placement(
         One for each state and each input.
     measurements : sequence of str, optional
         What an observer reads; naming them asks for the observer. See
-        `design.observed_process.observed_process`.
+        `design.states.observed_process.observed_process`.
 
     Returns
     -------

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
-from clepsydra.design.step_record import checked_record
-from clepsydra.design.ultimate_point import UltimatePoint
+from clepsydra.design.models.step_record import checked_record
+from clepsydra.design.models.ultimate_point import UltimatePoint
 
 PLACE = "relay experiment"
 #: Cycles that are read, and how much they may differ.

@@ -6,12 +6,12 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import Decoupling
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable, reasons_about
-from clepsydra.design.closed_loop_time import TimedLoop, design_by_time
-from clepsydra.design.first_order_delay import FirstOrderDelay, half_rule
-from clepsydra.design.multiloop import MultiloopPid, PairedLoop, checked_form
-from clepsydra.design.pairing import Pairing
-from clepsydra.design.pid_settings import PidSettings, SeriesSettings, from_series
-from clepsydra.design.second_order_delay import SecondOrderDelay, half_rule_of_second_order
+from clepsydra.design.loops.closed_loop_time import TimedLoop, design_by_time
+from clepsydra.design.loops.multiloop import MultiloopPid, PairedLoop, checked_form
+from clepsydra.design.loops.pairing import Pairing
+from clepsydra.design.loops.pid_settings import PidSettings, SeriesSettings, from_series
+from clepsydra.design.models.first_order_delay import FirstOrderDelay, half_rule
+from clepsydra.design.models.second_order_delay import SecondOrderDelay, half_rule_of_second_order
 from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "SIMC"
@@ -90,7 +90,7 @@ def design_simc(
     closed-loop time constant, each loop takes the shortest τc that is not below its effective
     delay and at which a setpoint step of a tenth of the measurement's range does not saturate
     the input by the gain of the rule; then all are lengthened by one factor until the sampled
-    loops together have a sensitivity peak of 2 (`design.detuning`). A given τc is used as it
+    loops together have a sensitivity peak of 2 (`design.loops.detuning`). A given τc is used as it
     is.
 
     Parameters

@@ -6,11 +6,11 @@ import math
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.design.multiloop import PairedLoop
-from clepsydra.design.pairing import Pairing
-from clepsydra.design.pid_settings import PidSettings, SeriesSettings, from_series
-from clepsydra.design.published_rule import PublishedRule, RuleActions, design_by_rule
-from clepsydra.design.ultimate_point import UltimatePoint, ultimate_point
+from clepsydra.design.loops.multiloop import PairedLoop
+from clepsydra.design.loops.pairing import Pairing
+from clepsydra.design.loops.pid_settings import PidSettings, SeriesSettings, from_series
+from clepsydra.design.loops.published_rule import PublishedRule, RuleActions, design_by_rule
+from clepsydra.design.models.ultimate_point import UltimatePoint, ultimate_point
 from clepsydra.design.ziegler_nichols import words_on_ultimate
 from clepsydra.linear.linear_model import LinearModel
 
@@ -54,7 +54,7 @@ def design_tyreus_luyben(
 
     The ultimate point is computed from the model, with its dead time and half a sampling
     period of delay. Unless `as_published`, all loops are slowed down by one factor until
-    together they have a sensitivity peak of 2 (`design.detuning`).
+    together they have a sensitivity peak of 2 (`design.loops.detuning`).
 
     Parameters
     ----------

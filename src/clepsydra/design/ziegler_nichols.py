@@ -7,12 +7,12 @@ from typing import Literal, get_args
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.design.multiloop import PairedLoop
-from clepsydra.design.pairing import Pairing
-from clepsydra.design.pid_settings import PidSettings
-from clepsydra.design.published_rule import PublishedRule, RuleActions, design_by_rule
-from clepsydra.design.reaction_curve import reaction_curve
-from clepsydra.design.ultimate_point import UltimatePoint, ultimate_point
+from clepsydra.design.loops.multiloop import PairedLoop
+from clepsydra.design.loops.pairing import Pairing
+from clepsydra.design.loops.pid_settings import PidSettings
+from clepsydra.design.loops.published_rule import PublishedRule, RuleActions, design_by_rule
+from clepsydra.design.models.reaction_curve import reaction_curve
+from clepsydra.design.models.ultimate_point import UltimatePoint, ultimate_point
 from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "Ziegler-Nichols"
@@ -83,7 +83,7 @@ def design_ziegler_nichols(
     What their experiments would find is computed from the model, with its dead time and half
     a sampling period of delay. The rules aim at a decay by a quarter from swing to swing,
     which is oscillatory and fragile: unless `as_published`, all loops are slowed down by one
-    factor until together they have a sensitivity peak of 2 (`design.detuning`).
+    factor until together they have a sensitivity peak of 2 (`design.loops.detuning`).
 
     Parameters
     ----------

@@ -15,9 +15,9 @@ from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.control_authority import check_ranges, control_authority
-from clepsydra.design.transfer_element import transfer_element
-from clepsydra.design.ultimate_point import ultimate_point
+from clepsydra.design.loops.control_authority import check_ranges, control_authority
+from clepsydra.design.models.transfer_element import transfer_element
+from clepsydra.design.models.ultimate_point import ultimate_point
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.loop import Loop

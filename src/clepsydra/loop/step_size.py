@@ -8,7 +8,11 @@ from fractions import Fraction
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.design.sampling_period import LONGEST_PERIOD, check_sampling_period, fastest_rate
+from clepsydra.design.sampled.sampling_period import (
+    LONGEST_PERIOD,
+    check_sampling_period,
+    fastest_rate,
+)
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.process.hybrid import Delay
@@ -33,7 +37,7 @@ def substeps_for(model: LinearModel) -> int:
     ------
     InputError
         The process is sampled so slowly that more than 10,000 steps would be needed
-        (`design.sampling_period`), or the model has no operating point.
+        (`design.sampled.sampling_period`), or the model has no operating point.
 
     Examples
     --------

@@ -9,7 +9,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.design.gain_units import GainUnits, gain_units
-from clepsydra.design.pid_settings import PidSettings
+from clepsydra.design.loops.pid_settings import PidSettings
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.report.facts import (
     DIGITS,

@@ -7,7 +7,7 @@ from contextlib import suppress
 
 from clepsydra.base.errors import ClepsydraError
 from clepsydra.controllers.controller import Controller
-from clepsydra.design.sampled_loop import sampled_loop
+from clepsydra.design.sampled.sampled_loop import sampled_loop
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.loop import Loop

@@ -14,8 +14,8 @@ from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import Decoupling
 from clepsydra.controllers.pid_form import Actions, Algorithm, DerivativeOn, PidForm
-from clepsydra.design.quadratic_weights import QuadraticWeights, diagonal_weights
-from clepsydra.design.relevant_states import without_idle_states
+from clepsydra.design.states.quadratic_weights import QuadraticWeights, diagonal_weights
+from clepsydra.design.states.relevant_states import without_idle_states
 from clepsydra.design.ziegler_nichols import Experiment
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.process.names_among import names_among

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import split_quantity
-from clepsydra.design.detuning import SENSITIVITY_LIMIT
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader, shown_value
 from clepsydra.study.file.law_parameters import LoopSignals

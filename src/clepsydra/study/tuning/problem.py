@@ -12,7 +12,7 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
-from clepsydra.design.sampled_loop import SampledLoops
+from clepsydra.design.sampled.sampled_loop import SampledLoops
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.scenario import Scenario
 from clepsydra.study.tuning.batch import BatchEvaluation

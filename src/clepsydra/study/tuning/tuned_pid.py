@@ -7,7 +7,7 @@ from pathlib import Path
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.detuning import SENSITIVITY_LIMIT
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.scenario import Scenario
 from clepsydra.study.tuning.objective import Limits, minimax

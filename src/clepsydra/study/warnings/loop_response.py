@@ -9,8 +9,8 @@ import numpy as np
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import LinearStepLaw, StepLawDerivatives
-from clepsydra.design.sampled_loop import SampledLoop, sampled_loop
-from clepsydra.design.sampled_process import sampled_process
+from clepsydra.design.sampled.sampled_loop import SampledLoop, sampled_loop
+from clepsydra.design.sampled.sampled_process import sampled_process
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.response import evaluate_transfer
@@ -95,7 +95,7 @@ def loop_response(controller: Controller, model: LinearModel) -> LoopResponse:
     Raises
     ------
     InputError, NotSampled, ClepsydraError
-        As `design.sampled_loop`.
+        As `design.sampled.sampled_loop`.
 
     References
     ----------

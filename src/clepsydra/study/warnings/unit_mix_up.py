@@ -13,7 +13,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import to_si
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.signals import LARGEST_PARAMETER, ratio_of_units
-from clepsydra.design.control_authority import largest_proportional_gain
+from clepsydra.design.loops.control_authority import largest_proportional_gain
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.poles import origin_radius

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.transfer_element import TransferElement
+from clepsydra.design.models.transfer_element import TransferElement
 
 _ROUNDS = 100
 #: A root turns into a time constant when its imaginary part is below this share of its size.

@@ -12,10 +12,10 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.observers.structure import MOST_ESTIMATES
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.measured_states import all_states_are_measured, with_outputs
-from clepsydra.design.relevant_states import without_idle_states
-from clepsydra.design.sampled_process import NotSampled, sampled_process, sampled_states
-from clepsydra.design.sampling_period import check_sampling_period
+from clepsydra.design.sampled.sampled_process import NotSampled, sampled_process, sampled_states
+from clepsydra.design.sampled.sampling_period import check_sampling_period
+from clepsydra.design.states.measured_states import all_states_are_measured, with_outputs
+from clepsydra.design.states.relevant_states import without_idle_states
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.first_order_delay import FirstOrderDelay
-from clepsydra.design.transfer_element import TransferElement
+from clepsydra.design.models.first_order_delay import FirstOrderDelay
+from clepsydra.design.models.transfer_element import TransferElement
 
 _POINTS = 2000
 #: The response is looked at for this many times the sum of its lags.

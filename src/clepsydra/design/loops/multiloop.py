@@ -13,16 +13,16 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import Decoupling, family, multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable, check_designed
-from clepsydra.design.control_authority import check_ranges, largest_proportional_gain
 from clepsydra.design.decoupling import inverted_decoupler
-from clepsydra.design.detuning import SENSITIVITY_LIMIT, Detuned
 from clepsydra.design.gain_units import unit_of_gain
-from clepsydra.design.law_settings import law_settings
-from clepsydra.design.pairing import Pairing, checked_pairing
-from clepsydra.design.pid_settings import PidSettings
-from clepsydra.design.sampled_loop import SampledLoops
-from clepsydra.design.sampled_process import NotSampled
-from clepsydra.design.transfer_element import TransferElement, transfer_element
+from clepsydra.design.loops.control_authority import check_ranges, largest_proportional_gain
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, Detuned
+from clepsydra.design.loops.law_settings import law_settings
+from clepsydra.design.loops.pairing import Pairing, checked_pairing
+from clepsydra.design.loops.pid_settings import PidSettings
+from clepsydra.design.models.transfer_element import TransferElement, transfer_element
+from clepsydra.design.sampled.sampled_loop import SampledLoops
+from clepsydra.design.sampled.sampled_process import NotSampled
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 

@@ -10,8 +10,8 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import StepLawDerivatives
-from clepsydra.design.sampled_process import sampled_process
-from clepsydra.design.sampling_period import check_sampling_period
+from clepsydra.design.sampled.sampled_process import sampled_process
+from clepsydra.design.sampled.sampling_period import check_sampling_period
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.sensitivity import largest_gain
@@ -83,9 +83,9 @@ def sampled_loop(controller: Controller, model: LinearModel) -> SampledLoop:
     ------
     InputError
         The model has no operating point, lacks a signal of the controller, has a direct way
-        from an input to an output, or is sampled too slowly (`design.sampling_period`).
+        from an input to an output, or is sampled too slowly (`design.sampled.sampling_period`).
     NotSampled
-        The model has dead time that a sampled model cannot hold (`design.sampled_process`).
+        The model has dead time that a sampled model cannot hold (`design.sampled.sampled_process`).
     ClepsydraError
         The step law holds a delay ring.
 

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.quadratic_weights import QuadraticWeights
-from clepsydra.design.riccati import Regulator, optimal_regulator
-from clepsydra.design.sampled_cost import SampledCost, sampled_cost
-from clepsydra.design.sampled_process import sampled_process
+from clepsydra.design.sampled.sampled_cost import SampledCost, sampled_cost
+from clepsydra.design.sampled.sampled_process import sampled_process
+from clepsydra.design.states.quadratic_weights import QuadraticWeights
+from clepsydra.design.states.riccati import Regulator, optimal_regulator
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.pade import at_rest
 
@@ -132,9 +132,9 @@ def lqi_gains_by_weights(
     The process ẋ = A x + B u, y = C x is held over each sampling period Δt. Its integrators are
     those of the step law, w(k+1) = w(k) + Δt y(k), so that the law with these gains is the
     optimal one and no approximation of it. The cost counts what x does between the samples
-    (`design.sampled_cost`). As Δt tends to zero this is the continuous LQI. With dead time the
-    states of the sampled model are those of the process and what is on its way
-    (`design.sampled_process`), and the cost counts the sampling instants.
+    (`design.sampled.sampled_cost`). As Δt tends to zero this is the continuous LQI. With dead time
+    the states of the sampled model are those of the process and what is on its way
+    (`design.sampled.sampled_process`), and the cost counts the sampling instants.
 
     Parameters
     ----------

@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.design.control_authority import DESIGN_STEP
-from clepsydra.design.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
-from clepsydra.design.multiloop import MultiloopPid, note_on_peak
-from clepsydra.design.pid_settings import PidSettings
+from clepsydra.design.loops.control_authority import DESIGN_STEP
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
+from clepsydra.design.loops.multiloop import MultiloopPid, note_on_peak
+from clepsydra.design.loops.pid_settings import PidSettings
 from clepsydra.design.request import positive_number
 
 
@@ -46,7 +46,7 @@ def design_by_time(
     """Return the controller for the given time, or the shortest that all loops together bear.
 
     Without a given time, all times are lengthened by one factor until the sampled loops
-    together have a sensitivity peak of 2 (`design.detuning`). A given time is used as it is.
+    together have a sensitivity peak of 2 (`design.loops.detuning`). A given time is used as it is.
 
     Parameters
     ----------

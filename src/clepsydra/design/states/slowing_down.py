@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Generic, NamedTuple, TypeVar
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.detuning import SENSITIVITY_LIMIT
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 
 #: The most that a design is slowed down by.
 LARGEST_FACTOR = 1000.0

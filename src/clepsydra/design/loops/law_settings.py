@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.design.pid_settings import PidSettings, to_parallel, to_series
+from clepsydra.design.loops.pid_settings import PidSettings, to_parallel, to_series
 
 #: Derivative time over the time constant of its filter.
 DERIVATIVE_FILTER = 10.0

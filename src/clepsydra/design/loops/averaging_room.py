@@ -10,8 +10,8 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.first_order_delay import half_rule
-from clepsydra.design.transfer_element import transfer_element
+from clepsydra.design.models.first_order_delay import half_rule
+from clepsydra.design.models.transfer_element import transfer_element
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint

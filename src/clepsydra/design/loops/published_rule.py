@@ -8,11 +8,11 @@ from typing import Literal, NamedTuple
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import reasons_about
-from clepsydra.design.control_authority import DESIGN_STEP
-from clepsydra.design.detuning import SENSITIVITY_LIMIT, as_given, detune
-from clepsydra.design.multiloop import MultiloopPid, PairedLoop, checked_form, note_on_peak
-from clepsydra.design.pairing import Pairing
-from clepsydra.design.pid_settings import PidSettings, slowed_down
+from clepsydra.design.loops.control_authority import DESIGN_STEP
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, as_given, detune
+from clepsydra.design.loops.multiloop import MultiloopPid, PairedLoop, checked_form, note_on_peak
+from clepsydra.design.loops.pairing import Pairing
+from clepsydra.design.loops.pid_settings import PidSettings, slowed_down
 from clepsydra.linear.linear_model import LinearModel
 
 RuleActions = Literal["PI", "PID"]

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.transfer_element import TransferElement
+from clepsydra.design.models.transfer_element import TransferElement
 
 _BISECTIONS = 80
 _POINTS_A_DECADE = 60

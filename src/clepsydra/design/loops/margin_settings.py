@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.law_settings import DERIVATIVE_FILTER
-from clepsydra.design.pid_settings import PidSettings
-from clepsydra.design.transfer_element import TransferElement
+from clepsydra.design.loops.law_settings import DERIVATIVE_FILTER
+from clepsydra.design.loops.pid_settings import PidSettings
+from clepsydra.design.models.transfer_element import TransferElement
 
 METHOD = "phase margin"
 _BISECTIONS = 100

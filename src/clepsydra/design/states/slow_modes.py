@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.design.bessel_poles import bessel_poles, bessel_radius
-from clepsydra.design.placement import placed_gain
+from clepsydra.design.states.bessel_poles import bessel_poles, bessel_radius
+from clepsydra.design.states.placement import placed_gain
 
 #: A mode slower than the pattern by less than this share counts as fast enough.
 _SAME = 1e-6

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from clepsydra.design.first_order_delay import reduced_lags
-from clepsydra.design.transfer_element import TransferElement
+from clepsydra.design.models.first_order_delay import reduced_lags
+from clepsydra.design.models.transfer_element import TransferElement
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 import numpy as np
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.placement import placed_gain
-from clepsydra.design.slow_modes import place_slow_modes
+from clepsydra.design.states.placement import placed_gain
+from clepsydra.design.states.slow_modes import place_slow_modes
 
 METHOD = "Luenberger observer"
 
@@ -25,7 +25,7 @@ def placed_correction(
     """Return M of the current observer with which (I − M C) Φ has the given eigenvalues.
 
     Φ − M (C Φ) is the dual of Φ − Γ F, so that it is placed as a feedback is
-    (`design.placement`).
+    (`design.states.placement`).
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def bessel_correction(
 ) -> np.ndarray:
     """Return M with which the slow modes of the estimate's error have Bessel's pattern.
 
-    Errors that die away faster by themselves are left alone (`design.slow_modes`).
+    Errors that die away faster by themselves are left alone (`design.states.slow_modes`).
 
     Parameters
     ----------

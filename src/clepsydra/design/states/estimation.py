@@ -9,7 +9,7 @@ import numpy as np
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.observers.current_observer import observer_values
 from clepsydra.controllers.observers.structure import ObserverStructure
-from clepsydra.design.observed_process import ObservedProcess
+from clepsydra.design.states.observed_process import ObservedProcess
 
 
 class Estimation(NamedTuple):
@@ -65,7 +65,7 @@ def with_loads(observed: ObservedProcess) -> ObservedProcess:
 
     Examples
     --------
-    >>> from clepsydra.design.observed_process import observed_process
+    >>> from clepsydra.design.states.observed_process import observed_process
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> seen = observed_process(analyse(load_process("wet-well")).model, None, "observer")

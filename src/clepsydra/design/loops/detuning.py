@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.pid_settings import PidSettings
+from clepsydra.design.loops.pid_settings import PidSettings
 
 #: The largest peak of the sensitivity that is let pass.
 SENSITIVITY_LIMIT = 2.0

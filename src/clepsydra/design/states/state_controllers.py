@@ -13,10 +13,10 @@ from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.state_feedback import FAMILY as FEEDBACK_FAMILY
 from clepsydra.controllers.state_feedback import state_feedback_law
 from clepsydra.design.applicability import NotApplicable, check_designed
-from clepsydra.design.estimation import Estimation
-from clepsydra.design.measured_states import with_outputs
-from clepsydra.design.sampled_loop import sampled_loop
-from clepsydra.design.sampled_process import NotSampled
+from clepsydra.design.sampled.sampled_loop import sampled_loop
+from clepsydra.design.sampled.sampled_process import NotSampled
+from clepsydra.design.states.estimation import Estimation
+from clepsydra.design.states.measured_states import with_outputs
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 

@@ -8,12 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.design.estimation import Estimation
-from clepsydra.design.measured_states import all_states_are_measured, measurements_of_states
-from clepsydra.design.observed_process import ObservedProcess, observed_process
-from clepsydra.design.precompensator import precompensator
-from clepsydra.design.relevant_states import without_idle_states
-from clepsydra.design.state_controllers import state_feedback_controller
+from clepsydra.design.states.estimation import Estimation
+from clepsydra.design.states.measured_states import all_states_are_measured, measurements_of_states
+from clepsydra.design.states.observed_process import ObservedProcess, observed_process
+from clepsydra.design.states.precompensator import precompensator
+from clepsydra.design.states.relevant_states import without_idle_states
+from clepsydra.design.states.state_controllers import state_feedback_controller
 from clepsydra.linear.linear_model import LinearModel
 
 _NOTE_ON_OFFSET = (

@@ -1,0 +1,1 @@
+"""What the designs of single loops share: pairing, settings, detuning, the controller made."""

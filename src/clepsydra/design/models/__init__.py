@@ -1,0 +1,1 @@
+"""Small models of one channel, and what the tuning rules need of them."""

@@ -1,0 +1,1 @@
+"""The process and its loops from one sample to the next, exact."""

@@ -1,0 +1,1 @@
+"""What the designs by states share: gains, poles, observers, the controller made."""
