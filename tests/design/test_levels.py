@@ -147,7 +147,7 @@ def test_the_basin_lets_its_load_use_the_room(basin):
     assert controller.values["integral_time_1"] == pytest.approx(2 * arrest + delay, rel=1e-9)
     # The pump draws: it must run faster when the level rises.
     assert controller.values["proportional_gain_1"] < 0.0
-    assert "0.12 m^3/s of inflow" in controller.notes[0]
+    assert "a load step of inflow by 0.12 m^3/s" in controller.notes[0]
 
 
 def test_half_the_deviation_is_half_the_arrest_time(basin):

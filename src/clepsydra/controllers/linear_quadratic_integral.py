@@ -8,7 +8,7 @@ from typing import get_args
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.anti_windup import AntiWindup, check_anti_windup
+from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup, check_anti_windup
 from clepsydra.controllers.blocks.output_stage import output_stage
 from clepsydra.controllers.observers.structure import ObserverStructure
 from clepsydra.controllers.state_reading import StateSignals, weighted_sum
@@ -127,6 +127,7 @@ def lqi_law(
         state=state.states(),
         outputs=state.outputs(),
         equations=lambda symbols: _equations(symbols, state, anti_windup),
+        description=(f"Anti-windup: {IN_WORDS[anti_windup]}.",),
     )
 
 

@@ -10,6 +10,7 @@ from clepsydra.design.loops.multiloop import PairedLoop
 from clepsydra.design.loops.pairing import Pairing
 from clepsydra.design.loops.pid_settings import PidSettings
 from clepsydra.design.loops.published_rule import PublishedRule, RuleActions, design_by_rule
+from clepsydra.design.loops.words import lag, seconds, slope
 from clepsydra.design.models.first_order_delay import FirstOrderDelay
 from clepsydra.design.models.reaction_curve import reaction_curve
 from clepsydra.linear.linear_model import LinearModel
@@ -133,7 +134,7 @@ def design_amigo(
 def _rule(loop: PairedLoop, delay: float, actions: RuleActions) -> tuple[PidSettings, str]:
     model = reaction_curve(loop.element, delay, method=METHOD).model
     words = (
-        f"slope {model.slope:.3g}/s, time constant {model.time_constant:.3g} s, "
-        f"delay {model.delay:.3g} s"
+        f"{slope(model.slope, loop.output, loop.input)}, {lag(model.time_constant)}, "
+        f"delay {seconds(model.delay)}"
     )
     return amigo_settings(model, actions), words

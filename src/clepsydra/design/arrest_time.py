@@ -14,8 +14,9 @@ from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, as_given, detune
 from clepsydra.design.loops.multiloop import MultiloopPid, PairedLoop, note_on_peak, pi_only
 from clepsydra.design.loops.pairing import Pairing
 from clepsydra.design.loops.pid_settings import PidSettings, slowed_down
+from clepsydra.design.loops.words import seconds
 from clepsydra.design.models.first_order_delay import FirstOrderDelay, half_rule
-from clepsydra.design.request import positive_number
+from clepsydra.design.request import in_shown_unit, positive_number
 from clepsydra.linear.linear_model import LinearModel
 
 METHOD = "arrest time"
@@ -63,7 +64,7 @@ def arrest_time_for(model: FirstOrderDelay, deviation: float, load_rate: float) 
         raise NotApplicable(
             METHOD,
             f"its load uses up the allowed deviation of {deviation:.3g} within "
-            f"{deviation / load_rate:.3g} s, too short beside a delay of {delay:.3g} s",
+            f"{seconds(deviation / load_rate)}, too short beside a delay of {seconds(delay)}",
         )
     return 0.5 * (span - 2.0 * delay + math.sqrt(inside))
 
@@ -106,8 +107,9 @@ def arrest_settings(model: FirstOrderDelay, arrest_time: float) -> PidSettings:
     if proportional <= 0.0:
         raise NotApplicable(
             METHOD,
-            f"the level does not integrate: it settles by itself with a time constant of "
-            f"{model.time_constant:.3g} s, and an arrest time of {arrest_time:.3g} s is slower",
+            "the level does not integrate: it settles by itself with a time constant of "
+            f"{seconds(model.time_constant)}, and an arrest time of {seconds(arrest_time)} is "
+            "slower",
         )
     return PidSettings(proportional / model.slope, proportional / integral)
 
@@ -219,16 +221,16 @@ def _averaging(
     if arrest_time is not None:
         return _Averaging(
             arrest_settings(reduced, arrest_time),
-            f"load steps are arrested after {arrest_time:g} s",
+            f"load steps are arrested after {seconds(arrest_time)}",
         )
     load = largest_load(model, loop.output.name, METHOD)
     room = deviation or averaging_room(together.point, loop.output, METHOD)
     time = arrest_time_for(reduced, room, load.rate)
     return _Averaging(
         arrest_settings(reduced, time),
-        f"a load step of {load.size:.3g} {load.unit} of {load.signal}, which moves it by "
-        f"{load.rate:.3g} {loop.output.unit}/s at first, is let use {room:.3g} "
-        f"{loop.output.unit} and is arrested after {time:.0f} s",
+        f"a load step of {load.signal} by "
+        f"{in_shown_unit(process.signal(load.signal), load.size)} is let use "
+        f"{in_shown_unit(loop.output, room)} and is arrested after {seconds(time)}",
     )
 
 

@@ -14,6 +14,7 @@ from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.loops.control_authority import DESIGN_STEP, check_ranges, control_authority
+from clepsydra.design.loops.words import seconds
 from clepsydra.design.request import in_shown_unit, positive_number
 from clepsydra.design.sampled.sampling_period import check_sampling_period
 from clepsydra.design.states.linear_quadratic import METHOD, LqiGains, lqi_gains
@@ -161,8 +162,9 @@ def design_lqi(
         controller,
         design=(
             "LQI with Bryson's weights, "
-            f"{asked.in_words(process)}, an error lasting at most {asked.horizon:.3g} s; slowest "
-            f"closed-loop time constant {slowest:.3g} s, sensitivity peak {found.peak:.2f}."
+            f"{asked.in_words(process)}, an error lasting at most {seconds(asked.horizon)}; "
+            f"slowest closed-loop time constant {seconds(slowest)}, sensitivity peak "
+            f"{found.peak:.2f}."
         ),
         notes=(*controller.notes, *note_on_slowing(found, "the regulator")),
     )

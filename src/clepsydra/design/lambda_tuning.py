@@ -7,6 +7,7 @@ import math
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import reasons_about
+from clepsydra.design.loops import words
 from clepsydra.design.loops.closed_loop_time import TimedLoop, design_by_time
 from clepsydra.design.loops.multiloop import MultiloopPid, PairedLoop, pi_only
 from clepsydra.design.loops.pairing import Pairing
@@ -147,8 +148,8 @@ def _timed(loop: PairedLoop, delay: float, given: float | None) -> TimedLoop:
     return TimedLoop(
         lambda time: lambda_settings(model, time),
         shortest,
-        f"slope {lag.slope:.3g}/s, time constant {lag.time_constant:.3g} s{taken}, "
-        f"delay {lag.delay:.3g} s",
+        f"{words.slope(lag.slope, loop.output, loop.input)}, "
+        f"{words.lag(lag.time_constant)}{taken}, delay {words.seconds(lag.delay)}",
     )
 
 

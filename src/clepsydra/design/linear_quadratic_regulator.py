@@ -11,6 +11,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.design.bryson import acceptable_deviations, slowest_time_constant
 from clepsydra.design.kalman import input_variances, kalman_gain, process_noise
 from clepsydra.design.loops.control_authority import check_ranges
+from clepsydra.design.loops.words import seconds
 from clepsydra.design.states.estimation import Estimation, with_loads
 from clepsydra.design.states.feedback_controller import feedback_controller, states_to_feed_back
 from clepsydra.design.states.linear_quadratic import bryson_weights, check_independent, lqr_gains
@@ -116,7 +117,7 @@ def design_lqr(
     return dataclasses.replace(
         controller,
         design=(
-            f"LQR with {by}{estimated}; slowest closed-loop time constant {slowest:.3g} s, "
+            f"LQR with {by}{estimated}; slowest closed-loop time constant {seconds(slowest)}, "
             f"sensitivity peak {found.peak:.2f}."
         ),
         notes=(*controller.notes, *note_on_slowing(found, "the regulator")),

@@ -18,6 +18,7 @@ from clepsydra.design.bryson import (
 )
 from clepsydra.design.loops.control_authority import check_ranges
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.design.loops.words import seconds
 from clepsydra.design.sampled.sampling_period import check_sampling_period
 from clepsydra.design.states.linear_quadratic import METHOD, lqi_gains_by_weights
 from clepsydra.design.states.measured_states import measurements_of_states, with_outputs
@@ -110,7 +111,7 @@ def design_lqi_by_weights(
     return dataclasses.replace(
         controller,
         design=(
-            f"LQI with given weights; slowest closed-loop time constant {slowest:.3g} s, "
+            f"LQI with given weights; slowest closed-loop time constant {seconds(slowest)}, "
             f"sensitivity peak {peak:.2f}."
         ),
         notes=notes,

@@ -16,6 +16,7 @@ from clepsydra.design.bryson import (
 )
 from clepsydra.design.kalman import kalman_gain, process_noise
 from clepsydra.design.loops.control_authority import check_ranges
+from clepsydra.design.loops.words import seconds
 from clepsydra.design.states.estimation import Estimation
 from clepsydra.design.states.linear_quadratic import bryson_weights, lqi_gains_by_weights
 from clepsydra.design.states.observed_process import observed_process
@@ -125,9 +126,9 @@ def design_lqi_kalman(
         controller,
         design=(
             "LQI with Bryson's weights, "
-            f"{asked.in_words(process)}, an error lasting at most {asked.horizon:.3g} s; Kalman "
+            f"{asked.in_words(process)}, an error lasting at most {seconds(asked.horizon)}; Kalman "
             f"filter for {names}, {noise.words}; slowest time constants "
-            f"{slowest[0]:.3g} s of the regulator and {slowest[1]:.3g} s of the filter, "
+            f"{seconds(slowest[0])} of the regulator and {seconds(slowest[1])} of the filter, "
             f"sensitivity peak {found.peak:.2f}."
         ),
         notes=(*controller.notes, *note_on_slowing(found, "the regulator")),

@@ -16,6 +16,7 @@ from clepsydra.design.bryson import slowest_time_constant
 from clepsydra.design.kalman import process_noise
 from clepsydra.design.loops.control_authority import DESIGN_STEP, check_ranges, control_authority
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.design.loops.words import seconds
 from clepsydra.design.request import positive_number
 from clepsydra.design.states.estimation import Estimation, input_noise, with_loads
 from clepsydra.design.states.feedback_controller import feedback_controller, states_to_feed_back
@@ -314,4 +315,4 @@ def _in_words(
         if request.observer_poles is None:
             words += f", {request.ratio:.3g} times as fast"
     slowest = slowest_time_constant(regulator_poles, observed.period)
-    return f"{words}; slowest closed-loop time constant {slowest:.3g} s"
+    return f"{words}; slowest closed-loop time constant {seconds(slowest)}"

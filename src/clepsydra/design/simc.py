@@ -10,6 +10,7 @@ from clepsydra.design.loops.closed_loop_time import TimedLoop, design_by_time
 from clepsydra.design.loops.multiloop import MultiloopPid, PairedLoop, checked_form
 from clepsydra.design.loops.pairing import Pairing
 from clepsydra.design.loops.pid_settings import PidSettings, SeriesSettings, from_series
+from clepsydra.design.loops.words import lag, seconds, slope
 from clepsydra.design.models.first_order_delay import FirstOrderDelay, half_rule
 from clepsydra.design.models.second_order_delay import SecondOrderDelay, half_rule_of_second_order
 from clepsydra.linear.linear_model import LinearModel
@@ -158,8 +159,8 @@ def _first_order(loop: PairedLoop, delay: float) -> TimedLoop:
     return TimedLoop(
         lambda time: simc_settings(model, time),
         _shortest(loop, model),
-        f"slope {model.slope:.3g}/s, time constant {model.time_constant:.3g} s, "
-        f"delay {model.delay:.3g} s",
+        f"{slope(model.slope, loop.output, loop.input)}, {lag(model.time_constant)}, "
+        f"delay {seconds(model.delay)}",
     )
 
 
@@ -172,8 +173,8 @@ def _second_order(loop: PairedLoop, model: SecondOrderDelay) -> TimedLoop:
     return TimedLoop(
         lambda time: simc_pid_settings(model, time),
         _shortest(loop, model),
-        f"slope {model.slope:.3g}/s, time constants {model.time_constant:.3g} s and "
-        f"{model.second_time_constant:.3g} s, delay {model.delay:.3g} s",
+        f"{slope(model.slope, loop.output, loop.input)}, {lag(model.time_constant)}, second time "
+        f"constant {seconds(model.second_time_constant)}, delay {seconds(model.delay)}",
     )
 
 

@@ -106,4 +106,4 @@ def design_tyreus_luyben(
 
 def _rule(loop: PairedLoop, delay: float, actions: RuleActions) -> tuple[PidSettings, str]:
     point = ultimate_point(loop.element, delay, method=METHOD)
-    return tyreus_luyben_settings(point, actions), words_on_ultimate(point)
+    return tyreus_luyben_settings(point, actions), words_on_ultimate(point, loop.output, loop.input)

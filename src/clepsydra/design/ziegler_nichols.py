@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.loops.multiloop import PairedLoop
 from clepsydra.design.loops.pairing import Pairing
 from clepsydra.design.loops.pid_settings import PidSettings
 from clepsydra.design.loops.published_rule import PublishedRule, RuleActions, design_by_rule
+from clepsydra.design.loops.words import gain, seconds, slope
 from clepsydra.design.models.reaction_curve import reaction_curve
 from clepsydra.design.models.ultimate_point import UltimatePoint, ultimate_point
 from clepsydra.linear.linear_model import LinearModel
@@ -151,23 +153,29 @@ def _from_ultimate_point(
     loop: PairedLoop, delay: float, actions: RuleActions
 ) -> tuple[PidSettings, str]:
     point = ultimate_point(loop.element, delay, method=METHOD)
-    return ziegler_nichols_settings(point, actions), words_on_ultimate(point)
+    return ziegler_nichols_settings(point, actions), words_on_ultimate(
+        point, loop.output, loop.input
+    )
 
 
 def _from_step_response(
     loop: PairedLoop, delay: float, actions: RuleActions
 ) -> tuple[PidSettings, str]:
     curve = reaction_curve(loop.element, delay, method=METHOD)
-    words = f"steepest slope {curve.slope:.3g}/s, delay {curve.delay:.3g} s"
+    steepest = slope(curve.slope, loop.output, loop.input)
+    words = f"steepest {steepest}, delay {seconds(curve.delay)}"
     return ziegler_nichols_step_settings(curve.slope, curve.delay, actions), words
 
 
-def words_on_ultimate(point: UltimatePoint) -> str:
+def words_on_ultimate(point: UltimatePoint, output: Signal, manipulated: Signal) -> str:
     """Return an ultimate point in words.
 
     Examples
     --------
-    >>> words_on_ultimate(UltimatePoint(8.0, 3.628))
-    'ultimate gain 8, ultimate period 3.63 s'
+    >>> level = Signal("level", "V", low=0.0, high=5.0)
+    >>> pump = Signal("pump", "V", low=0.0, high=10.0)
+    >>> words_on_ultimate(UltimatePoint(8.0, 3.628), level, pump)
+    'ultimate gain 4 %/%, ultimate period 3.63 s'
     """
-    return f"ultimate gain {point.gain:.3g}, ultimate period {point.period:.3g} s"
+    ultimate = gain(point.gain, output, manipulated)
+    return f"ultimate gain {ultimate}, ultimate period {seconds(point.period)}"

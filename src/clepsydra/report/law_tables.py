@@ -10,7 +10,6 @@ from clepsydra.process.process import Process
 from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.facts import DIGITS, Facts, known_signal, level_words
 from clepsydra.report.output_facts import output_facts
-from clepsydra.report.pid_tables import ANTI_WINDUPS
 from clepsydra.report.quantities import display_factor, number_text, quantity_text, unit_text
 
 _ESTIMATE = ("expected deviation of ", " from the operating point")
@@ -30,8 +29,8 @@ def law_words(controller: Controller) -> list[str]:
     Returns
     -------
     list of str
-        The law's own description where it has one; empty for a scheme of blocks, whose loops
-        say it themselves.
+        And what the law says of itself; empty for a scheme of blocks, whose loops say it
+        themselves.
 
     Examples
     --------
@@ -43,11 +42,10 @@ def law_words(controller: Controller) -> list[str]:
     'u = u° − F x + I within the limits, I⁺ = I + Δt G (r − y), x = y − y°, each sample. ° marks \
 values at the operating point.'
     """
-    if controller.law.description:
-        return list(controller.law.description)
+    description = list(controller.law.description)
     values = controller.values
     if "feedback_1_1" not in values:
-        return []
+        return description
     observed = "transition_1_1" in values
     state = "x = x̂" if observed else "x = y − y°"
     if "integral_gain_1_1" in values:
@@ -58,7 +56,7 @@ values at the operating point.'
             "automatic bumpless and fades in the fading time."
         )
     words += " ° marks values at the operating point."
-    return [words, _OBSERVER] if observed else [words]
+    return [words, *([_OBSERVER] if observed else []), *description]
 
 
 def law_grids(controller: Controller, process: Process) -> list[Grid]:
@@ -163,8 +161,6 @@ def _output(number: int, signal: Signal, controller: Controller) -> list[tuple[s
     for name, what in (("tracking_time", "tracking time"), ("fading_time", "fading time")):
         if f"{name}_{number}" in values:
             facts.append((what, f"{number_text(values[f'{name}_{number}'], DIGITS)} s"))
-    if f"tracking_time_{number}" in values:
-        facts.append(("anti-windup", ANTI_WINDUPS["back_calculation"]))
     if f"in_service_{number}" in values:
         facts.append(("in service", "yes" if values[f"in_service_{number}"] else "no"))
     return facts

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.anti_windup import IN_WORDS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
@@ -30,15 +31,9 @@ _ALGORITHMS = {
     "parallel": "parallel (independent gains)",
     "velocity": "velocity (incremental, ISA)",
 }
+
+
 #: Name of an anti-windup to what it does.
-ANTI_WINDUPS = {
-    "back_calculation": "back-calculation: the integral follows what was applied",
-    "conditional_integration": "conditional integration: stops where it would push on into a limit",
-    "clamping": "clamping: the integral is kept within the output's limits",
-    "none": "none",
-}
-
-
 def loop_settings(controller: Controller, point: OperatingPoint) -> list[Facts]:
     """Return the settings of every PID loop of a controller, in every unit and form in use.
 
@@ -112,7 +107,7 @@ def _loop(block: PidBlock, controller: Controller, point: OperatingPoint) -> Fac
         *_options(block, controller, measurement),
     ]
     if form.has_integral:
-        facts.append(("anti-windup", ANTI_WINDUPS[form.winding]))
+        facts.append(("anti-windup", IN_WORDS[form.winding]))
     if form.tracks_back:
         tracking = number_text(values[f"tracking_time_{number}"], DIGITS)
         facts.append(("tracking time", f"{tracking} s"))

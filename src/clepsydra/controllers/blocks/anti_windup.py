@@ -11,6 +11,14 @@ from clepsydra.controllers.blocks.limits import limit
 
 AntiWindup = Literal["back_calculation", "conditional_integration", "clamping", "none"]
 
+#: What a reader is told of each.
+IN_WORDS: dict[str, str] = {
+    "back_calculation": "back-calculation: the integral follows what was applied",
+    "conditional_integration": "conditional integration: stops where it would push on into a limit",
+    "clamping": "clamping: the integral is kept within the output's limits",
+    "none": "none",
+}
+
 
 def check_anti_windup(anti_windup: str) -> None:
     """Refuse a name that stands for no way of anti-windup.

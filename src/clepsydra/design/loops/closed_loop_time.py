@@ -10,6 +10,7 @@ from clepsydra.design.loops.control_authority import DESIGN_STEP
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
 from clepsydra.design.loops.multiloop import MultiloopPid, note_on_peak
 from clepsydra.design.loops.pid_settings import PidSettings
+from clepsydra.design.loops.words import seconds
 from clepsydra.design.request import positive_number
 
 
@@ -97,7 +98,7 @@ def design_by_time(
         choice = f"a closed-loop time constant of {time:g} s"
         found = as_given(settings_at(times), together.peak, method, choice)
     words = "; ".join(
-        f"{paired.pair}: {loop.words}, closed-loop time constant {time:.3g} s"
+        f"{paired.pair}: {loop.words}, closed-loop time constant {seconds(time)}"
         for paired, loop, time in zip(together.loops, loops, times, strict=True)
     )
     return together.controller(found, source, [f"{models}: {words}.", *_notes(found)])

@@ -14,12 +14,12 @@ from clepsydra.controllers.multiloop_pid import Decoupling, family, multiloop_pi
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable, check_designed
 from clepsydra.design.decoupling import inverted_decoupler
-from clepsydra.design.gain_units import unit_of_gain
 from clepsydra.design.loops.control_authority import check_ranges, largest_proportional_gain
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, Detuned
 from clepsydra.design.loops.law_settings import law_settings
 from clepsydra.design.loops.pairing import Pairing, checked_pairing
 from clepsydra.design.loops.pid_settings import PidSettings
+from clepsydra.design.loops.words import gain, seconds
 from clepsydra.design.models.transfer_element import TransferElement, transfer_element
 from clepsydra.design.sampled.sampled_loop import SampledLoops
 from clepsydra.design.sampled.sampled_process import NotSampled
@@ -48,11 +48,6 @@ class PairedLoop(NamedTuple):
     def pair(self) -> str:
         """The pair as the reader sees it."""
         return f"{self.output.name} by {self.input.name}"
-
-    @property
-    def gain_unit(self) -> str:
-        """Unit of its gain; empty where input and output are shares."""
-        return unit_of_gain(self.output, self.input)
 
     @property
     def largest_gain(self) -> float:
@@ -230,15 +225,11 @@ class MultiloopPid:
 
     def _in_words(self, settings: Sequence[PidSettings]) -> str:
         return "; ".join(
-            f"{loop.pair}: K = {setting.gain:.3g}{_with_space(loop.gain_unit)}"
-            + (f", Ti = {setting.integral_time:.3g} s" if self.form.has_integral else "")
-            + (f", Td = {setting.derivative_time:.3g} s" if self.form.has_derivative else "")
+            f"{loop.pair}: K = {gain(setting.gain, loop.output, loop.input)}"
+            + (f", Ti = {seconds(setting.integral_time)}" if self.form.has_integral else "")
+            + (f", Td = {seconds(setting.derivative_time)}" if self.form.has_derivative else "")
             for loop, setting in zip(self.loops, settings, strict=True)
         )
-
-
-def _with_space(unit: str) -> str:
-    return f" {unit}" if unit else ""
 
 
 def checked_form(form: PidForm | None, method: str) -> tuple[PidForm, Literal["PI", "PID"]]:

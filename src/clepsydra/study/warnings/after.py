@@ -42,7 +42,8 @@ def run_warnings(run: Run) -> tuple[str, ...]:
 def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
     """Return the warnings of a run and of its scores.
 
-    That a level does not settle is no fault where it is meant to average (`Process.averaging`).
+    That a level does not settle is no fault where it is meant to average (`Process.averaging`), or
+    where the controller has no setpoint for it.
 
     Parameters
     ----------
@@ -57,6 +58,7 @@ def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
     held = {
         key: value
         for key, value in scores.items()
-        if key.partition("[")[2].removesuffix("]") not in run.process.averaging
+        if (name := key.partition("[")[2].removesuffix("]")) not in run.process.averaging
+        and name in run.controller.setpoints
     }
     return (*run_warnings(run), *settling_warnings(held))

@@ -1,0 +1,67 @@
+"""Models and settings of a loop in words, in units that a reader sets or compares."""
+
+from __future__ import annotations
+
+import math
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
+from clepsydra.design.gain_units import percent_gain
+
+
+def seconds(time: float) -> str:
+    """Return a time with three digits, without an exponent.
+
+    Examples
+    --------
+    >>> seconds(8143.3), seconds(0.0512)
+    ('8140 s', '0.0512 s')
+    """
+    return f"{float(f'{time:.3g}'):g} s" if abs(time) < LARGEST_NUMBER else "no end"
+
+
+def lag(time_constant: float) -> str:
+    """Return a time constant, or that there is none.
+
+    Examples
+    --------
+    >>> lag(62.4), lag(math.inf)
+    ('time constant 62.4 s', 'integrating')
+    """
+    return "integrating" if math.isinf(time_constant) else f"time constant {seconds(time_constant)}"
+
+
+def gain(value: float, output: Signal, manipulated: Signal) -> str:
+    """Return a controller's gain in percent of the input's range per percent of the output's.
+
+    Examples
+    --------
+    >>> level = Signal("level", "m", low=0.0, high=5.0)
+    >>> pump = Signal("pump", "V", low=0.0, high=10.0)
+    >>> gain(4.0, level, pump)
+    '2 %/%'
+    """
+    return f"{percent_gain(value, output, manipulated):.3g} %/%"
+
+
+def slope(value: float, output: Signal, manipulated: Signal) -> str:
+    """Return how fast an output moves, in percent of its range per percent of the input's.
+
+    Parameters
+    ----------
+    value : float
+        [output unit / (input unit · s)]
+    output, manipulated : Signal
+        With finite ranges.
+
+    Examples
+    --------
+    >>> level = Signal("level", "m", low=0.0, high=5.0)
+    >>> pump = Signal("pump", "V", low=0.0, high=10.0)
+    >>> slope(0.001, level, pump)
+    'slope 0.12 %/% a minute'
+    """
+    in_shares = percent_gain(value, manipulated, output)
+    if abs(in_shares) >= 0.01:
+        return f"slope {in_shares:.3g} %/% a second"
+    return f"slope {60.0 * in_shares:.3g} %/% a minute"
