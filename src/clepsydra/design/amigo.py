@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 
+from clepsydra.base.words import seconds
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.loops.multiloop import PairedLoop
 from clepsydra.design.loops.pairing import Pairing
 from clepsydra.design.loops.pid_settings import PidSettings
 from clepsydra.design.loops.published_rule import PublishedRule, RuleActions, design_by_rule
-from clepsydra.design.loops.words import lag, seconds, slope
+from clepsydra.design.loops.words import lag, slope
 from clepsydra.design.models.first_order_delay import FirstOrderDelay
 from clepsydra.design.models.reaction_curve import reaction_curve
 from clepsydra.linear.linear_model import LinearModel

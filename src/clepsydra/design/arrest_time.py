@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.words import seconds
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable, reasons_about
@@ -14,7 +15,6 @@ from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, as_given, detune
 from clepsydra.design.loops.multiloop import MultiloopPid, PairedLoop, note_on_peak, pi_only
 from clepsydra.design.loops.pairing import Pairing
 from clepsydra.design.loops.pid_settings import PidSettings, slowed_down
-from clepsydra.design.loops.words import seconds
 from clepsydra.design.models.first_order_delay import FirstOrderDelay, half_rule
 from clepsydra.design.request import in_shown_unit, positive_number
 from clepsydra.linear.linear_model import LinearModel

@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.words import seconds
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.loops.control_authority import DESIGN_STEP, check_ranges, control_authority
-from clepsydra.design.loops.words import seconds
 from clepsydra.design.request import in_shown_unit, positive_number
 from clepsydra.design.sampled.sampling_period import check_sampling_period
 from clepsydra.design.states.linear_quadratic import METHOD, LqiGains, lqi_gains

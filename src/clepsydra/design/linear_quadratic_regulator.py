@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from clepsydra.base.words import seconds
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.bryson import acceptable_deviations, slowest_time_constant
 from clepsydra.design.kalman import input_variances, kalman_gain, process_noise
 from clepsydra.design.loops.control_authority import check_ranges
-from clepsydra.design.loops.words import seconds
 from clepsydra.design.states.estimation import Estimation, with_loads
 from clepsydra.design.states.feedback_controller import feedback_controller, states_to_feed_back
 from clepsydra.design.states.linear_quadratic import bryson_weights, check_independent, lqr_gains

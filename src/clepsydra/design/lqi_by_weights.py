@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.words import seconds
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
@@ -18,7 +19,6 @@ from clepsydra.design.bryson import (
 )
 from clepsydra.design.loops.control_authority import check_ranges
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
-from clepsydra.design.loops.words import seconds
 from clepsydra.design.sampled.sampling_period import check_sampling_period
 from clepsydra.design.states.linear_quadratic import METHOD, lqi_gains_by_weights
 from clepsydra.design.states.measured_states import measurements_of_states, with_outputs

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from clepsydra.base.words import seconds
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.bryson import (
@@ -16,7 +17,6 @@ from clepsydra.design.bryson import (
 )
 from clepsydra.design.kalman import kalman_gain, process_noise
 from clepsydra.design.loops.control_authority import check_ranges
-from clepsydra.design.loops.words import seconds
 from clepsydra.design.states.estimation import Estimation
 from clepsydra.design.states.linear_quadratic import bryson_weights, lqi_gains_by_weights
 from clepsydra.design.states.observed_process import observed_process

@@ -10,13 +10,13 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.words import seconds
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.bryson import slowest_time_constant
 from clepsydra.design.kalman import process_noise
 from clepsydra.design.loops.control_authority import DESIGN_STEP, check_ranges, control_authority
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
-from clepsydra.design.loops.words import seconds
 from clepsydra.design.request import positive_number
 from clepsydra.design.states.estimation import Estimation, input_noise, with_loads
 from clepsydra.design.states.feedback_controller import feedback_controller, states_to_feed_back

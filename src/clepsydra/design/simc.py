@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from clepsydra.base.words import seconds
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import Decoupling
 from clepsydra.controllers.pid_form import PidForm
@@ -10,7 +11,7 @@ from clepsydra.design.loops.closed_loop_time import TimedLoop, design_by_time
 from clepsydra.design.loops.multiloop import MultiloopPid, PairedLoop, checked_form
 from clepsydra.design.loops.pairing import Pairing
 from clepsydra.design.loops.pid_settings import PidSettings, SeriesSettings, from_series
-from clepsydra.design.loops.words import lag, seconds, slope
+from clepsydra.design.loops.words import lag, slope
 from clepsydra.design.models.first_order_delay import FirstOrderDelay, half_rule
 from clepsydra.design.models.second_order_delay import SecondOrderDelay, half_rule_of_second_order
 from clepsydra.linear.linear_model import LinearModel

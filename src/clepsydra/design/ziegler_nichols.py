@@ -6,13 +6,14 @@ from typing import Literal, get_args
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.base.words import seconds
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.loops.multiloop import PairedLoop
 from clepsydra.design.loops.pairing import Pairing
 from clepsydra.design.loops.pid_settings import PidSettings
 from clepsydra.design.loops.published_rule import PublishedRule, RuleActions, design_by_rule
-from clepsydra.design.loops.words import gain, seconds, slope
+from clepsydra.design.loops.words import gain, slope
 from clepsydra.design.models.reaction_curve import reaction_curve
 from clepsydra.design.models.ultimate_point import UltimatePoint, ultimate_point
 from clepsydra.linear.linear_model import LinearModel

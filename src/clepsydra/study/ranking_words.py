@@ -9,6 +9,9 @@ from clepsydra.study.result import Candidate, Standing
 #: Controllers whose mean differs by less are as good as each other, and their wear decides.
 TIE = 1.02
 
+#: From here on a multiple says more than a percentage.
+_MANY = 3.0
+
 #: How a standing is said of a controller.
 STANDINGS = {
     Standing.ROBUST: "robust and quiet",
@@ -89,6 +92,8 @@ def _behind(candidate: Candidate, better: Candidate, tied: bool) -> str:
     if candidate.standing is not better.standing:
         return f"Behind {name}, which is {STANDINGS[better.standing]}."
     if tied:
+        if _as_calm(candidate, better):
+            return f"Level with {name}, in errors and in moves."
         return f"Level with {name} to within 2 %, but {_moves(candidate.wear, better.wear)}."
     return f"Behind {name}: {_larger(candidate, better, 'its')}."
 
@@ -98,6 +103,8 @@ def _ahead(candidate: Candidate, worse: Candidate, tied: bool) -> str:
     if candidate.standing is not worse.standing:
         return f"Ahead of {name}, which is not {STANDINGS[candidate.standing]}."
     if tied:
+        if _as_calm(worse, candidate):
+            return f"Level with {name}, in errors and in moves."
         return f"Level with {name} to within 2 %, which {_moves(worse.wear, candidate.wear)}."
     return f"Ahead of {name}, {_larger(worse, candidate, 'whose')}."
 
@@ -110,11 +117,14 @@ def _larger(worse: Candidate, better: Candidate, whose: str) -> str:
     )
     if not math.isfinite(worse.mean_error):
         return f"{whose} {most} has no end"
-    more = percent(100 * (worse.mean_error / better.mean_error - 1))
+    ratio = worse.mean_error / better.mean_error
+    more = (
+        f"{percent(100 * (ratio - 1))} larger" if ratio < _MANY else f"{ratio:.3g} times as large"
+    )
     if len(worse.criteria) == 1:
-        return f"{whose} {most} is {more} larger"
+        return f"{whose} {most} is {more}"
     return (
-        f"{whose} mean is {more} larger, most of all by the {most} "
+        f"{whose} mean is {more}, most of all by the {most} "
         f"({worse.criteria[most]:.2f} against {better.criteria[most]:.2f})"
     )
 
@@ -123,10 +133,12 @@ def _difference(worse: float, better: float) -> float:
     return worse - better if math.isfinite(better) else 0.0
 
 
+def _as_calm(worse: Candidate, better: Candidate) -> bool:
+    return worse.wear <= 1.005 * better.wear
+
+
 def _moves(more: float, less: float) -> str:
     if less > 0.0 and math.isfinite(more):
-        if more / less < 1.005:
-            return "moves its inputs as much"
         return f"moves its inputs {more / less:.2f} times as much"
     return "moves its inputs more"
 

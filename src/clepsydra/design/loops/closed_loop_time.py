@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from clepsydra.base.words import seconds
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.loops.control_authority import DESIGN_STEP
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
 from clepsydra.design.loops.multiloop import MultiloopPid, note_on_peak
 from clepsydra.design.loops.pid_settings import PidSettings
-from clepsydra.design.loops.words import seconds
 from clepsydra.design.request import positive_number
 
 

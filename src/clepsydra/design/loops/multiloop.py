@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.base.words import seconds
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import Decoupling, family, multiloop_pid_law
@@ -19,7 +20,7 @@ from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, Detuned
 from clepsydra.design.loops.law_settings import law_settings
 from clepsydra.design.loops.pairing import Pairing, checked_pairing
 from clepsydra.design.loops.pid_settings import PidSettings
-from clepsydra.design.loops.words import gain, seconds
+from clepsydra.design.loops.words import gain
 from clepsydra.design.models.transfer_element import TransferElement, transfer_element
 from clepsydra.design.sampled.sampled_loop import SampledLoops
 from clepsydra.design.sampled.sampled_process import NotSampled

@@ -5,19 +5,8 @@ from __future__ import annotations
 import math
 
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
+from clepsydra.base.words import seconds
 from clepsydra.design.gain_units import percent_gain
-
-
-def seconds(time: float) -> str:
-    """Return a time with three digits, without an exponent.
-
-    Examples
-    --------
-    >>> seconds(8143.3), seconds(0.0512)
-    ('8140 s', '0.0512 s')
-    """
-    return f"{float(f'{time:.3g}'):g} s" if abs(time) < LARGEST_NUMBER else "no end"
 
 
 def lag(time_constant: float) -> str:
