@@ -6,10 +6,11 @@ from importlib import resources
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
 
 from clepsydra.base.errors import InputError
-from clepsydra.process.reader import load_process
+from clepsydra.loop.parquet import write_parquet
 from clepsydra.study.designs import DESIGNS
 from clepsydra.study.file.reader import read_study
 from clepsydra.study.result import StudyResult
@@ -187,14 +188,44 @@ def test_the_same_seed_gives_the_same_bits_and_another_seed_other_noise(results)
     assert not np.array_equal(one.values["pump_1"], two.values["pump_1"])
 
 
-def test_a_process_or_its_name_or_its_file_is_the_same_study(results, tmp_path):
-    text = catalogue_text()
+def test_a_file_of_the_same_text_is_the_same_study(results, tmp_path):
     path = tmp_path / "mine.toml"
-    path.write_text(text)
-    for given in (load_process(NAMES[0]), path, str(path)):
-        result = run_study(given)
-        assert result.verdict == results[NAMES[0]].verdict
-        assert [c.scores for c in result.ranking] == [c.scores for c in results[NAMES[0]].ranking]
+    path.write_text(catalogue_text())
+    result = run_study(path)
+    assert result.verdict == results[NAMES[0]].verdict
+    assert [c.scores for c in result.ranking] == [c.scores for c in results[NAMES[0]].ranking]
+
+
+MIXED = """process = "quadruple-tank"
+[controllers.hand.loops.one]
+measurement = "level_1"
+output = "pump_1"
+actions = "PI"
+action = "reverse"
+gain = "3 %/%"
+integral_time = "60 s"
+[controllers.simc]
+design = "simc"
+"""
+
+
+def test_controllers_of_different_inputs_are_compared_and_written(tmp_path):
+    (tmp_path / "mixed.toml").write_text(MIXED)
+    result = run_study(read_study(tmp_path / "mixed.toml"))
+    write_parquet([c.run for c in result.ranking], tmp_path / "mixed.parquet")
+    table = pandas.read_parquet(tmp_path / "mixed.parquet")
+    by_hand = table["controller"] == "hand"
+    assert by_hand.sum() == result.scenario.samples
+    # Only one of them moves pump 2 and has a status for it.
+    assert table.loc[by_hand, "pump_2.status"].isna().all()
+    assert not table.loc[~by_hand, "pump_2.status"].isna().any()
+
+
+def test_a_score_that_no_run_has_is_refused(tmp_path):
+    text = MIXED + '[ranking]\nscores = ["total_variation[level_1]"]\n'
+    (tmp_path / "mixed.toml").write_text(text)
+    with pytest.raises(InputError, match=r"total_variation\[level_1\]"):
+        run_study(read_study(tmp_path / "mixed.toml"))
 
 
 def catalogue_text() -> str:

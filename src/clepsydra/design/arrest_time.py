@@ -179,7 +179,7 @@ def design_arrest_time(
     >>> analysis = analyse(load_process("equalisation-tank"))
     >>> controller = design_arrest_time(analysis.model, analysis.pairing)
     >>> round(math.e * 2.0 / 0.12e-3), controller.notes[0][-23:]
-    (45305, 'arrested after 45245 s.')
+    (45305, 'arrested after 45200 s.')
     """
     form = pi_only(form, METHOD)
     _check(arrest_time, deviation)

@@ -55,15 +55,23 @@ def write_parquet(runs: Sequence[Run], path: Path) -> None:
 
     if not runs:
         raise InputError("trajectories", [], "at least one run", "run a loop first")
-    signals = runs[0].signals
+    # Controllers that move different inputs have different status words.
+    signals = list({signal.name: signal for run in runs for signal in run.signals}.values())
     names = pyarrow.array(
         [run.controller.name for run in runs for _ in run.time], pyarrow.string()
     ).dictionary_encode()
     columns = {
         "time": np.concatenate([run.time for run in runs]),
-        **{s.name: np.concatenate([run.values[s.name] for run in runs]) for s in signals},
+        **{s.name: np.concatenate([_values(run, s.name) for run in runs]) for s in signals},
     }
     write_columns(columns, signals, runs[0].process.name, path, {"controller": names})
+
+
+def _values(run: Run, name: str) -> np.ndarray:
+    """Return a trajectory, not-a-number where the run has no such signal."""
+    if any(signal.name == name for signal in run.signals):
+        return run.values[name]
+    return np.full(run.time.size, np.nan)
 
 
 def write_columns(

@@ -132,6 +132,9 @@ def _setpoint(
             for end in ("low", "high")
         )
         return f"from {block.setpoint} (cascade), kept from {low} to {high}"
+    fixed = controller.free_inputs.get(f"setpoint_{block.setpoint}")
+    if fixed is not None:
+        return f"fixed at {level_words(point.process, measurement, fixed)}"
     rest = level_words(point.process, measurement, point.as_dict()[measurement.name])
     words = f"from the operator, {rest} at rest"
     return words + (", or from a remote source" if block.form.remote_setpoint else "")

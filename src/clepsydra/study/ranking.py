@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.loop.run import Run
 from clepsydra.process.process import Process
@@ -114,6 +115,11 @@ def rank(trials: Sequence[Trial], scores: Sequence[str] = ()) -> tuple[Candidate
     -------
     tuple of Candidate
         With the numbers that decided: `criteria`, their mean `mean_error`, and `wear`.
+
+    Raises
+    ------
+    InputError
+        A score that is asked for is none of these runs.
     """
     if not trials:
         return ()
@@ -186,9 +192,14 @@ def verdict(process: Process, ranking: Sequence[Candidate]) -> str:
         else "no level leaves its tank and no input saturates for long"
     )
     return (
-        f"{best.controller.name} controls {process.title} best{_lead(best, ranking[1:])}; max|S| "
-        f"is {best.maximum_sensitivity:.2f}; {watch}."
+        f"{best.controller.name} controls {process.title} best{_lead(best, ranking[1:])}; "
+        f"{_peak(best)}{watch}."
     )
+
+
+def _peak(best: Candidate) -> str:
+    peak = best.maximum_sensitivity
+    return "" if math.isnan(peak) else f"max|S| is {peak:.2f}; "
 
 
 def _lead(best: Candidate, others: Sequence[Candidate]) -> str:
@@ -232,21 +243,13 @@ class _Judge:
         self.process = process
         self.duration = float(example.run.time[-1] - example.run.time[0])
         self.best_of = best_of
-        self.judged = (
-            {
-                _title(score): keys
-                for score in scores
-                if (
-                    keys := [key for key in example.scores if score in (key, key.partition("[")[0])]
-                )
-            }
-            or {
-                title: keys
-                for title, score, signals in _judged_by(process)
-                if (keys := [k for name in signals if (k := f"{score}[{name}]") in example.scores])
-            }
-            or {"error": [f"iae[{name}]" for name in process.controlled]}
-        )
+        named = {score: _keys(score, example.scores) for score in scores}
+        usual = {
+            title: keys
+            for title, score, signals in _judged_by(process)
+            if (keys := [k for name in signals if (k := f"{score}[{name}]") in example.scores])
+        } or {"error": [f"iae[{name}]" for name in process.controlled]}
+        self.judged = {_title(score): keys for score, keys in named.items()} or usual
 
     def criteria(self, trial: Trial) -> dict[str, float]:
         """Return the mean multiple of each criterion."""
@@ -304,6 +307,18 @@ def _judged_by(process: Process) -> tuple[tuple[str, str, tuple[str, ...]], ...]
         ("outflow change", "outflow_rate", averaging),
         ("outflow variance", "variance_ratio", averaging),
     )
+
+
+def _keys(score: str, scores: Mapping[str, float]) -> list[str]:
+    """Return the scores of a run that a name stands for."""
+    found = [key for key in scores if score in (key, key.partition("[")[0])]
+    if not found:
+        known = ", ".join(dict.fromkeys(key.partition("[")[0] for key in scores))
+        raise InputError(
+            "ranking, scores", score, f"a score of this scenario and its signals: {known}",
+            "choose one of them, or give the scenario the step that it judges",
+        )  # fmt: skip
+    return found
 
 
 def _title(score: str) -> str:
