@@ -116,7 +116,11 @@ def scheme_of(blocks, values=None):
     parameters = {p.name: p.initial for block in blocks for p in block.parameters()}
     law = SimpleNamespace(blocks=tuple(blocks), description=(), state=())
     return SimpleNamespace(
-        law=law, values=parameters | (values or {}), initial_state={}, measurements=()
+        free_inputs={},
+        law=law,
+        values=parameters | (values or {}),
+        initial_state={},
+        measurements=(),
     )
 
 
@@ -175,6 +179,16 @@ def test_an_outer_loop_moves_a_setpoint(wet_well):
     inner = PidBlock("inner", 2, PidForm(), level, 1, duty, "outer", 1)
     loops = loop_settings(scheme_of([outer, inner, OutputBlock(1, duty, "inner")]), point)
     assert dict(loops[0].facts)["moves"] == "the setpoint of level (4 to 20 mA)"
+
+
+def test_a_fixed_setpoint_is_not_said_to_be_the_operators(wet_well):
+    point = wet_well.operating_point
+    level, duty = point.process.signal("level"), point.process.signal("duty")
+    flood = PidBlock("flood", 1, PidForm(), level, 1, duty, 1, 1)
+    scheme = scheme_of([flood, OutputBlock(1, duty, "flood")])
+    scheme.free_inputs = {"setpoint_1": 0.012}
+    (loop,) = loop_settings(scheme, point)
+    assert dict(loop.facts)["setpoint"].startswith("fixed at 12")
 
 
 def test_decoupling_is_said_of_every_output():
