@@ -262,3 +262,17 @@ def test_a_gain_of_zero_is_said(wet_well):
     controller = by_hand(point, PidForm(), proportional_gain_1=1.0)
     still = replace(controller, values=controller.values | {"proportional_gain_1": 0.0})
     assert facts_of(still, point)["gain K"] == "0: no proportional action"
+
+
+def test_a_parallel_form_without_isa_form_says_so(wet_well):
+    point = wet_well.operating_point
+    level, duty = point.process.signal("level"), point.process.signal("duty")
+    loop = PidBlock("level", 1, PidForm("PI", "parallel"), level, 1, duty, 1, 1)
+    scheme = scheme_of(
+        [loop, OutputBlock(1, duty, "level")],
+        {"proportional_gain_1": -190.0, "integral_gain_1": 0.5},
+    )
+    (found,) = loop_settings(scheme, point)
+    facts = dict(found.facts)
+    assert facts["the ISA form"] == "none: its gains have different signs"
+    assert facts["gain K"].startswith("−19")

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import math
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.design.gain_units import GainUnits, gain_units
-from clepsydra.design.loops.pid_settings import PidSettings
+from clepsydra.design.loops.pid_settings import (
+    ParallelSettings,
+    PidSettings,
+    SeriesSettings,
+    from_parallel,
+    from_series,
+)
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.report.facts import (
     DIGITS,
@@ -141,7 +148,7 @@ def _setpoint(
 
 
 def _isa_settings(block: PidBlock, controller: Controller) -> PidSettings | None:
-    """Return the settings in ISA form; None where the gain is zero."""
+    """Return the settings in ISA form; None where there is none."""
     number, form, values = block.number, block.form, controller.values
     gain = values[f"proportional_gain_{number}"]
     if gain == 0.0:
@@ -149,12 +156,14 @@ def _isa_settings(block: PidBlock, controller: Controller) -> PidSettings | None
     if form.algorithm == "parallel":
         integral = values.get(f"integral_gain_{number}", 0.0)
         derivative = values.get(f"derivative_gain_{number}", 0.0)
-        return PidSettings(gain, gain / integral if integral else math.inf, derivative / gain)
+        try:
+            return from_parallel(ParallelSettings(gain, integral, derivative))
+        except InputError:
+            return None
     integral_time = values.get(f"integral_time_{number}", 0.0) or math.inf
     derivative_time = values.get(f"derivative_time_{number}", 0.0)
-    if form.algorithm == "series" and derivative_time:
-        factor = 1.0 + derivative_time / integral_time
-        return PidSettings(gain * factor, integral_time * factor, derivative_time / factor)
+    if form.algorithm == "series":
+        return from_series(SeriesSettings(gain, integral_time, derivative_time))
     return PidSettings(gain, integral_time, derivative_time)
 
 
@@ -163,7 +172,11 @@ def _gains(
 ) -> list[tuple[str, str]]:
     settings, form = _isa_settings(block, controller), block.form
     if settings is None:
-        return [("gain K", "0: no proportional action")]
+        proportional = controller.values[f"proportional_gain_{block.number}"]
+        if proportional == 0.0:
+            return [("gain K", "0: no proportional action")]
+        words = "none: its gains have different signs"
+        return [("gain K", gain_text(proportional, measurement, moved)), ("the ISA form", words)]
     gain = gain_text(settings.gain, measurement, moved)
     action = "reverse" if settings.gain > 0.0 else "direct"
     moves = "rises" if settings.gain > 0.0 else "falls"

@@ -58,23 +58,25 @@ def tried(
     >>> round(trial.maximum_sensitivity, 2), trial.warnings
     (1.07, ())
     """
-    before = warnings_before(analysis, model, controller, scenario)
-    loop = Loop(controller, model)
     switches = not controller.setpoints
+    response: LoopResponse | None = None
+    if not switches:
+        with suppress(ClepsydraError):  # the warnings say why there is none
+            response = loop_response(controller, model)
+    before = warnings_before(analysis, model, controller, scenario, response)
+    loop = Loop(controller, model)
     # Halving the step of a loop of switches moves a switch by a sample, and converges to nothing.
     run = loop.run(scenario) if switches else loop.run_checked(scenario, _REFINEMENT)
     scores = scores_of(run)
-    response: LoopResponse | None = None
+    peak = math.nan
     if not switches:
-        with suppress(ClepsydraError):  # the warnings before say why there is none
-            response = loop_response(controller, model)
+        linear = sampled_loop(controller, model) if response is None else response.loop
+        peak = linear.maximum_sensitivity
     return Trial(
         controller=controller,
         run=run,
         scores=scores,
-        maximum_sensitivity=(
-            math.nan if switches else sampled_loop(controller, model).maximum_sensitivity
-        ),
+        maximum_sensitivity=peak,
         warnings=(*_cut_short(tuning), *before, *warnings_after(run, scores)),
         response=response,
         tuning=tuning,

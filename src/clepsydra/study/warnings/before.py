@@ -23,7 +23,11 @@ from clepsydra.study.warnings.wind_up import wind_up_warnings
 
 
 def warnings_before(
-    analysis: Analysis, model: LinearModel, controller: Controller, scenario: Scenario
+    analysis: Analysis,
+    model: LinearModel,
+    controller: Controller,
+    scenario: Scenario,
+    response: LoopResponse | None = None,
 ) -> tuple[str, ...]:
     """Return the warnings of a controller in a scenario, from linear models only.
 
@@ -41,6 +45,8 @@ def warnings_before(
     controller : Controller
     scenario : Scenario
         That begins at the operating point.
+    response : LoopResponse, optional
+        Of this controller on this model, where it is known already.
 
     Raises
     ------
@@ -66,11 +72,11 @@ def warnings_before(
     point = operating_point_of(model)
     rests = resting_after(controller, model, scenario)
     words = level_warnings(controller, point, scenario, rests)
-    response: LoopResponse | None = None
-    try:
-        response = loop_response(controller, model)
-    except ClepsydraError as refusal:
-        words.append(f"Stability, margins and bandwidth could not be checked: {refusal}")
+    if response is None:
+        try:
+            response = loop_response(controller, model)
+        except ClepsydraError as refusal:
+            words.append(f"Stability, margins and bandwidth could not be checked: {refusal}")
     if response is not None and _answers(response):
         words += _of_the_loop(analysis, model, controller, response)
     words += resting_saturation_warnings(controller, point, rests)
