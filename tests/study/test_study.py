@@ -11,6 +11,7 @@ import pytest
 
 from clepsydra.base.errors import InputError
 from clepsydra.loop.parquet import write_parquet
+from clepsydra.report.html import report_text
 from clepsydra.study.designs import DESIGNS
 from clepsydra.study.file.reader import read_study
 from clepsydra.study.result import StudyResult
@@ -300,3 +301,16 @@ def test_an_interrupted_tuning_is_told_and_goes_on(tmp_path):
     assert not whole.tuning.interrupted and not any("interrupted" in w for w in whole.warnings)
     assert ended.controller.values == whole.controller.values
     assert ended.tuning.objective == whole.tuning.objective <= cut.tuning.objective
+
+
+def test_the_rule_that_is_told_is_the_one_that_ranked(tmp_path):
+    text = 'title = "Calm or quick"\n' + MIXED + '[ranking]\nscores = ["overshoot[level_1]"]\n'
+    (tmp_path / "mixed.toml").write_text(text)
+    result = run_study(read_study(tmp_path / "mixed.toml"))
+    assert (result.title, list(result.ranking[0].criteria)) == (
+        "Calm or quick",
+        ["Overshoot of level_1"],
+    )
+    page = report_text(result)
+    assert "mean of Overshoot of level_1, each" in page and "Calm or quick" in page
+    assert "mean of setpoint error and load error" not in page

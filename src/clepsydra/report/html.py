@@ -17,10 +17,10 @@ from clepsydra.report.map_picture import map_svg
 from clepsydra.report.panels import controlled_panels
 from clepsydra.report.quantities import short_text
 from clepsydra.report.score_tables import (
-    RANKING_NOTE,
     glossary,
     is_recommended,
     ranking_columns,
+    ranking_note,
     ranking_rows,
 )
 from clepsydra.report.template import rendered
@@ -90,7 +90,7 @@ def report_text(result: StudyResult) -> str:
         map=Markup(map_svg(result, "Mean error and max|S| of every controller", "map")),
         drawing=Markup(process_drawing(result.process, result.point)),
         columns=ranking_columns(result),
-        note=RANKING_NOTE,
+        note=ranking_note(result),
         rows=ranking_rows(result),
         operating_point=operating_point_grid(result.point),
         grids=analysis_grids(result.analysis),

@@ -131,12 +131,24 @@ def ranking_columns(result: StudyResult) -> tuple[RankingColumn, ...]:
     )
 
 
-RANKING_NOTE = (
+_COLUMNS_NOTE = (
     "Errors, and moves (total variation), are multiples of the best, averaged over the signals. "
     "Noise is the standard deviation with which measurement noise throws the worst manipulated "
     "variable about, overshoot that of the worst setpoint step, max|S| the peak of the "
-    f"sensitivity. Order: {RULE}"
+    "sensitivity."
 )
+
+
+def ranking_note(result: StudyResult) -> str:
+    """Return what stands below a ranking: its columns and its rule in words.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> ranking_note(SimpleNamespace(rule="safe ones first."))[-23:]
+    'Order: safe ones first.'
+    """
+    return f"{_COLUMNS_NOTE} Order: {result.rule or RULE}"
 
 
 def ranking_rows(result: StudyResult) -> list[RankingRow]:

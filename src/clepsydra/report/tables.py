@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from clepsydra.linear.analysis import Analysis
 from clepsydra.report.analysis_tables import Grid, analysis_grids, operating_point_grid
 from clepsydra.report.score_tables import (
-    RANKING_NOTE,
     is_recommended,
     ranking_columns,
+    ranking_note,
     ranking_rows,
 )
 from clepsydra.study.result import StudyResult
@@ -65,7 +65,7 @@ def ranking_table(result: StudyResult) -> RenderableType:
         texts = (str(row.rank), row.controller, row.standing, *row.cells)
         table.add_row(*[Text(text, style=style) for text in texts])
     parts: list[RenderableType] = [Text(result.verdict, style="bold"), table]
-    parts.append(Padding(Text(RANKING_NOTE, style="dim"), (0, 0, 1, 0)))
+    parts.append(Padding(Text(ranking_note(result), style="dim"), (0, 0, 1, 0)))
     parts += [hanging(f"{row.rank}  {row.controller}: {row.reason}") for row in rows]
     parts += [hanging(f"!  {warning}", "yellow") for warning in _warnings(result)]
     for name, reason in result.not_applicable:

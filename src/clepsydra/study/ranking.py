@@ -19,18 +19,24 @@ from clepsydra.study.tuning.result import TuningResult
 from clepsydra.study.warnings.levels import leaves_its_tanks
 from clepsydra.study.warnings.loop_response import LoopResponse
 
-RULE = (
+_GROUPS = (
     "safe, robust and quiet controllers first (levels stay in their tanks, no pump trips, max|S| "
     "at most 2.0, measurement noise throws no manipulated variable about by more than 5 % of its "
     "range), then nervous ones, which are not quiet, then stable ones, then the rest. Among these "
+)
+_USUAL = (
     "the smaller mean of setpoint error and load error: the integral absolute error over all "
     "setpoint steps and over all load steps, without the stretch of noise, each averaged over the "
     "controlled variables as multiples of the best among the first of these groups. Where a level "
     "is there to average a flow, outflow change and outflow variance, its largest rate of change "
     "and its variance ratio over the load steps, stand in place of its errors. A run without such "
-    "steps is judged by the error over the whole of it. Within 2 % of each other the smaller total "
-    "variation of the manipulated variables, averaged as multiples in the same way."
+    "steps is judged by the error over the whole of it."
 )
+_TIES = (
+    " Within 2 % of each other the smaller total variation of the manipulated variables, averaged "
+    "as multiples in the same way."
+)
+RULE = _GROUPS + _USUAL + _TIES
 
 #: Largest max|S| of a robust controller.
 ROBUST = 2.0
@@ -98,6 +104,23 @@ class Trial:
             ),
             default=0.0,
         )
+
+
+def rule_of(scores: Sequence[str]) -> str:
+    """Return the rule in words, by the scores that a study asks for or by the usual ones.
+
+    Examples
+    --------
+    >>> rule_of(["iae", "overshoot[level]"]).partition("Among these ")[2][:44]
+    'the smaller mean of IAE and Overshoot of lev'
+    """
+    if not scores:
+        return RULE
+    asked = (
+        f"the smaller mean of {' and '.join(_title(score) for score in scores)}, each averaged "
+        "over its signals as multiples of the best among the first of these groups."
+    )
+    return _GROUPS + asked + _TIES
 
 
 def rank(trials: Sequence[Trial], scores: Sequence[str] = ()) -> tuple[Candidate, ...]:

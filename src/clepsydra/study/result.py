@@ -93,6 +93,8 @@ class StudyResult:
         What holds for the process under any controller.
     title : str
         That of the study file; else that of the process.
+    rule : str
+        What the controllers are ranked by, in words.
     """
 
     process: Process
@@ -103,6 +105,7 @@ class StudyResult:
     verdict: str
     warnings: tuple[str, ...]
     title: str = ""
+    rule: str = ""
 
     @property
     def point(self) -> OperatingPoint:

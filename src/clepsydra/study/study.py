@@ -22,7 +22,7 @@ from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 from clepsydra.study.designs import DESIGNS
 from clepsydra.study.file.request import StudyRequest
-from clepsydra.study.ranking import QUIET, Trial, rank, verdict
+from clepsydra.study.ranking import QUIET, Trial, rank, rule_of, verdict
 from clepsydra.study.result import StudyResult
 from clepsydra.study.trial import tried
 from clepsydra.study.tuning.objective import Limits
@@ -236,4 +236,5 @@ class _Study:
             verdict=verdict(self.process, ranking),
             warnings=self.analysis.operating_point.warnings,
             title=self.title,
+            rule=rule_of(self.scores),
         )
