@@ -10,6 +10,7 @@ from clepsydra import __version__
 from clepsydra.cli.analyse import analyse
 from clepsydra.cli.draw import draw
 from clepsydra.cli.new import new
+from clepsydra.cli.papers import papers
 from clepsydra.cli.processes import processes
 from clepsydra.cli.simulate import simulate
 from clepsydra.cli.study import study
@@ -29,6 +30,7 @@ application.command()(analyse)
 application.command()(draw)
 application.command()(processes)
 application.command()(new)
+application.command()(papers)
 
 
 def _show_version(wanted: bool) -> None:

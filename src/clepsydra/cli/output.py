@@ -31,7 +31,7 @@ def check_ending(path: Path, *endings: str) -> None:
         )
 
 
-def print_json(document: dict[str, Any]) -> None:
+def print_json(document: dict[str, Any] | list[Any]) -> None:
     """Print one JSON document; numbers that JSON has no form for become null."""
     print(json.dumps(_plain(document), indent=2, allow_nan=False))
 

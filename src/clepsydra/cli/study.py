@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from clepsydra.cli.options import JsonOption
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from clepsydra.study.study import StudyProgress
 
 
 def study(
@@ -41,6 +34,7 @@ def study(
 ) -> None:
     """Design, tune, simulate, score and rank controllers; write report and data."""
     from clepsydra.cli.output import check_folder, output_file, print_json
+    from clepsydra.cli.progress import shown_progress
     from clepsydra.process.reader import load_process
     from clepsydra.study.file.reader import is_study_file, read_study
     from clepsydra.study.study import run_study
@@ -50,7 +44,7 @@ def study(
     report, data = (
         output_file(folder / f"{request.file_stem}.{kind}") for kind in ("html", "parquet")
     )
-    with _shown(as_json) as tell:
+    with shown_progress(quiet=as_json) as tell:
         result = run_study(
             request, seed=1 if seed is None else seed, progress=tell, tuning_folder=folder
         )
@@ -74,23 +68,3 @@ def study(
     else:
         for what, where in written.items():
             typer.echo(f"{what.capitalize()}: {where}")
-
-
-@contextmanager
-def _shown(quiet: bool) -> Iterator[Callable[[StudyProgress], None] | None]:
-    """Show on a terminal which controller is in work; elsewhere nothing."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
-    console = Console(stderr=True)
-    if quiet or not console.is_terminal:
-        yield None
-        return
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("")
-
-        def tell(progress: StudyProgress) -> None:
-            bar.update(task, completed=progress.done, total=progress.of, description=progress.name)
-
-        yield tell

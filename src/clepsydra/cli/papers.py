@@ -1,0 +1,45 @@
+"""``clepsydra papers``: the documents that Clepsydra was built from, number by number."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from clepsydra.cli.options import JsonOption
+
+
+def papers(
+    documents: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[DOCUMENT]...", help="Keys of documents; all if left out."),
+    ] = None,
+    as_json: JsonOption = False,
+    folder: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="FOLDER", help="Where papers.html is written."),
+    ] = Path(),
+) -> None:
+    """Run the experiments of five published documents and judge every printed number."""
+    import os
+
+    from clepsydra.cli.output import check_folder, output_file, print_json
+    from clepsydra.cli.progress import shown_progress
+    from clepsydra.papers.audit import audit
+
+    check_folder(folder)
+    page = output_file(folder / "papers.html")
+    with shown_progress(quiet=as_json) as tell:
+        result = audit(documents or (), workers=os.cpu_count() or 1, progress=tell)
+    if as_json:
+        print_json([row.as_dict() for row in result.rows])
+        return
+    from rich.console import Console
+
+    from clepsydra.papers.page import write_page
+    from clepsydra.papers.screen import audit_screen
+
+    Console(width=100).print(audit_screen(result))
+    write_page(result, page)
+    typer.echo(f"\nPage: {page}\nNext: open it for the reasons and the redrawn figures.")

@@ -1,0 +1,1 @@
+"""The way back: from measured data to a model."""

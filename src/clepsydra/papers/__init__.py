@@ -1,0 +1,1 @@
+"""One package a document: its experiments, its printed numbers, and the audit."""

@@ -1,0 +1,185 @@
+"""From a printed and a computed number to a verdict, by computation alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from clepsydra.papers.printed import printed_number
+from clepsydra.papers.row import Row, Verdict
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+#: What the document itself says elsewhere, in words, and whether it holds.
+Evidence = tuple[str, bool]
+
+
+def compared(
+    place: str,
+    name: str,
+    printed: str,
+    computed: float,
+    unit: str = "",
+    *,
+    digits: int | None = None,
+    tolerance: float = 0.0,
+    why: str = "",
+    right_if: Sequence[Evidence] = (),
+    unprinted: str = "",
+) -> Row:
+    """Compare a printed number with a computed one.
+
+    It is "reproduced" where the computed number rounds to the printed one or is cut to it, or is
+    as near as the tolerance beside that; otherwise a "misprint" where all evidence holds, and
+    else "not reproducible".
+
+    Parameters
+    ----------
+    place, name : str
+    printed : str
+        As printed, so that its digits count.
+    computed : float
+        In the unit of the print.
+    unit : str
+    digits : int, optional
+        Significant digits, where the print leaves out trailing zeros.
+    tolerance : float
+        Share of the computed number that is left open beside the printed digits.
+    why : str
+        What leaves it open; needed with a tolerance. Else what the number comes from.
+    right_if : sequence of (words, bool)
+        Other printed numbers that agree with the computed one and contradict this one.
+    unprinted : str
+        What the document leaves out, or what was tried, where it cannot be reproduced.
+
+    Examples
+    --------
+    >>> compared("(97b)", "F21", "13.8661", 13.866069, why="Riccati equation").verdict
+    'reproduced'
+    >>> row = compared("(97b)", "Fi12", "3.0536", 10**0.5, right_if=[("Fi12² is Q4 / R1", True)])
+    >>> row.verdict, round(row.difference, 4)
+    ('misprint', 0.0356)
+    """
+    if tolerance and not why:
+        raise ValueError(f"{place}, {name}: a tolerance needs its reason")
+    number = printed_number(printed, digits)
+    room = number.half_unit * (1.0 + 1e-9) + tolerance * abs(computed)
+    right = bool(right_if) and all(holds for _, holds in right_if)
+    verdict: Verdict
+    if abs(computed - number.value) <= room:
+        verdict, reason = "reproduced", why
+    elif number.is_cut_from(computed):
+        verdict, reason = "reproduced", f"{why} Cut after its last digit.".strip()
+    elif right:
+        words = "; ".join(words for words, _ in right_if)
+        verdict, reason = "misprint", f"{short(computed)} is right: {words}."
+    else:
+        failed = "; ".join(words for words, holds in right_if if not holds)
+        verdict, reason = "not reproducible", unprinted or failed or why
+    if verdict != "reproduced" and not reason:
+        raise ValueError(f"{place}, {name}: {computed!r} is not {printed}, and no reason is given")
+    return Row(
+        place, name, number.value, float(computed), unit,
+        _difference(float(computed), number.value), verdict, reason,
+    )  # fmt: skip
+
+
+def _difference(computed: float, printed: float) -> float | None:
+    if printed == 0.0 or not math.isfinite(computed):
+        return None
+    return (computed - printed) / abs(printed)
+
+
+def compared_formula(
+    place: str, name: str, printed: Expr, computed: Expr, *, reason: str = ""
+) -> Row:
+    """Compare a printed formula with the one that follows from the document's equations.
+
+    It is "reproduced" where the difference is zero for all values of its symbols, else a
+    "misprint", since the derivation is the document's own.
+
+    Parameters
+    ----------
+    place, name : str
+    printed, computed : sympy expression
+    reason : str
+        What the formula follows from, or what shows which is right.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> s, k = symbols("s K_p2")
+    >>> compared_formula("(52)", "V loop", k / (s + k), 1 / (1 + s / k)).verdict
+    'reproduced'
+    >>> compared_formula("(68)", "V loop", k / (s + k), k / (k - s), reason="(42)").verdict
+    'misprint'
+    """
+    from sympy import simplify
+
+    same = simplify(printed - computed) == 0
+    verdict: Verdict = "reproduced" if same else "misprint"
+    if not same and not reason:
+        raise ValueError(f"{place}, {name}: the formula differs, and no reason is given")
+    return Row(place, name, str(printed), str(computed), "", None, verdict, reason)
+
+
+def stated(place: str, name: str, printed: str, right: str, is_right: bool, reason: str) -> Row:
+    """Compare what is printed in words, a caption or a label, with what has to stand there.
+
+    Parameters
+    ----------
+    place, name : str
+    printed, right : str
+        What stands there, and what the check finds to be right.
+    is_right : bool
+        Whether the printed words are right, as computed.
+    reason : str
+        What the check is.
+
+    Examples
+    --------
+    >>> stated("Table 4", "caption", "regarding C(t)", "regarding V(t)", False, "eV").verdict
+    'misprint'
+    """
+    return Row(
+        place, name, printed, right, "", None, "reproduced" if is_right else "misprint", reason
+    )
+
+
+def claimed(
+    place: str, name: str, claim: str, holds: bool, computed: str, unit: str = "", *, reason: str
+) -> Row:
+    """Judge a claim in words by what was computed.
+
+    Parameters
+    ----------
+    place, name : str
+    claim : str
+        What the document says, in short.
+    holds : bool
+        Whether it does.
+    computed : str
+        The figures that decide.
+    unit : str
+    reason : str
+
+    Examples
+    --------
+    >>> claimed("section 4", "overshoot", "no overshoot", False, "3.2 %", reason="of V").verdict
+    'claim fails'
+    """
+    verdict: Verdict = "claim holds" if holds else "claim fails"
+    return Row(place, name, claim, computed, unit, None, verdict, reason)
+
+
+def short(value: float) -> str:
+    """Return a number in as many digits as a reader compares.
+
+    Examples
+    --------
+    >>> short(0.001234567), short(3469.9123), short(2.0)
+    ('0.001235', '3470', '2')
+    """
+    return f"{value:.4g}"

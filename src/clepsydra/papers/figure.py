@@ -1,0 +1,87 @@
+"""A figure of a document, as data to be drawn again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+CurveKind = Literal["line", "held", "dashed", "points"]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One line or cloud of points.
+
+    Parameters
+    ----------
+    label : str
+        What it shows; curves of one label have one colour in the whole figure. Empty for a line
+        that needs no name.
+    x, y : array [n]
+    kind : {"line", "held", "dashed", "points"}
+        "held" goes on level to the next point, as a sampled output does.
+    """
+
+    label: str
+    x: np.ndarray
+    y: np.ndarray
+    kind: CurveKind = "line"
+
+    def __post_init__(self) -> None:
+        x, y = np.asarray(self.x, dtype=float).ravel(), np.asarray(self.y, dtype=float).ravel()
+        if x.shape != y.shape:
+            raise ValueError(f"curve {self.label!r} has {x.size} places and {y.size} values")
+        object.__setattr__(self, "x", x)
+        object.__setattr__(self, "y", y)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes.
+
+    Parameters
+    ----------
+    title : str
+    y_label : str
+        With its unit in brackets.
+    curves : tuple of Curve
+    x_label : str
+    logarithmic_x, logarithmic_y : bool
+        Values that are not positive are left out there.
+    """
+
+    title: str
+    y_label: str
+    curves: tuple[Curve, ...]
+    x_label: str = "time [s]"
+    logarithmic_x: bool = False
+    logarithmic_y: bool = False
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure, redrawn.
+
+    Parameters
+    ----------
+    number : str
+        As the document numbers it: "Fig. 7"; empty for one that it does not have.
+    title : str
+    panels : tuple of Panel
+    note : str
+        What the reader should see in it.
+
+    Examples
+    --------
+    >>> time = np.array([0.0, 1.0])
+    >>> figure = Figure("Fig. 7", "Levels", (Panel("", "level [m]", (Curve("h", time, time),)),))
+    >>> figure.panels[0].x_label
+    'time [s]'
+    """
+
+    number: str
+    title: str
+    panels: tuple[Panel, ...]
+    note: str = ""

@@ -1,0 +1,1 @@
+"""Nagammai and Latha 2016: three coupled tanks."""

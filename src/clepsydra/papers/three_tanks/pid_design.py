@@ -1,0 +1,204 @@
+"""The two-point model, its ultimate point, the PID settings and their loop: (5) and Fig. 13."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.design.models.first_order_delay import FirstOrderDelay
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.loop_margins import LoopMargins, loop_margins
+from clepsydra.papers.comparison import claimed, compared
+from clepsydra.papers.experiment import Findings
+from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.row import Row
+from clepsydra.papers.three_tanks.printed_model import DENOMINATOR, NUMERATOR
+
+#: The settings that the document goes on with: K_c [m²/s], K_i [m²/s²], K_d [m²].
+GAIN, INTEGRAL_GAIN, DERIVATIVE_GAIN = 0.0012, 0.000013, 0.028
+_READING = "Two times read off a plotted response, to about half a percent."
+
+
+class Ultimate(NamedTuple):
+    """Gain and frequency at which a loop with proportional control oscillates for ever."""
+
+    gain: float
+    frequency: float
+
+
+def run() -> Findings:
+    """Return the rows on PID control, and its Bode plot."""
+    return Findings((*_two_points(), *_settings(), *_loop()), (_bode(),))
+
+
+def response(time: float) -> float:
+    """Return the step response of (3) as a share of its final value.
+
+    Examples
+    --------
+    >>> round(response(175.748), 4)
+    0.333
+    """
+    poles = np.roots(DENOMINATOR)
+    weights = [DENOMINATOR[3] / (p * np.prod([p - q for q in poles if q != p])) for p in poles]
+    moving = sum((w * np.exp(p * time)).real for w, p in zip(weights, poles, strict=True))
+    return float(1.0 + moving)
+
+
+def ultimate_of(model: FirstOrderDelay) -> Ultimate:
+    """Return the ultimate point of a first-order model with delay.
+
+    Examples
+    --------
+    >>> round(ultimate_of(FirstOrderDelay(5744.0 / 328.6, 328.6, 48.56)).frequency, 4)
+    0.0342
+    """
+    from scipy.optimize import brentq
+
+    def lag(frequency: float) -> float:
+        return frequency * model.delay + math.atan(frequency * model.time_constant) - math.pi
+
+    frequency = float(brentq(lag, 1e-6, math.pi / model.delay))
+    return Ultimate(math.hypot(1.0, frequency * model.time_constant) / model.gain, frequency)
+
+
+def _two_points() -> list[Row]:
+    from scipy.optimize import brentq
+
+    first, second = (
+        float(brentq(lambda t, share=share: response(t) - share, 1.0, 5000.0))
+        for share in (0.333, 0.666)
+    )
+    time_constant = 1.43 * (second - first)
+    read = 48.56 + 0.4 * 328.6
+    evidence = (
+        f"the printed formula and τp give it only where the first time is {read:.1f} s, and at "
+        f"180 s the response of (3) has passed {100 * response(180.0):.1f} %, not 33.3 %",
+        abs(read - 180.0) < 0.05 and abs(response(180.0) - 0.333) > 0.005,
+    )
+    return [
+        compared(
+            "two-point method", "τp", "328.6", time_constant, "s", tolerance=0.005, why=_READING
+        ),
+        compared(
+            "two-point method", "td", "48.56", first - 0.4 * time_constant, "s",
+            right_if=[evidence],
+        ),
+        compared("two-point method", "Kp", "5744", NUMERATOR / DENOMINATOR[3], "s/m²", why="(3)."),
+    ]  # fmt: skip
+
+
+def _settings() -> list[Row]:
+    point = ultimate_of(FirstOrderDelay(5744.0 / 328.6, 328.6, 48.56))
+    period = 2.0 * math.pi / point.frequency
+    integral, derivative = period / 2.0, period / 8.0
+    is_frequency = (
+        f"0.034 rad/s is the ultimate frequency, {point.frequency:.4f} rad/s",
+        abs(point.frequency - 0.034) < 5e-4,
+    )
+    gains_need = (
+        "the printed Ki and Kd follow from Kc and these times, and not from the printed ones",
+        abs(GAIN / integral - INTEGRAL_GAIN) < 5e-7
+        and abs(GAIN * derivative - DERIVATIVE_GAIN) < 5e-4
+        and abs(GAIN / 0.017 - INTEGRAL_GAIN) > 1e-2,
+    )
+    why = "Ultimate point of (5) by magnitude and angle."
+    process = Ultimate(
+        (DENOMINATOR[1] * DENOMINATOR[2] - DENOMINATOR[3]) / NUMERATOR, math.sqrt(DENOMINATOR[2])
+    )
+    return [
+        compared("Ziegler-Nichols", "Kcu", "0.0019", point.gain, "m²/s", why=why),
+        compared("Ziegler-Nichols", "Pu", "0.034", period, "s", right_if=[is_frequency]),
+        compared("Ziegler-Nichols", "Kc", "0.0012", 0.6 * point.gain, "m²/s", why="0.6 Kcu."),
+        compared("Ziegler-Nichols", "τi", "0.017", integral, "s", right_if=[gains_need]),
+        compared("Ziegler-Nichols", "Ki", "0.000013", GAIN / integral, "m²/s²", why="Kc/τi."),
+        compared("Ziegler-Nichols", "τd", "0.00425", derivative, "s", right_if=[gains_need]),
+        compared("Ziegler-Nichols", "Kd", "0.028", GAIN * derivative, "m²", why="Kc τd."),
+        claimed(
+            "Ziegler-Nichols", "ultimate gain of the process",
+            "the sustained oscillation is found at 0.0019",
+            abs(process.gain / point.gain - 1.0) < 0.1,
+            f"{process.gain:.4f} m²/s at {process.frequency:.4f} rad/s",
+            reason="It is that of the model (5); the process (3) itself oscillates only at four "
+            "times the gain.",
+        ),
+    ]  # fmt: skip
+
+
+@cache
+def pid_margins() -> LoopMargins:
+    """Return the margins of the loop of (3) and the printed PID settings."""
+    return loop_margins(loop_model())
+
+
+def loop_model() -> LinearModel:
+    """Return the open loop L(s) = G(s) C(s) of (3) and the printed PID settings."""
+    from scipy.signal import tf2ss
+
+    numerator = NUMERATOR * np.array([DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN])
+    A, B, C, D = tf2ss(numerator, np.append(DENOMINATOR, 0.0))
+    names = tuple(f"x{i}" for i in range(len(A)))
+    return LinearModel(A, B, B[:, :0], C, D, names, ("error",), (), ("level_3",))
+
+
+def _loop() -> list[Row]:
+    numerator = NUMERATOR * np.array([DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN])
+    closed = np.append(DENOMINATOR, 0.0) + np.append(np.zeros(2), numerator)
+    why = "From (3) and the printed Kc, Ki and Kd."
+    printed = (("numerator s²", "0.0015", numerator[0]), ("numerator s", "6.5E-5", numerator[1]),
+               ("numerator constant", "7E-7", numerator[2]), ("denominator s³", "0.127", closed[1]),
+               ("denominator s²", "0.005", closed[2]), ("denominator s", "7.5E-5", closed[3]),
+               ("denominator constant", "7E-7", closed[4]))  # fmt: skip
+    place = "closed loop of the PID"
+    sums = "6.5e-5 printed above it and 0.94e-5 of (3) are 7.4e-5"
+    rows = [
+        compared(
+            place, name, text, float(value), why=why,
+            right_if=[(sums, abs(6.5e-5 + 9.4e-6 - value) < 5e-7)],
+        )
+        for name, text, value in printed
+    ]  # fmt: skip
+    margins = pid_margins()
+    phase = math.degrees(margins.phase_margin or 0.0)
+    peak = 20.0 * math.log10(margins.sensitivity.peak)
+    rows += [
+        claimed(
+            place, "internal stability", "not ensured, because GM and PM are not finite",
+            not margins.stable, f"stable, GM infinite, PM {phase:.1f}°",
+            reason="An infinite gain margin is no fault: the phase never reaches -180°. All poles "
+            "of the closed loop lie in the left half-plane.",
+        ),
+        compared(
+            place, "VGM", "88.3", peak, "dB",
+            unprinted="20 log10 max|S| of this loop; no definition that was tried (|S| at the "
+            "crossovers, max|T|, max|L|, in other units) gives the printed value.",
+        ),
+        claimed(
+            place, "VGM of the PID", "above the limit of 9.5 dB", peak > 9.5, f"{peak:.2f} dB",
+            reason="The loop is well inside the limit.",
+        ),
+    ]  # fmt: skip
+    return rows
+
+
+def _bode() -> Figure:
+    frequencies = np.logspace(-4.0, 1.0, 400)
+    s = 1j * frequencies
+    controller = (DERIVATIVE_GAIN * s**2 + GAIN * s + INTEGRAL_GAIN) / s
+    loop = controller * NUMERATOR / np.polyval(DENOMINATOR, s)
+    shown = {"open loop": loop, "closed loop": loop / (1.0 + loop), "S": 1.0 / (1.0 + loop)}
+    size = tuple(Curve(name, frequencies, 20.0 * np.log10(np.abs(v))) for name, v in shown.items())
+    phase = tuple(
+        Curve(name, frequencies, np.degrees(np.unwrap(np.angle(v)))) for name, v in shown.items()
+    )
+    label = "frequency [rad/s]"
+    return Figure(
+        "Fig. 13", "Bode plot with the PID controller",
+        (
+            Panel("magnitude", "magnitude [dB]", size, label, logarithmic_x=True),
+            Panel("phase", "phase [°]", phase, label, logarithmic_x=True),
+        ),
+    )  # fmt: skip

@@ -1,0 +1,62 @@
+"""The process as the document prints it: parameters, levels, and the model they give."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import linearise
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.process.process import Process
+from clepsydra.process.reader import load_process
+
+LEVELS = np.array([0.5, 0.45, 0.4])  # table 1 [m]
+FLOW = 5e-5  # table 1 [m³/s]
+AREA = 0.0154  # table 1 [m²]
+#: Denominator and numerator of the transfer function (3).
+NUMERATOR, DENOMINATOR = 0.054, np.array([1.0, 0.1272, 0.0035, 9.4e-6])
+
+
+@cache
+def three_tanks() -> Process:
+    """Return the process with the printed parameters."""
+    return load_process("three-tanks")
+
+
+def linear_model_at(levels: np.ndarray) -> LinearModel:
+    """Return the linear model at some levels [3] and the printed flow, at rest there or not.
+
+    Examples
+    --------
+    >>> linear_model_at(LEVELS).A[0, 0].round(4)
+    np.float64(-0.0322)
+    """
+    process = three_tanks()
+    point = OperatingPoint(
+        process, levels, np.array([FLOW]), np.zeros(len(process.disturbances)), levels, np.nan
+    )
+    return linearise(point)
+
+
+@cache
+def printed_model() -> LinearModel:
+    """Return the linear model (2): at the printed levels, from the exact constants."""
+    return linear_model_at(LEVELS)
+
+
+def flows_at(levels: np.ndarray) -> np.ndarray:
+    """Return q12, q23 and q2 [m³/s] at some levels [3].
+
+    The balances of the three tanks with the printed inflow give them one after the other.
+
+    Examples
+    --------
+    >>> (1e6 * flows_at(LEVELS)).round(1).tolist()
+    [49.5, 39.6, 140.1]
+    """
+    process = three_tanks()
+    disturbances = np.zeros(len(process.disturbances))
+    rates = process.dynamics(levels, FLOW, disturbances, process.parameter_values)
+    return np.asarray(FLOW - AREA * np.cumsum(np.array(rates)))

@@ -1,0 +1,226 @@
+"""The designs on the nonlinear tanks with a pump of 100 cm³/s: Figs. 5 and 10."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+
+from clepsydra.controllers.at_rest import state_at_rest
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.design.bryson import design_lqi
+from clepsydra.design.states.state_controllers import state_feedback_controller
+from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import linearise
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.run import Run
+from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.papers.comparison import claimed
+from clepsydra.papers.experiment import Findings
+from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.row import Row
+from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
+from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop
+from clepsydra.papers.three_tanks.pid_design import (
+    DERIVATIVE_GAIN,
+    GAIN,
+    INTEGRAL_GAIN,
+)
+from clepsydra.papers.three_tanks.printed_model import FLOW, three_tanks
+from clepsydra.papers.three_tanks.state_feedback import STEP, placed_loop
+
+_LEVELS = ("level_1", "level_2", "level_3")
+_LOAD = 1e-5  # into tank 3 [m³/s], ours: the document's is not printed
+_LOAD_AT, _END = 1500.0, 3000.0  # [s]
+#: Fast enough for poles at -40 1/s, and the common period of a plant.
+_FAST, _USUAL = 0.01, 1.0  # [s]
+
+
+def run() -> Findings:
+    """Return the rows on the runs with a pump, and their pictures."""
+    return Findings((*_demands(), *_comparison()), (_pid(), _all()))
+
+
+@cache
+def _model(period: float) -> LinearModel:
+    process = dataclasses.replace(three_tanks(), sampling_period=period)
+    return linearise(find_equilibrium(process)).select(outputs=["level_3"])
+
+
+def _feedback(loop: FeedbackLoop) -> Controller:
+    setpoint = np.array([[loop.setpoint_gain]])
+    return state_feedback_controller(
+        loop.label, _model(_FAST), _LEVELS, loop.gain, setpoint, fading_time=100.0
+    )
+
+
+def _pid_controller() -> Controller:
+    """Return PID control with the printed gains, derivative on the measurement, Td/10 filter."""
+    law = multiloop_pid_law(1, PidForm("PID", anti_windup="conditional_integration"))
+    values = {
+        "proportional_gain_1": GAIN,
+        "integral_time_1": GAIN / INTEGRAL_GAIN,
+        "derivative_time_1": DERIVATIVE_GAIN / GAIN,
+        "derivative_filter_1": 10.0,
+        "setpoint_weight_1": 1.0,
+        "low_limit_1": 0.0,
+        "high_limit_1": 1e-4,
+    }
+    rest = float(find_equilibrium(three_tanks()).state[2])
+    state = state_at_rest(
+        law, values, {"setpoint_1": rest, "measurement_1": rest, "tracking_1": FLOW}
+    )
+    return Controller(
+        "Ziegler-Nichols PID", "multiloop PID", "The document's gains.", law, values, state,
+        ("level_3",), ("level_3",), ("feed",),
+    )  # fmt: skip
+
+
+def _scenario(period: float) -> Scenario:
+    samples, late = round(_END / period) + 1, round(_LOAD_AT / period)
+    setpoints = np.full((samples, 1), float(find_equilibrium(three_tanks()).state[2]) + STEP)
+    load = np.zeros((samples, 1))
+    load[late:] = _LOAD
+    segments = (
+        Segment("setpoint", "level_3", 0.0, _LOAD_AT, STEP),
+        Segment("load", "inflow_3", _LOAD_AT, _END, _LOAD),
+    )
+    return Scenario(period, setpoints, load, np.zeros((samples, 3)), segments, seed=1)
+
+
+@cache
+def _runs() -> dict[str, Run]:
+    """Return a setpoint step of 1 cm and a load of 10 cm³/s under each controller, by name."""
+    designs = {
+        "Ziegler-Nichols PID": (_pid_controller(), _USUAL),
+        "FSFB, -25 ± j25": (_feedback(placed_loop(25)), _FAST),
+        "FSFB, -5 ± j5": (_feedback(placed_loop(5)), _FAST),
+        "LQC, R = 0.1": (_feedback(quadratic_loop("0.1")), _FAST),
+        "LQI, Bryson": (design_lqi(_model(_USUAL)), _USUAL),
+    }
+    return {
+        name: Loop(controller, _model(period)).run(_scenario(period))
+        for name, (controller, period) in designs.items()
+    }
+
+
+def _demands() -> list[Row]:
+    """Return what the published feedbacks ask for on the linear model, for a step of 1 cm."""
+    rows = []
+    fast = [(f"-{d} ± j{d}", placed_loop(d), 2.0) for d in (25, 10, 5)]
+    calm = [(f"R = {w}", quadratic_loop(w), 8.0) for w in ("0.1", "0.01", "0.001")]
+    for name, loop, end in (*fast, *calm):
+        levels, feed = loop.step(STEP, np.linspace(0.0, end, 20001))
+        peak, high = float(np.abs(feed).max()), float(levels[:, 0].max())
+        rows.append(
+            claimed(
+                "conclusion", f"what a step of 1 cm demands, {name}",
+                "a controller for three tanks with a pump", bool(peak < 1e-4 and high < 0.7),
+                f"{peak:.3g} m³/s and {high:.3g} m in tank 1",
+                reason="Largest feed and level of tank 1 on the linear model for a step of 1 cm; "
+                "the nominal feed is 0.00005 m³/s.",
+            )
+        )  # fmt: skip
+    return rows
+
+
+def _errors(run: Run) -> tuple[float, float, float, float]:
+    """Return IAE of setpoint and load [cm s], overshoot [%] and settling time [s] of a run."""
+    level = run.values["tank_3.level"]
+    period = run.scenario.sampling_period
+    target = run.scenario.setpoints[0, 0]
+    late = round(_LOAD_AT / period)
+    error = 100.0 * np.abs(target - level)
+    first = level[:late]
+    outside = np.flatnonzero(np.abs(first - target) > 0.02 * STEP)
+    overshoot = 100.0 * (first.max() - target) / STEP
+    settled = float((outside[-1] + 1) * period)
+    return error[:late].sum() * period, error[late:].sum() * period, overshoot, settled
+
+
+def _comparison() -> list[Row]:
+    found = {name: _errors(run) for name, run in _runs().items()}
+    pid, fast = found["Ziegler-Nichols PID"], found["FSFB, -25 ± j25"]
+    calm = found["LQC, R = 0.1"]
+    figures = "; ".join(f"{n}: {v[0]:.0f} and {v[1]:.0f} cm s" for n, v in found.items())
+    on_limits = _at_limit(_runs()["FSFB, -25 ± j25"])
+    return [
+        claimed(
+            "conclusion", "settling with a pump", "FSFB tracks in the desired settling time",
+            fast[3] <= 0.205,
+            "not at all" if fast[3] >= _LOAD_AT else f"{fast[3]:.0f} s",
+            reason="With a pump of 0 to 100 cm³/s the feedback is a relay, at a limit in "
+            f"{100 * on_limits:.0f} % of the samples, and the level swings for ever.",
+        ),
+        claimed(
+            "conclusion", "overshoot with a pump", "FSFB overshoots less than PID",
+            fast[2] < pid[2], f"{fast[2]:.1f} % against {pid[2]:.1f} %",
+            reason="Level 3 goes on to rise while tank 1 empties into it.",
+        ),
+        claimed(
+            "conclusion", "IAE with a pump", "FSFB is superior to PID in IAE", fast[0] < pid[0],
+            f"{fast[0]:.1f} against {pid[0]:.1f} cm s",
+            reason=f"Setpoint step of 1 cm. Setpoint and load of all: {figures}.",
+        ),
+        claimed(
+            "conclusion", "load", "FSFB rejects the load better than the other controllers",
+            fast[1] < min(pid[1], calm[1]),
+            f"{fast[1]:.1f} against {pid[1]:.1f} (PID) and {calm[1]:.1f} cm s (LQC)",
+            reason="10 cm³/s into tank 3.",
+        ),
+        claimed(
+            "conclusion", "LQI beside them", "FSFB is better than conventional controllers",
+            fast[0] < found["LQI, Bryson"][0],
+            f"{fast[0]:.1f} against {found['LQI, Bryson'][0]:.1f} cm s of an LQI",
+            reason="An LQI whose weights come from the ranges of level and pump moves the pump "
+            f"{_travel('FSFB, -25 ± j25') / _travel('LQI, Bryson'):.0f} times less.",
+        ),
+    ]  # fmt: skip
+
+
+def _at_limit(run: Run) -> float:
+    feed = run.values["feed"][: round(_LOAD_AT / run.scenario.sampling_period)]
+    return float(np.mean((feed <= 1e-9) | (feed >= 1e-4 - 1e-9)))
+
+
+def _travel(name: str) -> float:
+    return float(np.abs(np.diff(_runs()[name].values["feed"])).sum())
+
+
+def _panels(names: tuple[str, ...]) -> tuple[Panel, ...]:
+    runs = {name: _runs()[name] for name in names}
+    thin = {name: max(1, len(run.time) // 3000) for name, run in runs.items()}
+
+    def curves(signal: str, factor: float, kind: str = "line") -> tuple[Curve, ...]:
+        return tuple(
+            Curve(name, run.time[:: thin[name]], factor * run.values[signal][:: thin[name]],
+                  "held" if kind == "held" else "line")
+            for name, run in runs.items()
+        )  # fmt: skip
+
+    run = next(iter(runs.values()))
+    target = Curve("", run.time, 100.0 * run.scenario.setpoints[:, 0], "dashed")
+    return (
+        Panel("level 3", "level [cm]", (*curves("tank_3.level", 100.0), target)),
+        Panel("level 1", "level [cm]", curves("tank_1.level", 100.0)),
+        Panel("feed", "feed [cm³/s]", curves("feed", 1e6, "held")),
+    )
+
+
+def _pid() -> Figure:
+    return Figure(
+        "Fig. 5", "Setpoint step of 1 cm, then a load of 10 cm³/s, with PID on the tanks",
+        _panels(("Ziegler-Nichols PID",)),
+    )  # fmt: skip
+
+
+def _all() -> Figure:
+    return Figure(
+        "Fig. 10", "The same with all designs",
+        _panels(("Ziegler-Nichols PID", "FSFB, -25 ± j25", "LQC, R = 0.1", "LQI, Bryson")),
+        "The published feedbacks switch the pump between its limits.",
+    )  # fmt: skip
