@@ -10,6 +10,7 @@ from clepsydra.papers.experiment import Document
 
 #: Key of each document to the package that holds it; loaded when it is asked for.
 PACKAGES = {
+    "averaging-tank": "averaging_tank",
     "three-tanks": "three_tanks",
 }
 

@@ -1,0 +1,224 @@
+"""Section 3.1: pairing, decoupler, and the loops closed by P, PI and PID, in symbols."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from sympy import Expr, Integer, Matrix, Poly, limit, simplify, symbols
+
+from clepsydra.linear.analysis import analyse
+from clepsydra.papers.averaging_tank.model import tank
+from clepsydra.papers.averaging_tank.symbols import (
+    K1,
+    K2,
+    Td1,
+    Td2,
+    Ti1,
+    Ti2,
+    Variant,
+    closed_loop,
+    controller,
+    matrix_rows,
+    plant,
+    s,
+    u1,
+    u3,
+    x1,
+    x2,
+)
+from clepsydra.papers.comparison import claimed, compared, compared_formula, stated
+from clepsydra.papers.experiment import Findings
+from clepsydra.papers.row import Row
+
+_A = symbols("A")
+_ZERO = Integer(0)
+_WHY = "(42) and (43) with the plant of the variant."
+
+
+class _Section(NamedTuple):
+    """What a variant prints: the places of its formulas, and the sign in its V loop."""
+
+    variant: Variant
+    rga: str
+    p: tuple[str, str, str]  # closed loop, error, steady state
+    pi: tuple[str, str, str]
+    pid: str
+    gains: tuple[str, str]  # G_c of P and of PID
+
+
+_SECTIONS = (
+    _Section("outflow", "(47)", ("(52)", "(53)", "(54)"), ("(56)", "(57)", "(58)"), "(60)",
+             ("(51)", "(59)")),
+    _Section("inflow", "(65)", ("(68)", "(70)", "(71)"), ("(73)", "(74)", "(75)"), "(77)",
+             ("(69)", "(76)")),
+)  # fmt: skip
+
+
+def run() -> Findings:
+    """Return the rows on the loops in symbols."""
+    rows = [*_pairing(), *_decoupler()]
+    for section in _SECTIONS:
+        rows += [*_proportional(section), *_integral(section), *_derivative(section)]
+    return Findings(tuple(rows))
+
+
+def _pairing() -> list[Row]:
+    rows = [
+        stated(
+            "(37)", "K", "static gain matrix", "limit of G(s) for s → 0",
+            bool(plant("outflow").transfer[1, 0].subs(s, 0).is_finite),
+            "V integrates, so that G(0) is infinite; the relative gains are the limit of those "
+            "of G(s).",
+        )
+    ]  # fmt: skip
+    for section in _SECTIONS:
+        G = plant(section.variant).transfer.subs(u3, x1)
+        gains = G.multiply_elementwise(G.inv().T).applyfunc(lambda g: limit(simplify(g), s, 0))
+        numeric = analyse(tank(section.variant)).relative_gain_array
+        assert numeric is not None
+        for i in range(2):
+            for j in range(2):
+                rows.append(
+                    compared(
+                        section.rga, f"RGA{i + 1}{j + 1}", str(int(i != j)), float(gains[i, j]),
+                        why=f"Limit s → 0; {float(np.real(numeric[i, j])):.6g} from the process.",
+                    )
+                )  # fmt: skip
+    return rows
+
+
+def _decoupler() -> list[Row]:
+    G = plant("outflow").transfer
+    compensation = simplify(-G[0, 0] / G[0, 1])
+    printed = Matrix([[1, 0], [-(u3 - x1) / u1, 1]])
+    T = Matrix([[1, 0], [compensation, 1]])
+    rows = [
+        compared_formula("(49)", "T11", -(u3 - x1) / u1, compensation, reason="T11 G12 + G11 = 0.")
+    ]
+    rows += matrix_rows("(50)", "T", printed, T, "T11 from (49).")
+    at_rest = T.subs({u3: 5, x1: 5, u1: 0.2})
+    rows += matrix_rows("(50)", "T at rest ", Matrix([[1, 0], [0, 1]]), at_rest, "C_in0 = C0.")
+    rows.append(
+        compared_formula(
+            "(50)", "C by the first loop, decoupled", _ZERO, simplify((G * T)[0, 0]),
+            reason="The decoupler takes the effect of f_in on C away exactly, whatever C_in0 is.",
+        )
+    )  # fmt: skip
+    return rows
+
+
+def _with_sign(section: _Section, second: Expr) -> Expr:
+    """Return the controller of V with the gain of -1 that f_out needs."""
+    return second if section.variant == "outflow" else -second
+
+
+def _loops(section: _Section, first: Expr, second: Expr) -> tuple[Any, Any]:
+    return closed_loop(section.variant, controller(first, _with_sign(section, second)))
+
+
+def _diagonal(place: str, name: str, printed: tuple[Expr, Expr], found: Any) -> list[Row]:
+    return matrix_rows(place, name, Matrix([[printed[0], 0], [0, printed[1]]]), found, _WHY)
+
+
+def _steady_state(place: str, error: Any, printed: tuple[Expr, Expr]) -> list[Row]:
+    """Compare the limits s → 0 of s G_E A / s."""
+    found = error.applyfunc(lambda entry: limit(entry * _A, s, 0))
+    return matrix_rows(
+        place, "ess", Matrix([[printed[0], 0], [0, printed[1]]]), found, "Limit of (44)."
+    )
+
+
+def _stable_for_positive(denominator: Expr) -> bool:
+    """Judge a polynomial of first or second order: stable where all coefficients agree in sign."""
+    coefficients = Poly(denominator, s).all_coeffs()
+    signs = {bool(coefficient.is_positive) for coefficient in coefficients}
+    return len(coefficients) <= 3 and signs == {True}
+
+
+def _stability(place: str, closed: Any, words: str, printed_is_positive: bool) -> Row:
+    from sympy import denom, expand, together
+
+    parts = [expand(denom(together(closed[i, i]))) for i in range(2)]
+    stable = all(_stable_for_positive(part) for part in parts)
+    return claimed(
+        place, f"stability, {place}", words, stable == printed_is_positive,
+        "stable for positive parameters" if stable else "not stable for positive parameters",
+        reason="All coefficients of both denominators are positive exactly for positive "
+        f"parameters: {parts[0]} and {parts[1]}.",
+    )  # fmt: skip
+
+
+def _proportional(section: _Section) -> list[Row]:
+    places = section.p
+    closed, error = _loops(section, K1, K2)
+    first = K1 * u1 / (s * x2 + u1 * (1 + K1))
+    if section.variant == "outflow":
+        rows = _diagonal(places[0], "GCL", (first, K2 / (s + K2)), closed)
+        rows.append(_stability(places[0], closed, "stable if Kp1 > 0 and Kp2 > 0", True))
+    else:
+        bare, _ = closed_loop("inflow", controller(K1, K2))
+        # The -1 of f_out is left out here, to be found missing.
+        rows = _diagonal(places[0], "GCL", (first, K2 / (-s + K2)), bare)
+        rows.append(
+            claimed(
+                places[0], "stability without the gain of -1", "stable only for Kp2 < 0", True,
+                "pole at s = Kp2", reason="The pole of the V loop of (68).",
+            )
+        )  # fmt: skip
+        rows.append(
+            _stability(section.gains[0], closed, "with the gain of -1 stable if -Kp2 > 0", False)
+        )
+    rows += _diagonal(
+        places[1], "GE", ((s * x2 + u1) / (s * x2 + u1 * (1 + K1)), s / (s + K2)), error
+    )
+    rows += _steady_state(places[2], error, (_A / (1 + K1), _ZERO))
+    return rows
+
+
+def _integral(section: _Section) -> list[Row]:
+    places = section.pi
+    closed, error = _loops(section, K1 * (1 + 1 / (Ti1 * s)), K2 * (1 + 1 / (Ti2 * s)))
+    flow = symbols("u_20", positive=True) if section.variant == "outflow" else x2
+    first = K1 * u1 * (1 + Ti1 * s) / (s**2 * Ti1 * flow + s * Ti1 * u1 * (1 + K1) + u1 * K1)
+    if section.variant == "outflow":
+        second = K2 * (1 + Ti2 * s) / (s**2 * Ti2 * K2 + K2)
+    else:
+        second = K2 * (1 + Ti2 * s) / (s**2 * Ti2 + s * Ti2 * K2 + K2)
+    rows = _diagonal(places[0], "GCL", (first, second), closed)
+    rows.append(_stability(places[0], closed, "stable if all parameters are positive", True))
+    below = s**2 * Ti1 * x2 + s * Ti1 * u1 * (1 + K1) + u1 * K1
+    errors = (
+        (Ti1 * x2 * s**2 + Ti1 * u1 * s) / below,
+        Ti2 * s**2 / (s**2 * Ti2 + s * Ti2 * K2 + K2),
+    )
+    rows += _diagonal(places[1], "GE", errors, error)
+    rows += _steady_state(places[2], error, (_ZERO, _ZERO))
+    return rows
+
+
+def _derivative(section: _Section) -> list[Row]:
+    first = K1 * (1 + 1 / (Ti1 * s) + Td1 * s)
+    second = K2 * (1 + 1 / (Ti2 * s) + Td2 * s)
+    closed, error = _loops(section, first, second)
+    printed_first = K1 * (1 + 1 / (Ti1 * s) + Td2 * s)
+    printed = Matrix([[0, _with_sign(section, second)], [printed_first, 0]])
+    rows = matrix_rows(
+        section.gains[1], "Gc", printed, controller(first, _with_sign(section, second)),
+        "The controller of C differentiates with its own time, as its control law says.",
+    )  # fmt: skip
+    above = K1 * u1 * (1 + Ti1 * s + Td1 * Ti1 * s**2)
+    below = s**2 * Ti1 * (x2 + Td1 * K1 * u1) + s * Ti1 * u1 * (1 + K1) + u1 * K1
+    volume = K2 * (1 + Ti2 * s + Td2 * Ti2 * s**2)
+    under = s**2 * Ti2 * (1 + Td1 * K1) + s * Ti2 * K2 + K2
+    rows += _diagonal(section.pid, "GCL", (above / below, volume / under), closed)
+    rows.append(_stability(section.pid, closed, "stable if all parameters are positive", True))
+    rest = error.applyfunc(lambda entry: limit(entry * _A, s, 0))
+    rows.append(
+        claimed(
+            section.pid, f"steady state, {section.pid}",
+            "the derivative does not affect the steady-state error", rest == Matrix.zeros(2, 2),
+            "zero in both loops", reason="Limit of (44).",
+        )
+    )  # fmt: skip
+    return rows

@@ -1,0 +1,184 @@
+"""Sections 2.1 and 2.2: the balances, their linear model, and the matrices at the equilibrium."""
+
+from __future__ import annotations
+
+import numpy as np
+from sympy import Derivative, Function, Matrix, Rational, symbols
+
+from clepsydra.linear.analysis import analyse
+from clepsydra.papers.averaging_tank.symbols import Variant, matrix_rows, plant, s, u1, u3, x1, x2
+from clepsydra.papers.comparison import claimed, compared, compared_formula, stated
+from clepsydra.papers.experiment import Findings
+from clepsydra.papers.row import Row
+from clepsydra.process.process import Process
+from clepsydra.process.reader import load_process
+
+#: The documents' kmol/m³ in mol/m³.
+KMOL = 1e3
+
+
+def run() -> Findings:
+    """Return the rows on the model."""
+    return Findings((*_balances(), *_linear_model(), *_matrices()))
+
+
+def tank(constant: Variant) -> Process:
+    """Return the process with one flow constant.
+
+    Examples
+    --------
+    >>> [signal.name for signal in tank("inflow").inputs]
+    ['outflow', 'inflow.impurity']
+    """
+    return load_process(f"averaging-tank:{constant}-constant")
+
+
+def numbers(constant: Variant) -> tuple[np.ndarray, np.ndarray]:
+    """Return A and B at the equilibrium, states C and V, C in kmol/m³.
+
+    Examples
+    --------
+    >>> numbers("outflow")[0].round(6).tolist()
+    [[-0.1, 0.0], [0.0, 0.0]]
+    """
+    model = analyse(tank(constant)).model
+    order = [
+        next(i for i, name in enumerate(model.states) if wanted in name)
+        for wanted in ("impurity", "level")
+    ]
+    scale = np.array([KMOL, 1.0])
+    A = model.A[np.ix_(order, order)] * scale / scale[:, None]
+    B = model.B[order] * np.array([1.0, KMOL]) / scale[:, None]
+    return A + 0.0, B + 0.0
+
+
+def _balances() -> list[Row]:
+    t = symbols("t")
+    C, V = Function("C")(t), Function("V")(t)
+    inflow, outflow, inlet = symbols("f_in f_out C_in")
+    product = Derivative(V * C, t).doit()
+    mixed = product.subs(Derivative(V, t), inflow - outflow)
+    printed_slope = C / t  # "dC/t" with the d of the differential lost below
+    volume_balance = inflow - outflow
+    solved = (inflow * inlet - outflow * C - volume_balance * C) / V
+    return [
+        compared_formula(
+            "(3)", "left side", V / t * C + V * Derivative(C, t), product,
+            reason="Derivative of V C by the product rule: dV/dt, not dV/t.",
+        ),
+        compared_formula(
+            "(4)", "left side", (inflow - outflow) * C + V * printed_slope, mixed,
+            reason="(3) with dV/dt from (1): dC/dt, not dC/t.",
+        ),
+        compared_formula("(6)", "dC/dt", inflow / V * (inlet - C), solved, reason="(1) and (2)."),
+        compared_formula("(10)", "f_V", inflow - outflow, volume_balance, reason="(1)."),
+    ]  # fmt: skip
+
+
+def _linear_model() -> list[Row]:
+    inflow, outflow = symbols("f_in0 f_out0")
+    time, gain = x2 / u1, 1 / u1
+    outflow_constant, inflow_constant = plant("outflow"), plant("inflow")
+    rows = [
+        compared_formula(
+            "(12)", "f_V at rest", outflow - outflow, inflow - outflow,
+            reason="(10) at the equilibrium is f_in0 - f_out0; as printed it says nothing, and "
+            "(13) could not follow from it.",
+        ),
+        compared_formula(
+            "(17)", "C by f_in", gain * (u3 - x1) / (time * s + 1),
+            outflow_constant.transfer[0, 0], reason="Linear model of (6).",
+        ),
+        compared_formula(
+            "(17)", "C by C_in", 1 / (time * s + 1), outflow_constant.transfer[0, 1],
+            reason="Linear model of (6).",
+        ),
+        compared_formula("(17)", "V by f_in", 1 / s, outflow_constant.transfer[1, 0]),
+        compared_formula("(17)", "V by f_out", -1 / s, inflow_constant.transfer[1, 0]),
+    ]  # fmt: skip
+    A = Matrix([[-u1 / x2, 0], [0, 0]])
+    why = "Derivatives of (6)."
+    rows += matrix_rows("(32)", "A", A, outflow_constant.A, why)
+    rows += matrix_rows(
+        "(32)", "B", Matrix([[(u3 - x1) / x2, u1 / x2], [1, 0]]), outflow_constant.B, why
+    )
+    rows += matrix_rows("(34)", "A", A, inflow_constant.A, why)
+    rows += matrix_rows("(34)", "B", Matrix([[0, u1 / x2], [-1, 0]]), inflow_constant.B, why)
+    G = Matrix([[(u3 - x1) / (u1 + s * x2), u1 / (u1 + s * x2)], [1 / s, 0]])
+    rows += matrix_rows("(45)", "Gp", G, outflow_constant.transfer, why)
+    G = Matrix([[0, u1 / (u1 + s * x2)], [-1 / s, 0]])
+    rows += matrix_rows("(63)", "Gp", G, inflow_constant.transfer, why)
+    for place, variant, sign in (("(46)", outflow_constant, 1), ("(64)", inflow_constant, -1)):
+        here = {x1: 5, x2: 2, u1: Rational(1, 5), u3: 5}
+        printed = Matrix([[0, 1 / (10 * s + 1)], [sign / s, 0]])
+        rows += matrix_rows(place, "Gp at rest", printed, variant.transfer.subs(here), why)
+    return rows
+
+
+def _matrices() -> list[Row]:
+    """Compare what the process of the catalogue gives, not the symbols."""
+    rows = []
+    why = "Linear model of the process at (0.2, 0.2, 5, 5, 2)."
+    for place, variant, text in (
+        ("(93)", "outflow", (("0", "0.1"), ("1", "0"))),
+        ("(95)", "inflow", (("0", "0.1"), ("-1", "0"))),
+    ):
+        _, B = numbers(variant)  # type: ignore[arg-type]
+        rows += [
+            compared(place, f"B{i + 1}{j + 1}", text[i][j], float(B[i, j]), why=why)
+            for i in range(2)
+            for j in range(2)
+        ]
+    A, B = numbers("outflow")
+    whole = np.block([[A, np.zeros((2, 2))], [np.eye(2), np.zeros((2, 2))]])
+    printed = (("-0.1", "0", "0", "0"), ("0", "0", "0", "0"), ("1", "0", "0", "0"),
+               ("0", "1", "0", "0"))  # fmt: skip
+    rows += [
+        compared("(92)", f"A{i + 1}{j + 1}", printed[i][j], float(whole[i, j]), why=why)
+        for i in range(4)
+        for j in range(4)
+    ]
+    rows += _controllability()
+    rows.append(
+        stated(
+            "(88)", "M", "2 × 3", "2 × 2", (2, B.shape[1]) == (2, 3),
+            "M acts on the two inputs that are left, and stands below B in (88).",
+        )
+    )  # fmt: skip
+    reference = np.array([[0.0], [1.0]])
+    rows.append(
+        stated(
+            "(87)", "matrix before y_ref", "[0; 1]", "[0; I]", reference.shape == (4, 2),
+            "The extended state has four entries and y_ref two, so that it is 4 × 2.",
+        )
+    )  # fmt: skip
+    return rows
+
+
+def _controllability() -> list[Row]:
+    rows: list[Row] = []
+    why = "[B AB] of (32) and (34)."
+    spread = (u3 - x1) / x2
+    printed = Matrix([[spread, u1 / x2, -u1 * (u3 - x1) / x2**2, u1**2 / x2**2], [1, 0, 0, 0]])
+    found = plant("outflow")
+    rows += matrix_rows(
+        "(94)", "M", printed, Matrix.hstack(found.B, found.A * found.B),
+        why + " The entry below it in (96), of the same A and b, has the minus sign.",
+    )  # fmt: skip
+    printed = Matrix([[0, u1 / x2, 0, -(u1**2) / x2**2], [-1, 0, 0, 0]])
+    found = plant("inflow")
+    rows += matrix_rows("(96)", "M", printed, Matrix.hstack(found.B, found.A * found.B), why)
+    for place, variant in (("(94)", "outflow"), ("(96)", "inflow")):
+        A, B = numbers(variant)  # type: ignore[arg-type]
+        rank = int(np.linalg.matrix_rank(np.hstack([B, A @ B])))
+        rows.append(compared(place, "rank of M", "2", float(rank), why="At the equilibrium."))
+        whole = np.block([[A, B], [np.eye(2), np.zeros((2, 2))]])
+        full = int(np.linalg.matrix_rank(whole))
+        rows.append(
+            claimed(
+                place, "the extended system", "controllable", full == 4, f"rank {full} of 4",
+                reason="Rank of [A B; C 0]. The printed condition, as many inputs as outputs, is "
+                "necessary and not sufficient: an input that acts on no output would pass it.",
+            )
+        )  # fmt: skip
+    return rows

@@ -1,0 +1,99 @@
+"""The document's experiment: both references step from the equilibrium, and its indices."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import linearise, operating_point_of
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.run import Run
+from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.papers.averaging_tank.model import KMOL, tank
+from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.scores.integral_errors import (
+    integral_absolute_error,
+    integral_error,
+    integral_squared_error,
+)
+from clepsydra.scores.time_weighted_errors import integral_time_absolute_error
+
+#: Steps of C [kmol/m³] and V [m³]; they are not printed, and follow from the printed indices.
+STEPS = {"C": 0.25, "V": 0.1}
+#: The printed ISEG fit a derivative over this time, see `lqi`.
+PERIOD = 2e-4  # [s]
+HORIZON = 30.0  # [s]
+MEASURED = {"C": ("concentration", KMOL), "V": ("volume", 1.0)}
+
+
+@cache
+def model_of(constant: Variant, period: float = PERIOD) -> LinearModel:
+    """Return the linear model of a variant, sampled with a period [s].
+
+    Examples
+    --------
+    >>> model_of("outflow").outputs
+    ('concentration', 'volume')
+    """
+    process = dataclasses.replace(tank(constant), sampling_period=period)
+    model = linearise(find_equilibrium(process))
+    return model.select(outputs=["concentration", "volume"])
+
+
+def step_scenario(
+    model: LinearModel, sizes: tuple[float, float], horizon: float = HORIZON
+) -> Scenario:
+    """Return steps of C [kmol/m³] and V [m³] at the first sample."""
+    point = operating_point_of(model)
+    process, start = point.process, point.as_dict()
+    period = process.sampling_period
+    samples = round(horizon / period) + 1
+    targets = [
+        start[name] + factor * size
+        for (name, factor), size in zip(MEASURED.values(), sizes, strict=True)
+    ]
+    return Scenario(
+        period,
+        np.tile(targets, (samples, 1)),
+        np.tile([start[d.name] for d in process.disturbances], (samples, 1)),
+        np.zeros((samples, len(process.measurements))),
+        (Segment("setpoint", "volume", 0.0, samples * period, sizes[1]),),
+        seed=1,
+    )
+
+
+def step_run(
+    controller: Controller,
+    model: LinearModel,
+    sizes: tuple[float, float] = (STEPS["C"], STEPS["V"]),
+    horizon: float = HORIZON,
+) -> Run:
+    """Run a controller through steps of C [kmol/m³] and V [m³] at the first sample."""
+    return Loop(controller, model).run(step_scenario(model, sizes, horizon))
+
+
+def indices(run: Run, horizon: float | None = None) -> dict[tuple[str, str], float]:
+    """Return IE, IAE, ISE and ITAE of C and V, in kmol/m³ and m³.
+
+    Parameters
+    ----------
+    run : Run
+    horizon : float, optional
+        [s]; the whole run if left out.
+    """
+    last = len(run.time) if horizon is None else int(np.searchsorted(run.time, horizon)) + 1
+    found: dict[tuple[str, str], float] = {}
+    for name, (measurement, factor) in MEASURED.items():
+        time = run.time[:last]
+        target = run.values[f"{measurement}.setpoint"][:last] / factor
+        output = run.true_measurement(measurement)[:last] / factor
+        found["IE", name] = integral_error(time, target, output)
+        found["IAE", name] = integral_absolute_error(time, target, output)
+        found["ISE", name] = integral_squared_error(time, target, output)
+        found["ITAE", name] = integral_time_absolute_error(time, target, output)
+    return found

@@ -1,0 +1,97 @@
+"""The plant in symbols: the linear model in both variants, and loops closed around it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Literal
+
+from sympy import Expr, Matrix, eye, simplify, symbols
+
+from clepsydra.papers.comparison import compared_formula
+from clepsydra.papers.row import Row
+
+Variant = Literal["outflow", "inflow"]  # which flow is constant
+
+s = symbols("s")
+#: C, V, f_in, C_in at the equilibrium, as (28) names them.
+x1, x2, u1, u3 = symbols("x_10 x_20 u_10 u_30", positive=True)
+K1, K2, Ti1, Ti2, Td1, Td2 = symbols("K_p1 K_p2 T_i1 T_i2 T_d1 T_d2", positive=True)
+#: The equilibrium of section 2.2.
+AT_REST = {x1: 5, x2: 2, u1: 0.2, u3: 5}
+
+
+@dataclass(frozen=True)
+class Plant:
+    """The linear model in symbols: states C and V, inputs one flow and C_in.
+
+    Parameters
+    ----------
+    A, B : Matrix [2, 2]
+    transfer : Matrix [2, 2]
+        (sI - A)⁻¹ B.
+    """
+
+    A: Any
+    B: Any
+    transfer: Any
+
+
+@cache
+def plant(constant: Variant) -> Plant:
+    """Return the linear model, differentiated from the balances (6).
+
+    Examples
+    --------
+    >>> plant("outflow").transfer[1, 0], plant("inflow").transfer[1, 0]
+    (1/s, -1/s)
+    """
+    C, V, inflow, outflow, inlet = symbols("C V f_in f_out C_in", positive=True)
+    balances = Matrix([inflow / V * (inlet - C), inflow - outflow])
+    inputs = [inflow if constant == "outflow" else outflow, inlet]
+    rest = {C: x1, V: x2, inflow: u1, outflow: u1, inlet: u3}
+    A = balances.jacobian([C, V]).subs(rest).subs(u3, x1)  # C0 = C_in0, (14)
+    B = balances.jacobian(inputs).subs(rest)
+    return Plant(A, B, ((s * eye(2) - A).inv() * B).applyfunc(simplify))
+
+
+def controller(first: Expr, second: Expr) -> Any:
+    """Return G_c of the pairing 1-2/2-1: C by the second input, V by the first.
+
+    Examples
+    --------
+    >>> controller(K1, K2)[1, 0]
+    K_p1
+    """
+    return Matrix([[0, second], [first, 0]])
+
+
+def closed_loop(constant: Variant, compensator: Any) -> tuple[Any, Any]:
+    """Return G_CL and G_E of (42) and (43) at C_in0 = C0, where the decoupler is one.
+
+    Examples
+    --------
+    >>> closed_loop("outflow", controller(K1, K2))[1][1, 1]
+    s/(K_p2 + s)
+    """
+    loop = plant(constant).transfer.subs(u3, x1) * compensator
+    error = (eye(2) + loop).inv().applyfunc(simplify)
+    return (loop * error).applyfunc(simplify), error
+
+
+def matrix_rows(place: str, name: str, printed: Any, computed: Any, reason: str) -> list[Row]:
+    """Return a row for each entry of a matrix of formulas.
+
+    Examples
+    --------
+    >>> [row.verdict for row in matrix_rows("(38)", "G", eye(1), eye(1), "")]
+    ['reproduced']
+    """
+    rows, columns = computed.shape
+    return [
+        compared_formula(
+            place, f"{name}{i + 1}{j + 1}", printed[i, j], computed[i, j], reason=reason
+        )
+        for i in range(rows)
+        for j in range(columns)
+    ]
