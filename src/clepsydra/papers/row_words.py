@@ -17,15 +17,20 @@ def value_words(value: float | str) -> str:
 
 
 def difference_words(difference: float | None) -> str:
-    """Return a relative difference in percent.
+    """Return a relative difference in percent, or how many times the print it is.
 
     Examples
     --------
     >>> difference_words(0.03561), difference_words(-2e-7), difference_words(None)
     ('+3.6 %', '0 %', '')
+    >>> difference_words(99.0), difference_words(-5406.0)
+    ('100 ×', '−5400 ×')
     """
     if difference is None:
         return ""
+    if abs(difference) >= 10.0:
+        times = difference + 1.0
+        return f"{float(f'{times:.2g}'):g} ×".replace("-", "−")
     percent = 100.0 * difference
     if abs(percent) < 5e-4:
         return "0 %"

@@ -122,11 +122,11 @@ def _gains() -> list[Row]:
     rounding = "The diagonals of Q and R are printed to three or four digits."
     rows = [
         compared("(97b)", "F12", "3.0536", hand[0, 1], "1/s", why=why),
-        compared("(97b)", "F21", "13.8661", hand[1, 0], "1", why=why),
+        compared("(97b)", "F21", "13.8661", hand[1, 0], why=why),
         compared("(97b)", "Fi12", "3.0536", hand[0, 3], "1/s²", right_if=[square]),
         compared("(97b)", "Fi21", "10", hand[1, 2], "1/s", why=why),
         compared("(98b)", "F12", "-1.7174", other[0, 1], "1/s", why=why),
-        compared("(98b)", "F21", "14.1987", other[1, 0], "1", why=why),
+        compared("(98b)", "F21", "14.1987", other[1, 0], why=why),
         compared("(98b)", "Fi12", "-1.2247", other[0, 3], "1/s²", why=why),
         compared("(98b)", "Fi21", "10", other[1, 2], "1/s", why=why),
         compared("(100b)", "F12", "370.7667", best[0, 1], "1/s", tolerance=2e-4, why=rounding),
@@ -157,7 +157,7 @@ def _unreadable(
     reason = f"with {matrix[1, 2]:.1f} for Fi21 IE of C is {follows:.4f}, and {error} is printed"
     right = f"{matrix[1, 2]:.1f}"
     return [
-        compared(place, "F21", proportional, matrix[1, 0], "1", right_if=[(reason, agrees)]),
+        compared(place, "F21", proportional, matrix[1, 0], right_if=[(reason, agrees)]),
         stated(
             place, "Fi21", integral, right, integral == right,
             f"The digits of the print run into each other; {reason}.",
