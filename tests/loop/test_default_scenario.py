@@ -257,6 +257,57 @@ def test_an_integrating_tank_needs_no_static_gain() -> None:
     assert scenario.segments[0].stop - scenario.segments[0].start == 1500.0
 
 
+def test_a_tank_that_all_but_integrates_gets_the_time_of_one_that_does() -> None:
+    """Its time constant of 1e5 s is that of a level that no range holds: 1000 V/V."""
+    near = single_tank(pole=-1e-5, gain=0.002)
+    scenario = default_scenario(near)
+    # 1e-4 m/(s V) as in the test before: held by 1 % for 1 % it has 1/(1e-5 + 1/200) s.
+    assert scenario.segments[0].stop - scenario.segments[0].start == 1500.0
+    # A pump that empties it is as strong.
+    scenario = default_scenario(single_tank(pole=-1e-5, gain=-0.002))
+    assert scenario.segments[0].stop - scenario.segments[0].start == 1500.0
+    # By 4.95 times its range it waits for the process, by 5.05 times for the held loop: 6 T with
+    # T = 500 s, and 6 T / 6.05.
+    for gain, expected in ((0.00396, 3000.0), (0.00404, 500.0)):
+        scenario = default_scenario(single_tank(pole=-0.002, gain=gain))
+        assert scenario.segments[0].stop - scenario.segments[0].start == expected
+
+
+def test_each_input_holds_one_output_that_all_but_integrates() -> None:
+    """Both tanks fill by the second pump, the first tank by the first one as well."""
+    states = ("one.level", "two.level")
+    process = make_process(
+        states,
+        tuple(Signal(f"pump_{i}", "V", low=0.0, high=10.0) for i in (1, 2)),
+        (),
+        tuple(Signal(f"level_{i}", "V", low=0.0, high=20.0) for i in (1, 2)),
+        ("level_1", "level_2"),
+        sampling_period=0.5,
+    )
+    model = LinearModel(
+        A=-1e-6 * np.eye(2),
+        B=np.array([[1e-4, 2e-4], [0.0, 1e-4]]),
+        E=np.zeros((2, 0)),
+        C=100.0 * np.eye(2),
+        D=np.zeros((2, 2)),
+        states=states,
+        inputs=("pump_1", "pump_2"),
+        disturbances=(),
+        outputs=("level_1", "level_2"),
+    )
+    levels, pumps = np.array([0.1, 0.1]), np.array([5.0, 5.0])
+    model = replace(
+        model, point=OperatingPoint(process, levels, pumps, np.zeros(0), 100 * levels, 0.0)
+    )
+    scenario = default_scenario(model)
+    # The second pump is the stronger one for the first level, but the only one for the second.
+    assert scenario.segments[0].stop - scenario.segments[0].start == 1500.0
+    # Without it nothing holds the second level, which is left to itself: 6 T.
+    alone = replace(model, B=np.array([[2e-4, 2e-4], [0.0, 1e-10]]))
+    with pytest.raises(InputError, match=r"at least .* for segments of 6e\+06 s"):
+        default_scenario(alone)
+
+
 def test_a_process_without_disturbances_has_no_load_step() -> None:
     scenario = default_scenario(single_tank())
     assert [segment.kind for segment in scenario.segments] == ["setpoint", "setpoint", "noise"]

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from clepsydra.base.errors import InputError
-from clepsydra.loop.duration import pretty_duration, samples_before, time_text, time_unit
+from clepsydra.base.words import time_text, time_unit
+from clepsydra.loop.duration import pretty_duration, samples_before
 from clepsydra.loop.profile import Change, profiles_of, read_assignment, read_change
 from clepsydra.loop.profile_csv import read_profile_csv
 from clepsydra.process.reader import load_process

@@ -13,11 +13,14 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.loop.closed_loop import closed_loop, controller_name
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
+from clepsydra.loop.running_averaging import AVERAGING_SCORES
 from clepsydra.loop.running_scores import RunningScores
+from clepsydra.loop.scenario import Segment
 from clepsydra.process.reader import load_process
 from clepsydra.scores.evaluate import score_run
 from clepsydra.scores.generalised_squared_error import generalised_squared_error
 from clepsydra.scores.integral_errors import integral_error
+from clepsydra.scores.plant import plant_trajectories
 from clepsydra.scores.time_weighted_errors import (
     integral_time_absolute_error,
     integral_time_squared_error,
@@ -34,6 +37,7 @@ def all_scores(process) -> RunningScores:
             *(f"{score}[{y}]" for score in errors for y in process.controlled),
             *(f"total_variation[{u.name}]" for u in process.inputs),
             *(f"{end}[{x}]" for end in ("highest", "lowest") for x in process.levels),
+            *(f"{score}[{y}]" for score in AVERAGING_SCORES for y in process.averaging),
         ),
     )
 
@@ -69,7 +73,12 @@ def test_they_are_the_scores_of_the_stored_trajectories_of_the_same_run(loop):
     outputs = {y: run.true_measurement(y) for y in process.controlled}
     inputs = {u.name: run.values[u.name] for u in process.inputs}
     limits = {u.name: (u.low, u.high) for u in process.inputs}
-    expected = score_run(run.time, setpoints, outputs, inputs, limits, scenario.segments)
+    plant = plant_trajectories(process, run.time, run.values)
+    expected = score_run(
+        run.time, setpoints, outputs, inputs, limits, scenario.segments, plant=plant
+    )
+    averaged = {f"{score}[{y}]" for score in AVERAGING_SCORES for y in process.averaging}
+    assert all(expected[name] > 1e-3 for name in averaged)
     steps = [part.start for part in scenario.segments if part.kind != "noise"]
     for y in process.controlled:
         one = run.time, setpoints[y], outputs[y]
@@ -105,6 +114,7 @@ def test_a_straight_error_that_changes_its_sign_is_integrated_exactly():
         noise=np.zeros((samples, 2)),
         segments=(),
     )
+    assert not process.averaging  # its scores would ask for a load
     program = closed_loop(process, loop.controller, substeps=1, scores=scores)
     by_hand = {f"{u}.mode": 0.0 for u in ("inflow", "inflow.impurity")} | {"inflow.manual": 0.3}
     inputs = loop.at_rest() | loop.inputs_of(scenario) | scores.inputs_of(scenario) | by_hand
@@ -127,6 +137,54 @@ def test_a_straight_error_that_changes_its_sign_is_integrated_exactly():
         assert found[f"{name}[volume]"][0] == pytest.approx(value, rel=1e-9), name
     assert found["highest[tank.level]"][0] == pytest.approx(2.04, rel=1e-12)
     assert found["lowest[tank.level]"][0] == pytest.approx(2.0, rel=1e-12)
+
+
+def test_scores_of_averaging_are_those_of_flows_given_by_hand():
+    """The pump is moved by hand while two loads act; what stands before and after counts not."""
+    process = load_process("equalisation-tank")
+    analysis = analyse(process)
+    loop = Loop(design_simc(analysis.model, analysis.pairing), analysis.model)
+    speed = np.array([0.6, 0.6, 0.6, 0.7, 0.72, 0.66, 0.66, 0.5, 0.9, 0.9])
+    inflow = np.array([0.30, 0.30, 0.40, 0.40, 0.40, 0.35, 0.35, 0.35, 0.35, 0.20])
+    period, samples = process.sampling_period, len(speed)
+    loads = tuple(
+        Segment("load", "inflow", start * period, stop * period, 0.1)
+        for start, stop in ((2, 5), (5, 8))
+    )
+    scenario = replace(
+        default_scenario(loop.model),
+        setpoints=np.full((samples, 1), 0.5),
+        disturbances=np.stack([inflow, np.full(samples, 0.193)], axis=1),
+        noise=np.zeros((samples, len(process.measurements))),
+        segments=loads,
+    )
+    scores = RunningScores(process, ("outflow_rate[level]", "variance_ratio[level]"))
+    program = closed_loop(process, loop.controller, substeps=1, scores=scores)
+    by_hand = {"outflow.mode": 0.0, "outflow.manual": speed}
+    inputs = loop.at_rest() | loop.inputs_of(scenario) | scores.inputs_of(scenario) | by_hand
+    found = scores.read(
+        Kernel(program, record=False).run(
+            samples, inputs=inputs, state=loop.initial_state(), parameters=loop.law_parameters()
+        )
+    )
+    # 0.005 m³/(s %); the last move within the loads, by 16 %, is the largest. Each load is judged
+    # by what was just before it: 60 % and 0.30 m³/s, 72 % and 0.40 m³/s.
+    assert found["outflow_rate[level]"][0] == pytest.approx(0.16 * 0.5 / 60.0 * 3600.0**2)
+    left = 0.5**2 * (0.0 + 0.1**2 + 0.12**2 + 0.06**2 + 0.06**2 + 0.22**2)
+    arrived = 3 * 0.1**2 + 3 * 0.05**2
+    assert found["variance_ratio[level]"][0] == pytest.approx(left / arrived)
+
+
+def test_scores_of_averaging_want_a_load_and_a_tank_that_averages():
+    process = load_process("equalisation-tank")
+    scores = RunningScores(process, ("variance_ratio[level]",))
+    scenario = default_scenario(analyse(process).model)
+    assert "scores.load_acts" in scores.inputs_of(scenario)
+    quiet = replace(scenario, segments=[s for s in scenario.segments if s.kind != "load"])
+    with pytest.raises(InputError, match="got 'no load step', expected one, which outflow_rate"):
+        scores.inputs_of(quiet)
+    with pytest.raises(InputError, match="got 'outflow_rate"):
+        RunningScores(load_process("quadruple-tank"), ("outflow_rate[level_1]",))
 
 
 def test_a_run_that_breaks_off_has_infinite_scores(loop):

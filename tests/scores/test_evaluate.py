@@ -205,7 +205,12 @@ def test_overshoot_of_a_step_down_is_found_beside_a_step_up_without_any() -> Non
 
 
 def test_scores_without_a_segment_are_left_out_and_all_names_are_described() -> None:
-    scores = score_run(TIME, **run(), segments=SEGMENTS, measured=measured(), plant=plant())
+    inner = {"flow_1": (np.where(TIME < 7.0, 0.5, 0.2), 0.2, 0.5), "flow_2": (TIME, 5.0, 8.0)}
+    scores = score_run(
+        TIME, **run(), segments=SEGMENTS, measured=measured(), plant=plant(), inner=inner
+    )
+    assert scores["time_at_setpoint_limit[flow_1]"] == TIME.size * PERIOD
+    assert scores["time_at_setpoint_limit[flow_2]"] == TIME.size * PERIOD - 2.5
     assert {name.partition("[")[0] for name in scores} == set(SCORES)
     assert "overshoot[level_2]" not in scores
     without = score_run(TIME, **run(), segments=SEGMENTS[-1:])
@@ -283,3 +288,25 @@ def test_what_does_not_fit_together_is_refused(change: dict, message: str) -> No
     with pytest.raises(InputError) as refusal:
         score_run(TIME, **({**run(), "segments": SEGMENTS} | change))
     assert str(refusal.value).startswith(message)
+
+
+def test_time_in_saturation_is_that_at_the_limits_between_which_a_controller_moves():
+    given = run()
+    usual = score_run(TIME, segments=SEGMENTS, **given)
+    # The pump stands at 10 V for 30 s, and at 3 V else.
+    assert usual["time_in_saturation[pump_1]"] == 30.0
+    narrow = score_run(TIME, segments=SEGMENTS, movable={"pump_1": (3.0, 11.0)}, **given)
+    assert narrow["time_in_saturation[pump_1]"] == TIME.size * PERIOD - 30.0
+    # The actuator's range stays what travel is a share of.
+    assert narrow["travel[pump_1]"] == usual["travel[pump_1]"] > 0.0
+
+
+def test_a_setpoint_that_nothing_follows_has_no_step_response():
+    given = run()
+    usual = score_run(TIME, segments=SEGMENTS, **given)
+    other = score_run(TIME, segments=SEGMENTS, followed=("level_2",), **given)
+    gone = {f"{score}[level_1]" for score in (
+        "overshoot", "rise_time", "settling_time", "settling_time_2", "settling_time_noisy"
+    )}  # fmt: skip
+    assert gone & set(usual) == set(usual) - set(other) >= {"overshoot[level_1]"}
+    assert all(other[name] == usual[name] for name in other)

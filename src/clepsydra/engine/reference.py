@@ -70,6 +70,11 @@ class LawEvaluation:
             if isinstance(entry, DelayRing)
         }
 
+    @property
+    def state(self) -> Array:
+        """State after the last sample [n]; the entry of a delay ring is what was written."""
+        return self._state.copy()
+
     def step(self, inputs: Array) -> Array:
         """Advance by one sample and return the outputs [q]."""
         for index, ring in self._rings.items():

@@ -9,6 +9,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import MotionBlock, spilt_totals
 from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.step_size import check_substeps
@@ -66,7 +67,8 @@ def closed_loop(
         measurement y, any measurement m and a manipulated variable u: "y.setpoint", the
         disturbances, "m.noise", "m.sensor" (1 = good), "u.mode", "u.manual", "u.tracking".
         Parameters: the process's, then "controller." + the law's. Outputs: the process's state,
-        the measurements, the manipulated variables, and "u.status".
+        the measurements, the manipulated variables, "u.status", and of a cascade
+        "m.inner_setpoint", the setpoint of the inner loop of measurement m in this sample.
 
     Raises
     ------
@@ -282,6 +284,9 @@ class _Join:
         for u in process.inputs:
             value[u.name] = value[f"{u.name}.manual"]  # where the law does not move it
         next_law = self._control(time_step)
+        place = {entry.name: index for index, entry in enumerate(controller.law.state)}
+        inner = inner_setpoints(controller, process)
+        value |= {each.name: next_law[place[each.state]] for each in inner}
         moved = [value[u.name] for u in process.inputs]
         disturbed = [value[d.name] for d in process.disturbances]
         next_state = self.motion.move(builder, moving, [*moved, *disturbed, *parameters])
@@ -291,6 +296,7 @@ class _Join:
             *process.measurements,
             *process.inputs,
             *(Signal(f"{u}.status", kind="integer") for u in controller.manipulated),
+            *(each.signal for each in inner),
             *self.motion.state[len(process.motion.contents) :],
         )
         block = builder.finish(

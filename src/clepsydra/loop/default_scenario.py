@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -35,6 +36,9 @@ REST_SHARE = 0.1
 LOOP_PERIODS = 10.0
 #: And slower than this many dead times.
 DEAD_TIMES = 4.0
+#: Where the range of an input would move an output this many times its range, the process alone
+#: is as good as integrating: the output meets its ends long before it comes to rest.
+INTEGRATING_GAIN = 5.0
 PRETTY = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 MOST_SAMPLES = 1_000_000
 
@@ -58,6 +62,8 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
     each zero z in the right half-plane, since no loop is faster; the mean residence time from the
     strongest input to each output, which counts tanks in series; for a level that integrates,
     the time in which the full range of the inputs moves its full range; ten sampling periods.
+    An output whose full range is less than a fifth of what its strongest input moves it by is
+    as good as integrating: the times then are those with it held by 1 % of that input for 1 %.
     It is rounded up to a pretty number.
 
     *Noise.* White, normal, from PCG64 with the seed that the scenario records. Its standard
@@ -253,6 +259,7 @@ def _moves_at_rest(
 
 def _slowest(process: Process, model: LinearModel) -> float:
     """Return the slowest thing that a loop around the model has to wait for [s]."""
+    model = _held(process, model)
     constants = np.abs(time_constants(model))
     times = [LOOP_PERIODS * process.sampling_period, *constants[np.isfinite(constants)]]
     origin = origin_radius(model.A)
@@ -269,6 +276,29 @@ def _slowest(process: Process, model: LinearModel) -> float:
         integrating = fastest * max(times) > 1e-3 * spans
         times += list(spans[integrating] / fastest[integrating])
     return float(max(times))
+
+
+def _held(process: Process, model: LinearModel) -> LinearModel:
+    """Return a model whose outputs that are as good as integrating are held by their inputs.
+
+    What integrates entirely stays as it is. Each input holds one output at most, paired so that
+    the product of the gains is the largest, by its whole range for the range of the output: a
+    tank that integrates then has the time constant in which the range of the input fills it.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    if not np.all(np.isfinite(time_constants(model))):
+        return model
+    widths = np.array([width_of_range(process.signal(name)) for name in model.inputs])
+    spans = np.array([_span(process, process.signal(name)) for name in model.outputs])
+    # [%/%]
+    gains = (model.D - model.C @ np.linalg.solve(model.A, model.B)) * widths / spans[:, None]
+    gain = np.zeros((len(widths), len(spans)))
+    strength = np.log(np.maximum(np.abs(gains), np.finfo(float).tiny))
+    for row, column in zip(*linear_sum_assignment(strength, maximize=True), strict=True):
+        if abs(gains[row, column]) > INTEGRATING_GAIN:
+            gain[column, row] = math.copysign(widths[column] / spans[row], gains[row, column])
+    return replace(model, A=model.A - model.B @ gain @ model.C) if gain.any() else model
 
 
 def _room(value: float, low: float, high: float, move: float) -> tuple[float, float]:

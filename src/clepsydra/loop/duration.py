@@ -1,4 +1,4 @@
-"""Lengths of time: read from words, rounded up to pretty numbers, and written for a reader."""
+"""Lengths of time: read from words, and rounded up to pretty numbers."""
 
 from __future__ import annotations
 
@@ -6,40 +6,11 @@ import math
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.units import to_si
+from clepsydra.base.words import TIME_UNITS
 
-#: Longest time that is shown in each unit, with the unit's length [s].
-_UNITS = (("s", 1.0, 180.0), ("min", 60.0, 3 * 3600.0), ("h", 3600.0, 3 * 86400.0))
 _PRETTY = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 #: Shares of a sampling period by which a time may miss a sample and still count as on it.
 _ON_SAMPLE = 1e-9
-
-
-def time_unit(duration: float) -> tuple[str, float]:
-    """Return the unit in which a length of time [s] is shown, and the unit's length [s].
-
-    Seconds up to three minutes, minutes up to three hours, hours up to three days.
-
-    Examples
-    --------
-    >>> time_unit(90.0), time_unit(3000.0), time_unit(1e6)
-    (('s', 1.0), ('min', 60.0), ('d', 86400.0))
-    """
-    for name, length, most in _UNITS:
-        if duration <= most:
-            return name, length
-    return "d", 86400.0
-
-
-def time_text(time: float) -> str:
-    """Return a time [s] in at most four digits with the unit that suits it.
-
-    Examples
-    --------
-    >>> time_text(62.5), time_text(600.0), time_text(40000.0)
-    ('62.5 s', '10 min', '11.11 h')
-    """
-    unit, length = time_unit(time)
-    return f"{time / length:.4g} {unit}"
 
 
 def pretty_duration(least: float) -> float:
@@ -50,9 +21,7 @@ def pretty_duration(least: float) -> float:
     >>> pretty_duration(544.0)  # ten minutes
     600.0
     """
-    length, most = next(
-        ((length, most) for _, length, most in _UNITS if least <= most), (86400.0, math.inf)
-    )
+    length, most = next((length, most) for _, length, most in TIME_UNITS if least <= most)
     count = least / length
     power = 10.0 ** math.floor(math.log10(count))
     pretty = next(p * power for p in _PRETTY if p * power >= count * (1.0 - _ON_SAMPLE))

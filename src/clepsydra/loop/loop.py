@@ -23,6 +23,7 @@ from clepsydra.loop.closed_loop import (
     free_inputs,
     loop_inputs,
 )
+from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import motion_at_rest, recorded_signals, spilt_totals
 from clepsydra.loop.python_loop import naming_sample, python_loop
 from clepsydra.loop.reference_motion import ReferenceMotion
@@ -203,6 +204,7 @@ class Loop:
             np.array([controller.values[p.name] for p in law.parameters]),
             np.array([controller.initial_state[x.name] for x in law.state]),
         )
+        inner = inner_setpoints(controller, process)
         rows: list[dict[str, float]] = []
         for k in range(scenario.samples):
             now = at_rest | {name: float(column[k]) for name, column in given.items()}
@@ -218,6 +220,8 @@ class Loop:
                 outputs = evaluation.step(self.law_inputs(now))
             for signal, value in zip(law.outputs, outputs, strict=True):
                 now[controller.output_wires[signal.name]] = float(value)
+            after = dict(zip((x.name for x in law.state), evaluation.state, strict=True))
+            now |= {each.name: float(after[each.state]) for each in inner}
             rows.append(now)
             moved = np.array([now[u.name] for u in process.inputs])
             motion.advance(moved, scenario.disturbances[k])
@@ -258,6 +262,7 @@ class Loop:
             *(s for s in loop_inputs(process) if s.name in setpoints),
             *process.inputs,
             *(Signal(name, kind="integer") for name in statuses),
+            *(each.signal for each in inner_setpoints(self.controller, process)),
             *process.disturbances,
             *recorded_signals(process),
         )

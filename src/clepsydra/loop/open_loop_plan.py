@@ -17,7 +17,8 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import time_constants
-from clepsydra.loop.duration import pretty_duration, read_duration, samples_before, time_text
+from clepsydra.base.words import time_text
+from clepsydra.loop.duration import pretty_duration, read_duration, samples_before
 from clepsydra.loop.open_loop import Simulation, simulate
 from clepsydra.loop.profile import Change, check_range, profiles_of
 from clepsydra.loop.refinement import TOLERANCE as TOLERANCE
@@ -216,8 +217,8 @@ def plan_simulation(
     if samples > _MOST_SAMPLES:
         raise InputError(
             "duration",
-            time_text(length),
-            f"at most {time_text(_MOST_SAMPLES * period)}, a million samples of {period:g} s",
+            time_text(length, 4),
+            f"at most {time_text(_MOST_SAMPLES * period, 4)}, a million samples of {period:g} s",
             "shorten it, or lengthen the sampling period of the process",
         )
     return Plan(point, state, changes, samples, begins, substeps_for(model))

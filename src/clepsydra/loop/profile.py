@@ -11,7 +11,8 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si, to_si
-from clepsydra.loop.duration import samples_before, time_text
+from clepsydra.base.words import time_text
+from clepsydra.loop.duration import samples_before
 from clepsydra.process.process import Process
 
 _EXAMPLE = "write as in pump_1=3.2V, pump_1=3.5V@60s or pump_1=4V@60s..120s"
@@ -216,8 +217,8 @@ def profiles_of(
         if first >= samples or change.stop > samples * period * (1.0 + 1e-12):
             raise InputError(
                 change.place,
-                time_text(change.stop),
-                f"a change that ends within the duration of {time_text(samples * period)}",
+                time_text(change.stop, 4),
+                f"a change that ends within the duration of {time_text(samples * period, 4)}",
                 "lengthen the duration or leave the change out",
             )
         values, old = profiles[change.signal], value_of[change.signal]
@@ -237,15 +238,15 @@ def _check_follows(previous: Change, change: Change, period: float) -> None:
     if change.start < previous.stop:
         raise InputError(
             change.place,
-            time_text(change.start),
-            f"a time from {time_text(previous.stop)} on, when the change of {change.signal} "
+            time_text(change.start, 4),
+            f"a time from {time_text(previous.stop, 4)} on, when the change of {change.signal} "
             "before it has ended",
             "give the changes of a signal in order of time",
         )
     if samples_before(change.start, period) <= samples_before(previous.start, period):
         raise InputError(
             change.place,
-            time_text(change.start),
-            f"at most one value of {change.signal} in a sampling period of {time_text(period)}",
+            time_text(change.start, 4),
+            f"at most one value of {change.signal} in a sampling period of {time_text(period, 4)}",
             "leave one of the two out or shorten the sampling period",
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -34,7 +35,7 @@ class Run:
         Name to trajectory [samples], in the signal's SI unit: every state "tank_1.level",
         measurement "level_1" (as the controller gets it), setpoint "level_1.setpoint", manipulated
         variable "pump_1" (held during the sample), status "pump_1.status", disturbance
-        "inflow_1".
+        "inflow_1"; of a cascade the setpoint of an inner loop, "flow_1.inner_setpoint".
     error_estimate : float or None
         Largest difference to a run with half the integration step, as a fraction of the
         state's range; None where it was not asked for.
@@ -73,6 +74,23 @@ class Run:
         states = np.array([self.values[x.name] for x in self.process.state])
         readings = self.process.measure(states, self.process.parameter_values)
         return np.asarray(readings, dtype=float)[position]
+
+    def limits(self, name: str) -> tuple[float, float]:
+        """Return between which values an input can move: the narrower of actuator and controller.
+
+        Parameters
+        ----------
+        name : str
+            Of the input.
+        """
+        signal = self.process.signal(name)
+        if name not in self.controller.manipulated:
+            return signal.low, signal.high
+        number, values = self.controller.manipulated.index(name) + 1, self.controller.values
+        low = max(signal.low, values.get(f"low_limit_{number}", -math.inf))
+        high = min(signal.high, values.get(f"high_limit_{number}", math.inf))
+        # Limits that leave no room are none that a signal could stand between.
+        return (low, high) if low < high else (signal.low, signal.high)
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return a table with one row a sample, indexed by time [s], one column a signal."""

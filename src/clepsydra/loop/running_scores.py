@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.engine.trajectories import Trajectories
+from clepsydra.loop.running_averaging import AVERAGING_SCORES, RunningAveraging
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
@@ -87,7 +88,14 @@ _INTEGRALS: dict[str, tuple[Callable[[_Sample], ca.SX], int, int]] = {
     "iseg": (_Sample.generalised, 2, 1),
 }
 INTEGRAL_SCORES = tuple(_INTEGRALS)
-RUNNING_SCORES = (*INTEGRAL_SCORES, "overshoot", "total_variation", "highest", "lowest")
+RUNNING_SCORES = (
+    *INTEGRAL_SCORES,
+    "overshoot",
+    "total_variation",
+    "highest",
+    "lowest",
+    *AVERAGING_SCORES,
+)
 
 
 @dataclass(frozen=True)
@@ -105,13 +113,15 @@ class RunningScores:
     names : tuple of str
         "iae[level_1]": any of "ie", "iae", "ise", "itae", "itse", "iseg" and "overshoot" of a
         controlled measurement, "total_variation" of an input, "highest" and "lowest" of a
-        tank's level. In ITAE and ITSE time counts from the last step; ISEG is
+        tank's level, "outflow_rate" and "variance_ratio" of an averaging measurement while loads
+        act. In ITAE and ITSE time counts from the last step; ISEG is
         ∫ e² + 0.5 ė² dt with the rate taken from sample to sample.
 
     Raises
     ------
     InputError
-        A name is no such score, or of another signal.
+        A name is no such score, or of another signal; what an averaging tank gives comes out of
+        a delay.
 
     Examples
     --------
@@ -123,6 +133,7 @@ class RunningScores:
 
     process: Process
     names: tuple[str, ...]
+    _averaging: RunningAveraging = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for name in self.names:
@@ -137,6 +148,9 @@ class RunningScores:
                     "running scores", name, f"{score} of one of {', '.join(known)}",
                     f"write it as {score}[{known[0]}]",
                 )  # fmt: skip
+        judged = [split_score(name) for name in self.names]
+        averaged = tuple(dict.fromkeys(y for score, y in judged if score in AVERAGING_SCORES))
+        object.__setattr__(self, "_averaging", RunningAveraging(self.process, averaged))
 
     def _signals(self, score: str) -> tuple[str, ...]:
         """Return the signals that a score may be of; none for what is no running score."""
@@ -145,6 +159,8 @@ class RunningScores:
             return tuple(process.controlled)
         if score == "total_variation":
             return tuple(u.name for u in process.inputs)
+        if score in AVERAGING_SCORES:
+            return tuple(self.process.averaging)
         if score in ("highest", "lowest"):
             return tuple(x.name for x in process.state if x.name in process.levels)
         return ()
@@ -163,13 +179,14 @@ class RunningScores:
 
     @property
     def state(self) -> tuple[Signal, ...]:
-        """The values of the last sample, then the scores so far."""
+        """The values of the last sample, what scores of flows sum up, then the scores so far."""
         process = self.process
         kept = [
             Signal(_before(name), process.signal(name).unit, description=f"{name} before")
             for name in self.remembered
         ]
-        return (*kept, *(self._score_signal(name) for name in self.names))
+        found = (self._score_signal(name) for name in self.names)
+        return (*kept, *self._averaging.state, *found)
 
     def _score_signal(self, name: str) -> Signal:
         score, signal = split_score(name)
@@ -178,6 +195,8 @@ class RunningScores:
             _, power, times = _INTEGRALS[score]
             squared, clock = ("", "^2")[power - 1], ("", "^2")[times - 1]
             return Signal(name, f"{unit}{squared} s{clock}")
+        if score in AVERAGING_SCORES:
+            return Signal(name, "1" if score == "variance_ratio" else "m^3/h^2")
         start = {"highest": -_BEYOND, "lowest": _BEYOND}.get(score, 0.0)
         return Signal(name, "%" if score == "overshoot" else unit, initial=start)
 
@@ -195,13 +214,18 @@ class RunningScores:
             unit = process.signal(name).unit
             own.append(Signal(_before(f"{name}.setpoint"), unit))
             own += [Signal(entry, f"1/{unit}") for entry in (_step(name), _before(_step(name)))]
-        return (*common, *own)
+        return (*common, *own, *self._averaging.inputs)
 
     def inputs_of(self, scenario: Scenario) -> dict[str, np.ndarray]:
         """Return the values of `inputs` in a scenario by name [samples].
 
         Before the first sample nothing counts. The step of a setpoint is given as its inverse,
         zero where no step of this setpoint is judged.
+
+        Raises
+        ------
+        InputError
+            A score of averaging is asked for, and no load acts.
         """
         period, samples = scenario.sampling_period, scenario.samples
         counts = np.ones(samples)
@@ -223,7 +247,7 @@ class RunningScores:
             given[_before(f"{name}.setpoint")] = _shifted(scenario.setpoints[:, column])
             given[_step(name)] = inverse
             given[_before(_step(name))] = _shifted(inverse)
-        return given
+        return given | self._averaging.inputs_of(scenario)
 
     def append(self, builder: BlockBuilder, value: Mapping[str, int], period: float) -> list[int]:
         """Append a sample's share to a program and return the values of the next state.
@@ -232,8 +256,8 @@ class RunningScores:
         ----------
         builder : BlockBuilder
         value : mapping
-            Value of each state, input, setpoint, true measurement, manipulated variable and
-            level by name.
+            Value of each state, input, setpoint, true measurement, manipulated variable,
+            disturbance, parameter and state of the process by name.
         period : float
             Sampling period [s].
         """
@@ -242,19 +266,38 @@ class RunningScores:
         signals = [split_score(name)[1] for name in self.names]
         setpoints = [f"{name}.setpoint" for name in self.process.controlled]
         names = list(
-            dict.fromkeys([*(s.name for s in (*self.state, *self.inputs)), *setpoints, *signals])
+            dict.fromkeys(
+                [
+                    *(s.name for s in (*self.state, *self.inputs)),
+                    *setpoints,
+                    *signals,
+                    *self._averaging.needed,
+                ]
+            )
         )
         symbols = {name: ca.SX.sym(f"v{place}") for place, name in enumerate(names)}
+        flows = self._averaging.next_state(symbols, symbols[_COUNTS])
         following = [
             *(symbols[name] for name in self.remembered),
-            *(self._next(name, symbols, period) for name in self.names),
+            *(flows[signal.name] for signal in self._averaging.state),
+            *(self._next(name, symbols, flows, period) for name in self.names),
         ]
         function = ca.Function("scores", list(symbols.values()), [ca.vertcat(*following)])
         return inline(builder, function, [value[name] for name in names])
 
-    def _next(self, name: str, symbols: Mapping[str, ca.SX], period: float) -> ca.SX:
+    def _next(
+        self,
+        name: str,
+        symbols: Mapping[str, ca.SX],
+        flows: Mapping[str, ca.SX],
+        period: float,
+    ) -> ca.SX:
         score, signal = split_score(name)
         so_far, now = symbols[name], symbols[signal]
+        if score in AVERAGING_SCORES:
+            return self._averaging.score(
+                score, signal, so_far, symbols, flows, symbols[_COUNTS], period
+            )
         if score in _INTEGRALS:
             held = symbols[_before(f"{signal}.setpoint")]
             sample = _Sample(

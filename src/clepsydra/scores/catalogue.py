@@ -93,7 +93,8 @@ _SETPOINT_STEPS = (
         "overshoot",
         "Overshoot",
         "% of the step",
-        "How far the output passes its setpoint after a step of it, in the worst step.",
+        "How far the output passes its setpoint after a step of it, in the worst step; – where the "
+        "controller follows no setpoint.",
     ),
     ScoreDescription(
         "rise_time",
@@ -206,7 +207,8 @@ _EFFORT = (
         "time_in_saturation",
         "Time in saturation",
         "s",
-        "How long the manipulated variable stood at a limit.",
+        "How long the manipulated variable stood at a limit, its own or a narrower one of the "
+        "controller.",
     ),
 )
 
@@ -238,11 +240,30 @@ _PLANT = (
     ),
 )
 
-#: Scores of pumps and tanks, where the others are of measurements and manipulated variables.
-PLANT_SCORES = tuple(score.key for score in _PLANT)
+_INNER_LOOPS = (
+    ScoreDescription(
+        "time_at_setpoint_limit",
+        "Time at a setpoint limit",
+        "s",
+        "How long the setpoint that a cascade gives to an inner loop stood at one of its limits, "
+        "where the outer loop moves nothing.",
+    ),
+)
+
+#: Scores of pumps, tanks and inner loops, where the others are of controlled measurements and
+#: manipulated variables.
+PLANT_SCORES = tuple(score.key for score in (*_PLANT, *_INNER_LOOPS))
 
 SCORES: dict[str, ScoreDescription] = {
     score.key: score
-    for group in (_INTEGRALS, _SETPOINT_STEPS, _ALL_STEPS, _AVERAGING, _EFFORT, _PLANT)
+    for group in (
+        _INTEGRALS,
+        _SETPOINT_STEPS,
+        _ALL_STEPS,
+        _AVERAGING,
+        _EFFORT,
+        _PLANT,
+        _INNER_LOOPS,
+    )
     for score in group
 }

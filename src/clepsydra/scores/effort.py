@@ -1,4 +1,4 @@
-"""Scores of the manipulated variable: how far it moved, and how long it stood at a limit."""
+"""Scores of what a controller moves: how far it moved, and how long it stood at a limit."""
 
 from __future__ import annotations
 

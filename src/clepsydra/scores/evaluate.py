@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -88,6 +88,9 @@ def score_run(
     *,
     measured: Mapping[str, FloatArray] | None = None,
     plant: PlantTrajectories | None = None,
+    followed: Collection[str] | None = None,
+    movable: Mapping[str, tuple[float, float]] | None = None,
+    inner: Mapping[str, tuple[FloatArray, float, float]] | None = None,
 ) -> dict[str, float]:
     """Return every score of a run that its segments and its process allow.
 
@@ -98,8 +101,8 @@ def score_run(
     - ``iae_setpoint[y]``, ``iae_load[y]``: over the segments of all setpoint steps, and of all
       load steps; the segment of noise is in neither.
     - ``overshoot[y]``, ``rise_time[y]``, ``settling_time[y]`` (5 %), ``settling_time_2[y]``,
-      ``settling_time_noisy[y]``: the worst of the setpoint steps of y, up and down. The last
-      one needs `measured`.
+      ``settling_time_noisy[y]``: the worst of the setpoint steps of y, up and down, where the
+      controller follows the setpoint of y. The last one needs `measured`.
     - ``peak_deviation[y]``, ``return_time[y]``: the worst of all load steps. The band of the
       return is that of the settling time, 5 % of the largest setpoint step of y; in a run
       without one it is 5 % of the peak deviation.
@@ -107,6 +110,7 @@ def score_run(
     - ``total_variation[u]``, ``peak_move[u]``, ``time_in_saturation[u]``: over the whole run; of
       an input with a finite range also ``travel[u]`` and ``reversals[u]``. Where a segment has
       nothing but noise, ``noise_movement[u]``.
+    - ``time_at_setpoint_limit[m]`` of an inner loop of measurement m: over the whole run.
     - Of the plant: ``starts_per_hour[pump]``, ``volume_pumped[pump]``, ``energy[pump]`` where the
       pump has a curve, ``volume_spilt[tank]`` where the tank has a weir, and for averaging
       control ``outflow_rate[y]``, ``variance_ratio[y]`` and ``volume_used[y]`` during loads.
@@ -133,6 +137,14 @@ def score_run(
         The names of the setpoints to what the controller got [n], with noise.
     plant : PlantTrajectories, optional
         What the run says of pumps and tanks, see `clepsydra.scores.plant`.
+    followed : collection of str, optional
+        The controlled variables whose setpoints the controller follows; all if omitted. A
+        controller that starts and stops pumps at levels follows none.
+    movable : mapping, optional
+        Manipulated variable u to the limits between which the controller moves it, where these
+        are narrower than `input_limits`: the time in saturation is that at them.
+    inner : mapping, optional
+        Measurement of an inner loop to its setpoint [n] and the limits of that.
 
     Returns
     -------
@@ -172,8 +184,10 @@ def score_run(
         output = outputs[name]
         found = _integral_scores(time, setpoint, output, happened)
         steps = [s for s in happened if s.kind == "setpoint" and s.signal == name]
-        found |= _worst(_step_scores(time, setpoint, output, segment) for segment in steps)
-        if measured is not None:
+        follows = followed is None or name in followed
+        if follows:
+            found |= _worst(_step_scores(time, setpoint, output, segment) for segment in steps)
+        if follows and measured is not None:
             seen = measured[name]
             noise = _noise_deviation(time, seen - output, happened)
             found |= _worst(_noisy_scores(time, setpoint, seen, s, noise) for s in steps)
@@ -185,10 +199,14 @@ def score_run(
         scores |= {f"{score}[{name}]": value for score, value in found.items()}
     for name, held in inputs.items():
         found = _effort_scores(time, held, *input_limits[name])
+        if movable is not None and name in movable:
+            found["time_in_saturation"] = time_in_saturation(time, held, *movable[name])
         quiet = [_samples(time, s, with_stop=False) for s in happened if s.kind == "noise"]
         if quiet:
             found["noise_movement"] = max(noise_movement(time[at], held[at]) for at in quiet)
         scores |= {f"{score}[{name}]": value for score, value in found.items()}
+    for name, (held, low, high) in (inner or {}).items():
+        scores[f"time_at_setpoint_limit[{name}]"] = time_in_saturation(time, held, low, high)
     return scores | _plant_scores(time, plant or PlantTrajectories(), happened)
 
 

@@ -10,6 +10,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.design.sampled.sampled_loop import sampled_loop
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
@@ -109,4 +110,10 @@ def scores_of(run: Run) -> dict[str, float]:
         run.scenario.segments,
         measured={name: run.values[name] for name in process.controlled},
         plant=plant_trajectories(process, run.time, run.values),
+        followed=run.controller.setpoints,
+        movable={u.name: run.limits(u.name) for u in process.inputs},
+        inner={
+            each.name.replace(".inner_setpoint", ""): (run.values[each.name], each.low, each.high)
+            for each in inner_setpoints(run.controller, process)
+        },
     )

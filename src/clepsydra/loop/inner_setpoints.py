@@ -1,0 +1,103 @@
+"""The setpoints that a cascade gives to its inner loops."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.process.process import Process
+
+#: A value within this share of the way between the limits stands at one; covers rounding only.
+_AT_LIMIT = 1e-9
+
+
+@dataclass(frozen=True)
+class InnerSetpoint:
+    """The setpoint of an inner loop, which another block of the scheme gives.
+
+    Parameters
+    ----------
+    signal : Signal
+        "duty_flow.inner_setpoint", with the unit and range of the measurement.
+    measurement : str
+        What the inner loop measures.
+    state : str
+        The state of the step law that holds it after a sample.
+    low, high : float
+        Between which the loop takes it [measurement unit].
+
+    Examples
+    --------
+    >>> InnerSetpoint(Signal("flow.inner_setpoint", "m^3/s"), "flow", "working_setpoint_2",
+    ...               0.0, 0.1).high
+    0.1
+    """
+
+    signal: Signal
+    measurement: str
+    state: str
+    low: float
+    high: float
+
+    @property
+    def name(self) -> str:
+        """Its name in a run."""
+        return self.signal.name
+
+    def ends(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Tell of each sample whether it stands at the low limit, and whether at the high one."""
+        tolerance = _AT_LIMIT * (self.high - self.low)
+        return values <= self.low + tolerance, values >= self.high - tolerance
+
+
+def inner_setpoints(controller: Controller, process: Process) -> tuple[InnerSetpoint, ...]:
+    """Return the setpoints that the blocks of a control scheme give to its inner loops.
+
+    Where two inner loops measure the same signal the number of the loop stands behind the name.
+
+    Parameters
+    ----------
+    controller : Controller
+    process : Process
+
+    Examples
+    --------
+    A single loop has none:
+
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> inner_setpoints(controller, analysis.operating_point.process)
+    ()
+    """
+    inner = [
+        (block, controller.measurements[block.measured - 1])
+        for block in controller.law.blocks
+        if isinstance(block, PidBlock) and isinstance(block.setpoint, str)
+    ]
+    loops = Counter(measurement for _, measurement in inner)
+    found = []
+    for block, measurement in inner:
+        y = process.signal(measurement)
+        number = f"_{block.number}" if loops[measurement] > 1 else ""
+        signal = Signal(
+            f"{measurement}.inner_setpoint{number}",
+            y.unit,
+            y.display_unit,
+            y.low,
+            y.high,
+            description=f"setpoint that {block.setpoint} gives for {measurement}",
+        )
+        low, high = (
+            controller.values[f"setpoint_{end}_limit_{block.number}"] for end in ("low", "high")
+        )
+        state = f"working_setpoint_{block.number}"
+        found.append(InnerSetpoint(signal, measurement, state, low, high))
+    return tuple(found)
