@@ -1,11 +1,13 @@
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from pathlib import Path
 
 import pytest
 
+from clepsydra.process.reader import load_process
 from clepsydra.report import html
-from clepsydra.report.html import report_text, write_report
+from clepsydra.report.html import address_text, report_text, write_report
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}
 
@@ -196,3 +198,21 @@ def test_what_holds_for_the_process_is_said(result, text):
 def test_a_report_stays_small(result, text):
     # 2800 samples of eight signals in two runs are 600 kB as numbers of 14 letters.
     assert len(text) < 250_000
+
+
+def test_the_report_names_process_variant_and_study_file(result):
+    process = load_process("equalisation-tank:relief")
+    assert address_text(process) == "equalisation-tank:relief (catalogue)"
+    own = replace(process, path=Path("basins/mine.toml"))
+    assert address_text(own) == "basins/mine.toml:relief"
+    assert "study file" not in words_of(report_text(result))
+    named = words_of(report_text(replace(result, path=Path("weekly/compare.toml"))))
+    assert "study file weekly/compare.toml process file quadruple-tank (catalogue)" in named
+
+
+def test_a_result_at_a_prompt_is_a_few_lines(result):
+    assert repr(result) == (
+        "<StudyResult of quadruple-tank: 2 controllers, best PI, phase margin; 1 not applicable>"
+    )
+    lines = str(result).splitlines()
+    assert lines[0] == result.verdict and lines[1:] == [repr(c) for c in result.ranking]

@@ -2,15 +2,19 @@ import math
 import re
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from clepsydra.base.signal import Signal
+from clepsydra.base.words import time_text
 from clepsydra.report.quantities import (
     number_text,
     quantity_text,
     sensor_scale,
+    setting_time,
     short_text,
+    time_cell,
     unit_text,
 )
 
@@ -61,3 +65,27 @@ def test_a_setpoint_in_volts_is_the_level_that_the_sensor_would_read(process):
     scale = sensor_scale(process, "level_2")
     # Johansson's sensors: 0.5 V/cm, nothing at the floor.
     assert np.allclose(scale.to_state(np.array([0.0, 6.2])), [0.0, 0.124], rtol=1e-14, atol=1e-16)
+
+
+@given(st.floats(1e-3, 9e5))
+def test_a_time_is_what_it_says_in_each_of_its_forms(time):
+    length = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+    for text in (time_text(time), time_cell(time), *setting_time(time).split(" = ")):
+        number, unit = text.split(" ")
+        assert math.isclose(read(number) * length[unit], time, rel_tol=0.0051)
+        assert "e" not in number
+
+
+@pytest.mark.parametrize(
+    ("time", "said"),
+    [(180.0, "180 s"), (181.0, "3.02 min"), (10800.0, "180 min"), (10801.0, "3 h"),
+     (259200.0, "72 h"), (259201.0, "3 d"), (math.inf, "no end")],
+)  # fmt: skip
+def test_the_unit_of_a_time_changes_at_three_of_the_next(time, said):
+    assert time_text(time) == said
+
+
+def test_what_an_engineer_enters_is_in_seconds_first():
+    assert setting_time(180.0) == "180.0 s"
+    assert setting_time(10363.0) == "10363 s = 173 min"
+    assert time_cell(math.inf) == "∞" and setting_time(math.inf) == "∞ s"

@@ -161,7 +161,7 @@ def test_many_events_are_counted(trips):
 
 
 def counts_last(run):
-    from clepsydra.loop.duration import time_text
+    from clepsydra.base.words import time_text
 
     return time_text(run.happenings[-1].time)
 

@@ -203,7 +203,7 @@ def test_status_words_are_told_with_their_durations(run):
     assert seconds[0] == seconds[1] and all(seconds[0])  # so both stand in one sentence
     low, high = seconds[0]
     assert status_words(run) == [
-        "pump_1, pump_2: the mode is automatic (2800 s); the output stands at its low limit "
+        "pump_1, pump_2: the mode is automatic (46.7 min); the output stands at its low limit "
         f"({low} s); the output stands at its high limit ({high} s)"
     ]
 
@@ -228,7 +228,7 @@ def test_a_pair_of_roots_is_one_row(result):
         result.analysis, poles=roots, time_constants=times, zeros=np.array([0.0128 + 0j])
     )
     assert roots_grid(analysis).rows == (
-        ("poles", "±2.00j", "∞ s"),
+        ("poles", "±2.00j", "∞"),
         ("poles", "−0.500 ± 0.250j", "2.00 s"),
         ("zero", "+0.0128", ""),
     )

@@ -5,13 +5,17 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from clepsydra.design.simc import design_simc
+from clepsydra.linear.analysis import analyse
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.loop import Loop
 from clepsydra.loop.simulation import simulate
 from clepsydra.process.catalogue_names import catalogue_file
+from clepsydra.process.reader import load_process
 from clepsydra.report.colours import INK, signal_colours
 from clepsydra.report.panels import all_panels, controlled_panels
 from clepsydra.report.plot import plot
 from clepsydra.report.trends import segment_words, trend_figure
-from clepsydra.study.study import run_study
 
 
 def panel_axes(figure, run):
@@ -160,7 +164,9 @@ def test_long_names_leave_room_for_the_name_of_a_limit(tmp_path):
         text = text.replace(short, f"{short}_of_the_second_condensate_line_N")
     path = tmp_path / "long.toml"
     path.write_text(text, encoding="utf-8")
-    run = run_study(path).ranking[0].run
+    analysis = analyse(load_process(path))
+    controller = design_simc(analysis.model, analysis.pairing)
+    run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
     figure = trend_figure(run, controlled_panels(run))
     renderer = FigureCanvasAgg(figure).get_renderer()
     axes = next(entry for entry in figure.axes if entry.get_legend())

@@ -5,6 +5,7 @@ import math
 import re
 from dataclasses import replace
 from importlib import resources
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -423,6 +424,51 @@ def test_the_verdict_says_what_to_watch(trial, process):
     assert "watch: pump_1 stands at a limit for 12 % of the time" in verdict(process, ranking)
 
 
+def test_a_multiple_of_next_to_nothing_is_not_made(trial):
+    """Below a tenth of its range of 10 V in all a pump is idle: 1 mV and 0.9 V wear the same."""
+    idle, calm, busy = rank(
+        [
+            trial("idle", (1.0, 1.0), (1e-3, 1e-3)),
+            trial("calm", (1.1, 1.1), (0.9, 0.9)),
+            trial("busy", (1.2, 1.2), (3.0, 1.0)),
+        ]
+    )
+    assert (idle.wear, calm.wear, busy.wear) == (1.0, 1.0, pytest.approx(2.0))
+    assert "below 10 % of the variable's range counts as that much" in RULE
+
+
+@pytest.mark.parametrize(
+    ("score", "words"),
+    [("iae_setpoint", "with an IAE, setpoint 50 % below"), ("overshoot", "with an overshoot 50 %")],
+)
+def test_the_verdict_of_one_score_is_a_sentence(trial, process, score, words):
+    few, many = trial("few"), trial("many")
+    few.scores.update({f"{score}[level_{k}]": 5.0 for k in (1, 2)})
+    many.scores.update({f"{score}[level_{k}]": 10.0 for k in (1, 2)})
+    assert words in verdict(process, rank([few, many], [score]))
+
+
+def test_a_thin_inner_loop_takes_a_controller_out_of_the_robust_ones(trial, process):
+    thin, thick = (
+        replace(trial(name), response=SimpleNamespace(inner_peak=("flow", peak)))
+        for name, peak in (("thin", 2.1), ("thick", 1.9))
+    )
+    ranking = rank([thin, thick])
+    assert [c.standing for c in ranking] == [Standing.ROBUST, Standing.STABLE]
+    assert "max|S| is 1.50, 1.90 in the inner loop of flow; " in verdict(process, ranking)
+    assert "thin margins (max|S| 1.50, 2.10 in the inner loop of flow)" in ranking[1].reason
+    assert "also of inner loops" in RULE
+
+
+def test_a_reader_at_a_prompt_sees_lines_and_no_flood(trial):
+    best, second = rank([trial("a", (1, 1), (1, 3)), trial("b", (3, 3), warnings=("Hm.", "No."))])
+    assert repr(best) == (
+        "<Candidate 1: a; robust, max|S| 1.50; setpoint error 1, load error 1 times the best, "
+        "moves 2 times the least; no warnings>"
+    )
+    assert repr(second).endswith("2 warnings>")
+
+
 def test_a_run_at_rest_has_nothing_to_warn_of(resting):
     assert run_warnings(resting) == ()
     assert not leaves_its_tanks(resting)
@@ -450,4 +496,6 @@ def test_what_is_unusual_is_said_with_its_number(resting, name, value, leaves, w
 
 def test_a_coarse_integration_is_said(resting):
     (warning,) = run_warnings(replace(resting, error_estimate=3.2e-5))
-    assert "3.2e-05" in warning
+    assert "3.2e-05 of its range, more than the 1e-06 aimed at" in warning
+    assert "empty" not in warning  # the reason is not known
+    assert run_warnings(replace(resting, error_estimate=0.9e-6)) == ()

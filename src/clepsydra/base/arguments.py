@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from clepsydra.base.errors import InputError
 
 
@@ -43,3 +45,37 @@ give the name of a process.
         name = type(value).__name__
         shown = f"{'an' if name[0].lower() in 'aeiou' else 'a'} {name}"
     raise InputError(place, shown, expected, remedy)
+
+
+def sequence_of(
+    value: Any, wanted: type, place: str, expected: str, remedy: str
+) -> tuple[Any, ...]:
+    """Return a list or tuple of one type; refuse anything else, in words.
+
+    Parameters
+    ----------
+    value : object
+        The argument.
+    wanted : type
+        Of each entry.
+    place, expected, remedy : str
+        As for `require_type`.
+
+    Raises
+    ------
+    InputError
+        The argument is no list or tuple, or an entry is of another type.
+
+    Examples
+    --------
+    >>> sequence_of(["level"], str, "names", "a list of names", "write as in [name]")
+    ('level',)
+    >>> sequence_of("level", str, "names", "a list of names", "write as in [name]")
+    Traceback (most recent call last):
+    clepsydra.base.errors.InputError: names: got 'level', expected a list of names; \
+write as in [name].
+    """
+    require_type(value, (list, tuple), place, expected, remedy)
+    for entry in value:
+        require_type(entry, wanted, place, expected, remedy)
+    return tuple(value)

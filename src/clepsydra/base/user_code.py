@@ -69,8 +69,11 @@ def line_of(error: BaseException, file: Path) -> str:
         for frame in traceback.extract_tb(error.__traceback__)
         if Path(frame.filename) == file
     ]
-    line = error.lineno if isinstance(error, SyntaxError) else lines[-1] if lines else None
-    return file.name if line is None else f"{file.name}, line {line}"
+    line = lines[-1] if lines else None
+    # A syntax error of the file itself was found before any of its lines ran.
+    if isinstance(error, SyntaxError) and Path(error.filename or "") == file:
+        line = error.lineno
+    return f"{file.name}, line {line}" if line else file.name
 
 
 def words_of(error: BaseException) -> str:
@@ -81,7 +84,7 @@ def words_of(error: BaseException) -> str:
     >>> words_of(KeyError("gain"))
     "KeyError: 'gain'"
     """
-    text = error.msg if isinstance(error, SyntaxError) else str(error)
+    text = error.msg or "" if isinstance(error, SyntaxError) else str(error)
     first = next(iter(text.strip().splitlines()), "")
     return shortened(f"{type(error).__name__}: {first}" if first else type(error).__name__)
 

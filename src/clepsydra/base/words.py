@@ -4,13 +4,50 @@ from __future__ import annotations
 
 import math
 
+#: Each unit of time, its length [s], and the longest time that is shown in it [s].
+TIME_UNITS = (
+    ("s", 1.0, 180.0),
+    ("min", 60.0, 3.0 * 3600.0),
+    ("h", 3600.0, 3.0 * 86400.0),
+    ("d", 86400.0, math.inf),
+)
 
-def seconds(time: float) -> str:
-    """Return a time with three digits, without an exponent.
+
+def time_unit(time: float) -> tuple[str, float]:
+    """Return the unit in which a length of time [s] is shown, and the unit's length [s].
+
+    Seconds up to three minutes, minutes up to three hours, hours up to three days.
 
     Examples
     --------
-    >>> seconds(8143.3), seconds(0.0512), seconds(float("inf"))
-    ('8140 s', '0.0512 s', 'no end')
+    >>> time_unit(90.0), time_unit(3000.0), time_unit(1e6)
+    (('s', 1.0), ('min', 60.0), ('d', 86400.0))
     """
-    return f"{float(f'{time:.3g}'):g} s" if math.isfinite(time) else "no end"
+    return next((name, length) for name, length, most in TIME_UNITS if abs(time) <= most)
+
+
+def time_text(time: float, digits: int = 3) -> str:
+    """Return a time [s] in the unit that suits it, without an exponent.
+
+    Parameters
+    ----------
+    time : float
+        Infinite for one that never comes.
+    digits : int
+        Significant digits at most.
+
+    Examples
+    --------
+    >>> time_text(0.0512), time_text(8143.3), time_text(90519.0), time_text(306000.0)
+    ('0.0512 s', '136 min', '25.1 h', '3.54 d')
+    >>> time_text(float("inf"))
+    'no end'
+    """
+    if not math.isfinite(time):
+        return "no end"
+    name, length = time_unit(time)
+    return f"{float(f'{time / length:.{digits}g}'):g} {name}"
+
+
+#: What the designs call it.
+seconds = time_text

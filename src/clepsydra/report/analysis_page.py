@@ -102,7 +102,7 @@ def write_analysis_page(analysis: Analysis, path: str | Path) -> None:
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_analysis_page(analyse(load_process("quadruple-tank")), Path(folder, "a.html"))
+    ...     write_analysis_page(analyse(load_process("three-tanks")), Path(folder, "a.html"))
     ...     Path(folder, "a.html").read_text("utf-8")[:15]
     '<!DOCTYPE html>'
     """
@@ -122,7 +122,7 @@ def analysis_page_text(analysis: Analysis) -> str:
     --------
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
-    >>> page = analysis_page_text(analyse(load_process("quadruple-tank")))
+    >>> page = analysis_page_text(analyse(load_process("three-tanks")))
     >>> page.count("<svg")
     6
     """

@@ -12,7 +12,13 @@ from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.analysis_words import root_text
 from clepsydra.linear.controllability import NOT_AT_ALL
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.report.quantities import display_factor, number_text, quantity_text, unit_text
+from clepsydra.report.quantities import (
+    display_factor,
+    number_text,
+    quantity_text,
+    time_cell,
+    unit_text,
+)
 
 
 @dataclass(frozen=True)
@@ -64,7 +70,7 @@ def roots_grid(analysis: Analysis) -> Grid:
     ('pole', '−0.0110', '90.6 s')
     """
     rows = [
-        ("pole" if root.imag == 0.0 else "poles", root_text(root), f"{number_text(float(time))} s")
+        ("pole" if root.imag == 0.0 else "poles", root_text(root), time_cell(float(time)))
         for root, time in zip(analysis.poles, analysis.time_constants, strict=True)
         if root.imag >= 0.0
     ]
@@ -156,7 +162,7 @@ def dead_time_grid(analysis: Analysis) -> Grid | None:
     if analysis.model.delays is None:
         return None
     rows = tuple(
-        (output, *("several" if math.isnan(time) else f"{number_text(time)} s" for time in times))
+        (output, *("several" if math.isnan(time) else time_cell(time) for time in times))
         for output, times in zip(analysis.model.outputs, analysis.dead_times, strict=True)
     )
     return Grid("Dead time", ("", *analysis.model.inputs), rows)

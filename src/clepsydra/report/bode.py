@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from clepsydra.base.words import time_text
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.response import frequency_response
 from clepsydra.report.colours import MUTED, signal_colours
-from clepsydra.report.quantities import short_text
 from clepsydra.report.response_axes import (
     gain_factor,
     in_shares,
@@ -83,7 +83,7 @@ def bode_figure(analysis: Analysis) -> Figure:
                 late = analysis.dead_times[place, column]
                 if late > 0.0:
                     below.text(
-                        0.02, 0.08, f"dead time {short_text(late)} s", transform=below.transAxes
+                        0.02, 0.08, f"dead time {time_text(late)}", transform=below.transAxes
                     )
         for column in range(columns):
             mark_frequencies(drawn.axes[:, column])

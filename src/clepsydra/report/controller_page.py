@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.controller_tables import ParameterTable, parameter_tables, status_words
 from clepsydra.report.facts import Facts, range_text
+from clepsydra.report.inner_setpoint_curves import with_inner_panels
 from clepsydra.report.law_tables import law_facts, law_grids, law_words
 from clepsydra.report.loop_picture import loop_svg
 from clepsydra.report.margin_tables import margin_grid
 from clepsydra.report.panels import all_panels
 from clepsydra.report.pid_tables import loop_settings
-from clepsydra.report.quantities import quantity_text, short_text
+from clepsydra.report.quantities import quantity_text
 from clepsydra.report.scheme_tables import scheme_blocks
 from clepsydra.report.score_tables import ScoreTable, score_tables, standing_word
 from clepsydra.report.trend_svg import trend_svg
@@ -77,7 +79,7 @@ def controller_page(result: StudyResult, place: int) -> ControllerPage:
     Examples
     --------
     >>> from clepsydra.study.study import run_study
-    >>> page = controller_page(run_study("quadruple-tank"), 0)
+    >>> page = controller_page(run_study("equalisation-tank"), 0)
     >>> page.standing, page.picture[:4]
     ('robust', '<svg')
     """
@@ -86,6 +88,7 @@ def controller_page(result: StudyResult, place: int) -> ControllerPage:
     response, tuning = candidate.response, candidate.tuning
     number = place + 1
     title = f"Levels, manipulated variables and disturbances under {name}"
+    panels = with_inner_panels(all_panels(candidate.run), candidate.run)
     loop_picture, margins = "", None
     if response is not None:
         margins = margin_grid(response)
@@ -105,11 +108,15 @@ def controller_page(result: StudyResult, place: int) -> ControllerPage:
         ],
         law_grids(controller, process),
         margins,
-        None if tuning is None else tuning_grid(tuning, process),
+        None
+        if tuning is None
+        else tuning_grid(
+            tuning, process, result.scenario.samples * result.scenario.sampling_period
+        ),
         parameter_tables(controller),
         score_tables(process, candidate),
         status_words(candidate.run),
-        trend_svg(candidate.run, all_panels(candidate.run), title, f"run{number}"),
+        trend_svg(candidate.run, panels, title, f"run{number}"),
         loop_picture,
         front,
     )
@@ -118,7 +125,7 @@ def controller_page(result: StudyResult, place: int) -> ControllerPage:
 def _wiring(controller: Controller, result: StudyResult) -> Facts:
     """Return what is connected to what, and how often the law runs."""
     signal = result.process.signal
-    facts = [("runs every", f"{short_text(result.scenario.sampling_period)} s")]
+    facts = [("runs every", time_text(result.scenario.sampling_period))]
     for what, word, names in (
         ("measurement", "measurement", controller.measurements),
         ("setpoint", "setpoint of", controller.setpoints),

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.status import STATUS_BITS, read_status
 from clepsydra.controllers.controller import Controller
 from clepsydra.loop.run import Run
-from clepsydra.report.quantities import number_text, short_text, unit_text
+from clepsydra.report.quantities import number_text, unit_text
 
 
 @dataclass(frozen=True)
@@ -78,8 +79,8 @@ def status_words(run: Run) -> list[str]:
     Returns
     -------
     list of str
-        "pump_1, pump_2: the mode is automatic (840 s); the output stands at its high limit
-        (12 s)"
+        "pump_1, pump_2: the mode is automatic (14 min); the output stands at its high
+        limit (12 s)"
 
     Examples
     --------
@@ -103,7 +104,7 @@ def status_words(run: Run) -> list[str]:
             for bit in read_status(int(word)):
                 seconds[bit] += float(samples) * run.scenario.sampling_period
         told = [
-            f"{STATUS_BITS[bit].meaning} ({short_text(duration)} s)"
+            f"{STATUS_BITS[bit].meaning} ({time_text(duration)})"
             for bit, duration in seconds.items()
             if duration
         ]

@@ -8,14 +8,16 @@ from pathlib import Path
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.files import whole_file
+from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.status import STATUS_BITS
+from clepsydra.process.process import Process
 from clepsydra.report.analysis_tables import Grid, analysis_grids, operating_point_grid
 from clepsydra.report.colours import signal_colours
 from clepsydra.report.controller_page import controller_page
 from clepsydra.report.drawing import process_drawing
 from clepsydra.report.map_picture import map_svg
 from clepsydra.report.panels import controlled_panels
-from clepsydra.report.quantities import short_text
+from clepsydra.report.resolution import RESOLUTION_WORDS
 from clepsydra.report.score_tables import (
     glossary,
     is_recommended,
@@ -48,7 +50,7 @@ def write_report(result: StudyResult, path: str | Path) -> None:
     >>> import tempfile
     >>> from clepsydra.study.study import run_study
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_report(run_study("quadruple-tank"), Path(folder, "study.html"))
+    ...     write_report(run_study("equalisation-tank"), Path(folder, "study.html"))
     ...     Path(folder, "study.html").read_text("utf-8")[:15]
     '<!DOCTYPE html>'
     """
@@ -70,7 +72,7 @@ def report_text(result: StudyResult) -> str:
     Examples
     --------
     >>> from clepsydra.study.study import run_study
-    >>> result = run_study("quadruple-tank")
+    >>> result = run_study("equalisation-tank")
     >>> result.verdict in report_text(result)
     True
     """
@@ -100,6 +102,7 @@ def report_text(result: StudyResult) -> str:
         colours=signal_colours(result.process),
         computation=_computation(result),
         segments=_segments(result),
+        resolution=RESOLUTION_WORDS,
         picture=Markup,
     )
 
@@ -108,9 +111,10 @@ def _computation(result: StudyResult) -> list[tuple[str, str]]:
     """Return how the numbers came about, as (what, how)."""
     scenario = result.scenario
     rows = [
-        ("process file", str(result.process.path or f"{result.process.name} (catalogue)")),
+        *([] if result.path is None else [("study file", str(result.path))]),
+        ("process file", address_text(result.process)),
         ("source of the numbers", result.process.source),
-        ("sampling period", f"{short_text(scenario.sampling_period)} s"),
+        ("sampling period", time_text(scenario.sampling_period, 4)),
         ("samples", str(scenario.samples)),
         ("seed of the noise", str(scenario.seed)),
     ]
@@ -128,6 +132,18 @@ def _computation(result: StudyResult) -> list[tuple[str, str]]:
         rows.append((f"integration, controller {', '.join(ranks)}", words))
     rows.append(("versions", versions_text()))
     return rows
+
+
+def address_text(process: Process) -> str:
+    """Return where a process is from: its file, or the catalogue, with its variants.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> address_text(load_process("equalisation-tank:relief"))
+    'equalisation-tank:relief (catalogue)'
+    """
+    return process.address if process.path else f"{process.address} (catalogue)"
 
 
 def versions_text() -> str:
@@ -154,6 +170,6 @@ def _segments(result: StudyResult) -> Grid:
     rows = []
     for segment in result.scenario.segments:
         words = segment_words(result.process, segment)
-        times = f"{short_text(segment.start)} – {short_text(segment.stop)}"
+        times = " – ".join(time_text(time, 4) for time in (segment.start, segment.stop))
         rows.append((f"{words[0]} {words[1]}", times, words[2]))
-    return Grid("Scenario", ("what happens", "time [s]", "size"), tuple(rows))
+    return Grid("Scenario", ("what happens", "time", "size"), tuple(rows))

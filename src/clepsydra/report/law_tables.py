@@ -4,13 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.process.process import Process
 from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.facts import DIGITS, Facts, known_signal, level_words
 from clepsydra.report.output_facts import output_facts
-from clepsydra.report.quantities import display_factor, number_text, quantity_text, unit_text
+from clepsydra.report.quantities import (
+    display_factor,
+    number_text,
+    quantity_text,
+    setting_time,
+    unit_text,
+)
+from clepsydra.report.resolution import settled_gains
 
 _ESTIMATE = ("expected deviation of ", " from the operating point")
 _OBSERVER = (
@@ -88,6 +97,11 @@ def law_grids(controller: Controller, process: Process) -> list[Grid]:
     followed = [process.signal(name) for name in controller.setpoints]
     estimated = _estimates(controller, process)
     state = estimated or measured
+    memory = [
+        Signal(entry.name, entry.unit)
+        for entry in controller.law.state
+        if isinstance(entry, Signal) and entry.name.startswith("memory_")
+    ]
     grids = []
     for stem, title, rows, columns in (
         ("feedback", "F, feedback", outputs, state),
@@ -97,6 +111,11 @@ def law_grids(controller: Controller, process: Process) -> list[Grid]:
         ("input_effect", "Γ, held for a sample", estimated, outputs),
         ("observation", "C, shown by", measured, estimated),
         ("correction", "M, correction", estimated, measured),
+        ("transition", "A, memory a sample later", memory, memory),
+        ("error_effect", "B, errors", memory, followed),
+        ("output_effect", "M, applied output", memory, outputs),
+        ("memory_gain", "C, memory to output", outputs, memory),
+        ("error_gain", "D, error to output", outputs, followed),
     ):
         grid = _matrix(stem, title, rows, columns, controller)
         if grid is not None:
@@ -131,7 +150,7 @@ def law_facts(controller: Controller, process: Process) -> list[Facts]:
         (what, text(values[name]))
         for name, what, text in (
             ("alternation", "the duty changes", lambda v: "after each run" if v else "never"),
-            ("shortest_rest", "shortest rest of a pump", lambda v: f"{number_text(v, DIGITS)} s"),
+            ("shortest_rest", "shortest rest of a pump", setting_time),
         )
         if name in values
     )
@@ -160,7 +179,7 @@ def _output(number: int, signal: Signal, controller: Controller) -> list[tuple[s
     ]
     for name, what in (("tracking_time", "tracking time"), ("fading_time", "fading time")):
         if f"{name}_{number}" in values:
-            facts.append((what, f"{number_text(values[f'{name}_{number}'], DIGITS)} s"))
+            facts.append((what, setting_time(values[f"{name}_{number}"])))
     if f"in_service_{number}" in values:
         facts.append(("in service", "yes" if values[f"in_service_{number}"] else "no"))
     return facts
@@ -186,13 +205,18 @@ def _matrix(
     values = controller.values
     if not any(name.startswith(f"{stem}_") for name in values) or not rows or not columns:
         return None
-    body = []
-    for i, row in enumerate(rows, start=1):
-        cells = []
-        for j, column in enumerate(columns, start=1):
-            value = values.get(f"{stem}_{i}_{j}", 0.0)
-            cells.append(number_text(value * display_factor(row) / display_factor(column), DIGITS))
-        body.append((_named(row), *cells))
+    gains = np.array(
+        [
+            [values.get(f"{stem}_{i}_{j}", 0.0) for j in range(1, len(columns) + 1)]
+            for i in range(1, len(rows) + 1)
+        ]
+    )
+    shown = np.outer([display_factor(s) for s in rows], [1.0 / display_factor(s) for s in columns])
+    shown *= settled_gains(gains, rows, columns)
+    body = [
+        (_named(row), *(number_text(gain, DIGITS) for gain in of_row))
+        for row, of_row in zip(rows, shown.tolist(), strict=True)
+    ]
     return Grid(title, (title, *(_named(column) for column in columns)), tuple(body))
 
 

@@ -26,10 +26,10 @@ _DASH = "4 2"
 def loop_svg(response: LoopResponse, process: Process, title: str, prefix: str) -> str:
     """Draw each controlled channel in the complex plane, and the sensitivity over frequency.
 
-    Left: L(e^jωT) of each measurement broken alone, the others closed; the grey disc around -1
-    holds what has \\|S\\| above 2, and a dot marks the crossover. Right: the largest singular value
-    of S, at the measurements and at the manipulated variables (dashed), up to half the sampling
-    frequency.
+    Left: L(e^jωT) of each measurement, also of inner loops, broken alone, the others closed; the
+    grey disc around -1 holds what has \\|S\\| above 2, and a dot marks the crossover. Right: the
+    largest singular value of S, at the measurements and at the manipulated variables (dashed), up
+    to half the sampling frequency.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def _draw_plane(chart: Chart, response: LoopResponse, process: Process) -> None:
     chart.line((centre[0] - 4.0, centre[0] + 4.0), (centre[1],) * 2, INK, 1.0)
     chart.line((centre[0],) * 2, (centre[1] - 4.0, centre[1] + 4.0), INK, 1.0)
     entries = []
-    for name in response.outputs:
+    for name in (*response.outputs, *response.at_inner):
         channel, colour = response.channels[name], colours.get(name, INK)
         across, up = _within(channel.loop)
         chart.curve(x.places(across), y.places(up), colour, 1.4, clip=box)

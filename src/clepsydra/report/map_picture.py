@@ -54,7 +54,7 @@ def map_svg(result: StudyResult, title: str, prefix: str) -> str:
     Examples
     --------
     >>> from clepsydra.study.study import run_study
-    >>> result = run_study("quadruple-tank")
+    >>> result = run_study("equalisation-tank")
     >>> map_svg(result, "ranks", "a").count("<circle") >= len(result.ranking)
     True
     """

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from clepsydra.report.analysis_tables import Grid
-from clepsydra.report.quantities import number_text
+from clepsydra.report.quantities import number_text, time_cell
 from clepsydra.study.warnings.loop_response import LoopResponse
 
 
@@ -31,23 +31,24 @@ def margin_grid(response: LoopResponse) -> Grid:
     'level_1'
     """
     rows = []
-    for name in (*response.outputs, *response.inputs):
+    for name in response.channels:
         channel = response.channels[name]
         phase, crossing = channel.phase_margin
         late = phase / crossing if math.isfinite(phase) and crossing > 0.0 else math.inf
         peak = float(np.max(np.abs(1.0 / (1.0 + channel.loop))))
+        inner = " (inner loop)" if name in response.at_inner else ""
         rows.append(
             (
-                name,
+                f"{name}{inner}",
                 number_text(channel.gain_margin.value),
                 number_text(math.degrees(phase)) + ("°" if math.isfinite(phase) else ""),
                 number_text(crossing),
-                number_text(late),
+                time_cell(late),
                 number_text(peak),
             )
         )
     head = (
-        "loop broken at", "gain margin", "phase margin", "crossover [rad/s]", "delay margin [s]",
+        "loop broken at", "gain margin", "phase margin", "crossover [rad/s]", "delay margin",
         "max|S|",
     )  # fmt: skip
     return Grid("Margins, the other loops closed", head, tuple(rows))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.base.signal import Signal
+from clepsydra.base.words import time_text
 from clepsydra.report.colours import INK
 from clepsydra.report.panels import Panel
 from clepsydra.report.quantities import (
@@ -219,7 +220,8 @@ def _saturation(
     recording: Recording, signal: Signal, time: np.ndarray
 ) -> tuple[tuple[tuple[float, float], ...], str]:
     """Return when the manipulated variable stands at a limit, and for how long in words."""
-    flags = at_limit(recording.values[signal.name], signal.low, signal.high)
+    limits = recording.limits.get(signal.name, (signal.low, signal.high))
+    flags = at_limit(recording.values[signal.name], *limits)
     if not flags.any():
         return (), ""
     period = time[1] - time[0] if len(time) > 1 else 1.0
@@ -229,5 +231,4 @@ def _saturation(
     )
     lengths = np.diff(recording.time, append=recording.end)
     seconds = float(lengths[flags].sum())
-    shown = short_text(seconds) if seconds < 1e4 else f"{seconds:.0f}"
-    return stretches, f"at a limit for {shown} s"
+    return stretches, f"at a limit for {time_text(seconds)}"

@@ -30,7 +30,13 @@ from clepsydra.report.facts import (
     range_text,
 )
 from clepsydra.report.output_facts import output_facts
-from clepsydra.report.quantities import display_factor, number_text, quantity_text, unit_text
+from clepsydra.report.quantities import (
+    display_factor,
+    number_text,
+    quantity_text,
+    setting_time,
+    unit_text,
+)
 
 _ALGORITHMS = {
     "isa": "ISA (standard, non-interacting)",
@@ -40,7 +46,6 @@ _ALGORITHMS = {
 }
 
 
-#: Name of an anti-windup to what it does.
 def loop_settings(controller: Controller, point: OperatingPoint) -> list[Facts]:
     """Return the settings of every PID loop of a controller, in every unit and form in use.
 
@@ -116,8 +121,7 @@ def _loop(block: PidBlock, controller: Controller, point: OperatingPoint) -> Fac
     if form.has_integral:
         facts.append(("anti-windup", IN_WORDS[form.winding]))
     if form.tracks_back:
-        tracking = number_text(values[f"tracking_time_{number}"], DIGITS)
-        facts.append(("tracking time", f"{tracking} s"))
+        facts.append(("tracking time", setting_time(values[f"tracking_time_{number}"])))
     if block.direct is not None:
         facts += output_facts(block.direct, moved, controller)
     return Facts(f"{measurement.name} by {moved.name}", tuple(facts))
@@ -207,7 +211,7 @@ def _with_percent(gain: str, shown: GainUnits) -> str:
 def _times_alone(settings: PidSettings) -> list[tuple[str, str]]:
     names = ("integral time Ti", "derivative time Td")
     return [
-        (name, f"{number_text(value, DIGITS)} s")
+        (name, setting_time(value))
         for name, value in zip(names, settings[1:], strict=True)
         if math.isfinite(value) and value > 0.0
     ]
@@ -217,7 +221,7 @@ def _times(shown: GainUnits, form: PidForm) -> list[tuple[str, str]]:
     facts = []
     if form.has_integral:
         words = (
-            f"{number_text(shown.integral_time, DIGITS)} s = "
+            f"{setting_time(shown.integral_time)} = "
             f"{number_text(shown.minutes_per_repeat, DIGITS)} min/repeat = "
             f"{number_text(shown.repeats_per_minute, DIGITS)} repeats/min"
         )
@@ -265,7 +269,7 @@ def _options(block: PidBlock, controller: Controller, measurement: Signal) -> li
             seconds = values[f"derivative_time_{number}"] / ratio
             words = f" (Td/{ratio:g})"
         facts.append(("derivative of", f"the {form.derivative_on}"))
-        facts.append(("derivative filter", f"{number_text(seconds, DIGITS)} s{words}"))
+        facts.append(("derivative filter", f"{setting_time(seconds)}{words}"))
     for name, what, scale, of in (
         ("setpoint_weight", "setpoint weight b", 1.0, ""),
         ("gap", "gap, to each side", factor, unit),

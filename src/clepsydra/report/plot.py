@@ -34,8 +34,11 @@ def plot(run: Run | Simulation) -> Figure:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
-    >>> figure = plot(run_study("quadruple-tank").ranking[0].run)
+    >>> import clepsydra as cl
+    >>> analysis = cl.analyse(cl.load_process("quadruple-tank"))
+    >>> controller = cl.design_simc(analysis.model, analysis.pairing)
+    >>> loop = cl.Loop(controller, analysis.model)
+    >>> figure = plot(loop.run(cl.default_scenario(analysis.model)))
     >>> len(figure.axes)  # the strip, four levels, two pumps, two inflows
     9
     """

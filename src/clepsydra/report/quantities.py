@@ -9,7 +9,9 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
+from clepsydra.base.words import time_unit
 from clepsydra.process.process import Process
+from clepsydra.report.resolution import settled_reading
 
 _SUPERSCRIPTS = {"^2": "²", "^3": "³", "**2": "²", "**3": "³"}
 
@@ -70,6 +72,32 @@ def short_text(value: float) -> str:
     return f"{value:.4g}".replace("-", "−")
 
 
+def time_cell(time: float) -> str:
+    """Return a time [s] as a table shows it: in the unit that suits it, ∞ for no end.
+
+    Examples
+    --------
+    >>> time_cell(43200.0), time_cell(math.inf), time_cell(math.nan)
+    ('12.0 h', '∞', '–')
+    """
+    if not math.isfinite(time):
+        return number_text(time)
+    unit, length = time_unit(time)
+    return f"{number_text(time / length)} {unit}"
+
+
+def setting_time(time: float, digits: int = 4) -> str:
+    """Return a time [s] that an engineer enters: in seconds, and from minutes on in these too.
+
+    Examples
+    --------
+    >>> setting_time(30.0), setting_time(90519.0)
+    ('30.00 s', '90519 s = 25.1 h')
+    """
+    words, shown = f"{number_text(time, digits)} s", time_cell(time)
+    return words if shown.endswith(" s") or not math.isfinite(time) else f"{words} = {shown}"
+
+
 def display_factor(signal: Signal) -> float:
     """Return how many display units one SI unit of the signal is.
 
@@ -84,12 +112,14 @@ def display_factor(signal: Signal) -> float:
 def quantity_text(signal: Signal, value: float, digits: int = 3) -> str:
     """Return a signal's value [SI] in its display unit, with the unit.
 
+    What is only rounding beside the signal's range is 0.
+
     Examples
     --------
     >>> quantity_text(Signal("tank_1.level", "m", display_unit="cm"), 0.122629)
     '12.3 cm'
     """
-    shown = from_si(value, signal.unit, signal.shown_unit)
+    shown = from_si(settled_reading(signal, value), signal.unit, signal.shown_unit)
     return f"{number_text(shown, digits)} {unit_text(signal.shown_unit)}".strip()
 
 

@@ -36,6 +36,8 @@ class Recording:
         Of the scenario.
     happenings : tuple of Happening
         Events in order of time.
+    limits : mapping
+        Input to the limits that hold it [SI], where they may be narrower than its range.
 
     Examples
     --------
@@ -52,6 +54,7 @@ class Recording:
     noise: Mapping[str, np.ndarray] = field(default_factory=dict)
     segments: tuple[Segment, ...] = ()
     happenings: tuple[Happening, ...] = ()
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def recording_of(run: Run | Simulation) -> Recording:
@@ -59,8 +62,11 @@ def recording_of(run: Run | Simulation) -> Recording:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
-    >>> recording_of(run_study("quadruple-tank").ranking[0].run).controlled
+    >>> import clepsydra as cl
+    >>> analysis = cl.analyse(cl.load_process("quadruple-tank"))
+    >>> controller = cl.design_simc(analysis.model, analysis.pairing)
+    >>> loop = cl.Loop(controller, analysis.model)
+    >>> recording_of(loop.run(cl.default_scenario(analysis.model))).controlled
     ('level_1', 'level_2')
     """
     process = run.process
@@ -80,4 +86,5 @@ def recording_of(run: Run | Simulation) -> Recording:
         {signal.name: column for signal, column in columns if np.any(column)},
         scenario.segments,
         happenings(process, run.values) if recorded else (),
+        {signal.name: run.limits(signal.name) for signal in process.inputs},
     )

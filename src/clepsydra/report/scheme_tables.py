@@ -82,7 +82,9 @@ def _term(
         lead, lag = (
             number_text(values[f"feedforward_{what}_{label}"], DIGITS) for what in ("lead", "lag")
         )
-        words += f", through (1 + {lead} s · s)/(1 + {lag} s · s)"
+        above, below = (f"(1 + {time} s · s)" if time != "0" else "" for time in (lead, lag))
+        if above or below:
+            words += f", through {above or '1'}" + (f"/{below}" if below else "")
     if term.taken_from.startswith("last_output_"):
         words += ", the output applied in the last sample"
     return f"from {signal.name}", words

@@ -7,9 +7,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from clepsydra.process.process import Process
-from clepsydra.report.quantities import display_factor, number_text, unit_text
+from clepsydra.report.quantities import display_factor, number_text, time_cell, unit_text
+from clepsydra.report.resolution import DEVIATION, INTEGRAND, settled
 from clepsydra.scores.catalogue import PLANT_SCORES, SCORES, ScoreDescription
 from clepsydra.study.ranking import RULE
+from clepsydra.study.ranking_words import IDLE
 from clepsydra.study.result import Candidate, Standing, StudyResult
 
 
@@ -68,6 +70,10 @@ STANDING_WORDS = {
 _MANY = 1e4
 #: Units that the definition of the score says at length.
 _SHARES = {"% of the step": "%", "% of the tank": "%", "% of range per h": "%/h"}
+#: Percentages of a whole, of which a millionth says nothing.
+_OF_WHOLE = ("% of the step", "% of the tank")
+#: Integrals of runs up to this long are in seconds [s].
+_IN_SECONDS = 3.0 * 3600.0
 #: So many reasons stand in full.
 _FULL_REASONS = 3
 #: Where the numbers of a reason end, and where further ones begin.
@@ -115,7 +121,7 @@ def ranking_columns(result: StudyResult) -> tuple[RankingColumn, ...]:
     Examples
     --------
     >>> from clepsydra.study.study import run_study
-    >>> [column.title for column in ranking_columns(run_study("quadruple-tank"))][:4]
+    >>> [column.title for column in ranking_columns(run_study("three-tanks"))][:4]
     ['setpoint error', 'load error', 'mean', 'moves']
     """
     titles = tuple(result.ranking[0].criteria) if result.ranking else ()
@@ -132,10 +138,12 @@ def ranking_columns(result: StudyResult) -> tuple[RankingColumn, ...]:
 
 
 _COLUMNS_NOTE = (
-    "Errors, and moves (total variation), are multiples of the best, averaged over the signals. "
-    "Noise is the standard deviation with which measurement noise throws the worst manipulated "
-    "variable about, overshoot that of the worst setpoint step, max|S| the peak of the "
-    "sensitivity."
+    "Errors, and moves (total variation), are multiples of the best, averaged over the signals; a "
+    f"total variation below {100 * IDLE:.0f} % of a manipulated variable's range counts as that "
+    "much. Noise is the standard deviation with which measurement noise throws the worst "
+    "manipulated variable about, overshoot that of the worst setpoint step, max|S| the peak of the "
+    "sensitivity at the controlled measurements; inner loops and manipulated variables have theirs "
+    "on the page of the controller."
 )
 
 
@@ -165,7 +173,7 @@ def ranking_rows(result: StudyResult) -> list[RankingRow]:
     Examples
     --------
     >>> from clepsydra.study.study import run_study
-    >>> [row.rank for row in ranking_rows(run_study("quadruple-tank"))][:3]
+    >>> [row.rank for row in ranking_rows(run_study("equalisation-tank"))][:3]
     [1, 2, 3]
     """
     columns = [
@@ -200,7 +208,7 @@ def is_recommended(result: StudyResult) -> bool:
     Examples
     --------
     >>> from clepsydra.study.study import run_study
-    >>> result = run_study("quadruple-tank")
+    >>> result = run_study("equalisation-tank")
     >>> is_recommended(result)
     True
     """
@@ -237,7 +245,7 @@ def score_tables(process: Process, candidate: Candidate) -> list[ScoreTable]:
     Examples
     --------
     >>> from clepsydra.study.study import run_study
-    >>> result = run_study("quadruple-tank")
+    >>> result = run_study("equalisation-tank")
     >>> outputs, inputs, plant = score_tables(result.process, result.ranking[0])
     >>> [title for title, _, _ in inputs.rows][:3]
     ['Total variation', 'Noise movement', 'Travel']
@@ -262,7 +270,13 @@ def _score_table(
         if key not in keys or not any(f"{key}[{name}]" in candidate.scores for name in names):
             continue
         cells = tuple(
-            score_text(process, name, candidate.scores.get(f"{key}[{name}]", math.nan), description)
+            score_text(
+                process,
+                name,
+                candidate.scores.get(f"{key}[{name}]", math.nan),
+                description,
+                candidate.run.scenario.samples * candidate.run.scenario.sampling_period,
+            )
             for name in names
         )
         rows.append((description.title, description.description, cells))
@@ -270,25 +284,58 @@ def _score_table(
 
 
 def score_text(
-    process: Process, name: str, value: float, score: ScoreDescription
+    process: Process, name: str, value: float, score: ScoreDescription, duration: float = 0.0
 ) -> tuple[str, str]:
     """Return a score [SI] of a signal and its unit as the reader sees them.
+
+    What `clepsydra.report.resolution` takes for nothing is 0.
+
+    Parameters
+    ----------
+    process : Process
+    name : str
+        Of the signal.
+    value : float
+    score : ScoreDescription
+    duration : float
+        Of the run [s]: integrals over more than three hours are shown in hours.
 
     Examples
     --------
     >>> from clepsydra.process.reader import load_process
-    >>> score_text(load_process("wet-well"), "level", 0.024, SCORES["iae"])
+    >>> process = load_process("wet-well")
+    >>> score_text(process, "level", 0.024, SCORES["iae"])
     ('24.0', 'mA s')
+    >>> score_text(process, "level", 0.024, SCORES["settling_time"])
+    ('0.0240', 's')
+    >>> score_text(process, "level", 7.2, SCORES["iae"], duration=40000.0)
+    ('2.00', 'mA h')
     """
     rule = score.unit_rule
+    if rule == "s":
+        shown, _, unit = time_cell(value).partition(" ")
+        return shown, unit
     if "signal unit" not in rule:
+        if rule in _OF_WHOLE:
+            value = settled(value, 100.0 * DEVIATION)
         return number_text(value), "" if rule == "1" else _SHARES.get(rule, rule)
     signal = process.signal(name)
-    unit = unit_text(signal.shown_unit)
     power = 2 if "signal unit²" in rule else 1
-    squared = f"({unit})²" if "/" in unit else f"{unit}²"
-    words = rule.replace("signal unit²", squared).replace("signal unit", unit)
-    return number_text(value * display_factor(signal) ** power), words.replace(" × ", " ")
+    power_of_time = 2 if "s²" in rule else int("× s" in rule)
+    share = INTEGRAND if power_of_time else DEVIATION
+    value = settled(value, (share * signal.span) ** power * duration**power_of_time)
+    second = ("s", 1.0) if duration <= _IN_SECONDS else ("h", 3600.0)
+    shown = number_text(value * display_factor(signal) ** power / second[1] ** power_of_time)
+    words = _powered(unit_text(signal.shown_unit), power)
+    if power_of_time:
+        words = f"{words} {_powered(second[0], power_of_time)}"
+    return shown, words.strip()
+
+
+def _powered(unit: str, power: int) -> str:
+    if power == 1 or not unit:
+        return unit
+    return f"({unit})²" if "/" in unit else f"{unit}²"
 
 
 def glossary(result: StudyResult) -> list[tuple[str, str]]:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from clepsydra.base.files import whole_file
+from clepsydra.base.words import time_text
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import Plan
 from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.colours import signal_colours
 from clepsydra.report.drawing import process_drawing
-from clepsydra.report.html import versions_text
+from clepsydra.report.html import address_text, versions_text
 from clepsydra.report.panels import all_panels
-from clepsydra.report.quantities import short_text
 from clepsydra.report.simulation_tables import (
     balances_grid,
     change_words,
@@ -116,10 +116,10 @@ def _computation(plan: Plan, run: Simulation) -> list[tuple[str, str]]:
     if run.error_estimate is not None:
         error = f"{run.error_estimate:.1e} of the state's range, by step halving"
     return [
-        ("process file", str(process.path or f"{process.name} (catalogue)")),
+        ("process file", address_text(process)),
         ("source of the numbers", process.source),
         ("start", plan.begins),
-        ("sampling period", f"{short_text(process.sampling_period)} s"),
+        ("sampling period", time_text(process.sampling_period, 4)),
         ("samples", str(plan.samples)),
         ("integration", solver),
         ("error", error),

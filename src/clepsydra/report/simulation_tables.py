@@ -9,7 +9,7 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
-from clepsydra.loop.duration import time_text
+from clepsydra.base.words import time_text
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import TOLERANCE, Plan
 from clepsydra.loop.profile import Change
@@ -37,7 +37,7 @@ def simulation_sentence(plan: Plan, run: Simulation) -> str:
     count = sum(event.times for event in run.happenings)
     events = "1 event" if count == 1 else f"{count or 'no'} events"
     return (
-        f"Starts {plan.begins} and runs for {time_text(plan.duration)} {_changes_text(plan)}; "
+        f"Starts {plan.begins} and runs for {time_text(plan.duration, 4)} {_changes_text(plan)}; "
         f"{events}."
     )
 
@@ -80,8 +80,8 @@ def change_words(process: Process, change: Change) -> str:
     shown = from_si(change.value, signal.unit, signal.shown_unit)
     words = f"{change.signal} to {short_text(shown)} {unit_text(signal.shown_unit)}".strip()
     if change.is_ramp:
-        return f"{words} from {time_text(change.start)} to {time_text(change.stop)}"
-    return f"{words} at {time_text(change.start)}" if change.start else f"{words} from the start"
+        return f"{words} from {time_text(change.start, 4)} to {time_text(change.stop, 4)}"
+    return f"{words} at {time_text(change.start, 4)}" if change.start else f"{words} from the start"
 
 
 def trajectories_grid(run: Simulation) -> Grid:
@@ -102,7 +102,8 @@ def trajectories_grid(run: Simulation) -> Grid:
         extremes = ["–", "–"]
         if np.ptp(values) > _STILL * np.max(np.abs(values)):
             extremes = [
-                f"{quantity_text(signal, float(values[k]), 4)} at {time_text(float(run.time[k]))}"
+                f"{quantity_text(signal, float(values[k]), 4)} at "
+                f"{time_text(float(run.time[k]), 4)}"
                 for k in (low, high)
             ]
         ends = [quantity_text(signal, float(values[k]), 4) for k in (0, -1)]
@@ -140,14 +141,14 @@ def events_grid(run: Simulation, most: int) -> Grid:
     rows = [
         (
             str(number),
-            time_text(event.time),
+            time_text(event.time, 4),
             event.words + (f" ({event.times} times)" if event.times > 1 else ""),
         )
         for number, event in enumerate(run.happenings[:most], 1)
     ]
     left = len(run.happenings) - most
     if left > 0:
-        last = time_text(run.happenings[-1].time)
+        last = time_text(run.happenings[-1].time, 4)
         rows.append(("…", "", f"and {left} more, the last at {last}"))
     return Grid("Events", ("", "time", "what happened"), tuple(rows))
 
@@ -166,7 +167,7 @@ def event_counts_grid(run: Simulation) -> Grid:
         found = [event for event in run.happenings if event.event == name]
         if found:
             times = sum(event.times for event in found)
-            first, last = (time_text(found[k].time) for k in (0, -1))
+            first, last = (time_text(found[k].time, 4) for k in (0, -1))
             rows.append((words, str(times), first, last))
     return Grid("How often", ("event", "times", "first", "last"), tuple(rows))
 

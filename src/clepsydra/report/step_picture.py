@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.words import time_text, time_unit
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.pade import without_dead_time
 from clepsydra.linear.roots import PADE_ORDER
 from clepsydra.linear.step_response import step_response
-from clepsydra.loop.duration import time_unit
 from clepsydra.report.colours import MUTED, signal_colours
 from clepsydra.report.quantities import display_factor, short_text, unit_text
 from clepsydra.report.response_axes import (
@@ -92,7 +92,7 @@ def step_figure(analysis: Analysis) -> Figure:
                         _draw_start(axes, times, response, late, colours[output])
                     axes.axvline(late / seconds, color=MUTED, linewidth=0.8, linestyle=":")
                     axes.annotate(
-                        f"dead time {short_text(late)} s",
+                        f"dead time {time_text(late)}",
                         (late / seconds, 0.92),
                         xycoords=("data", "axes fraction"),
                         xytext=(3, 0),

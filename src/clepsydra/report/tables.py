@@ -38,7 +38,7 @@ def ranking_table(result: StudyResult) -> RenderableType:
     Examples
     --------
     >>> from clepsydra.study.study import run_study
-    >>> result = run_study("quadruple-tank")
+    >>> result = run_study("equalisation-tank")
     >>> import io
     >>> from rich.console import Console
     >>> console = Console(width=100, record=True, file=io.StringIO())

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clepsydra.loop.duration import time_unit
+from clepsydra.base.words import time_unit
 from clepsydra.loop.run import Run
 from clepsydra.report.axes_box import draw_box, draw_legend, draw_right_numbers
 from clepsydra.report.chart import LETTER, SIZE, WIDTH, Chart, Scale, thinned
 from clepsydra.report.colours import INK, MUTED, signal_colours
+from clepsydra.report.inner_setpoint_curves import with_inner_setpoints
 from clepsydra.report.panel_content import PanelContent, panel_content
 from clepsydra.report.panels import Panel
 from clepsydra.report.recording import Recording, recording_of
@@ -72,6 +73,7 @@ def trend_svg(run: Run, panels: Sequence[Panel], title: str, prefix: str) -> str
         top += _LEGEND
         colour = colours.get(panel.signal.name, INK)
         content = panel_content(panel, recording, time, colour)
+        content = with_inner_setpoints(content, panel, run, time)
         last = place == len(panels) - 1
         _draw_panel(chart, content, x, (top, height), f"time [{unit}]" if last else "")
         bars = "".join(

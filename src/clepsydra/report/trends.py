@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from clepsydra.loop.duration import time_unit
+from clepsydra.base.words import time_unit
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Segment
 from clepsydra.process.process import Process
 from clepsydra.report.colours import INK, MUTED, signal_colours
+from clepsydra.report.inner_setpoint_curves import with_inner_setpoints
 from clepsydra.report.panel_axes import draw_panel
 from clepsydra.report.panel_content import panel_content
 from clepsydra.report.panels import Panel
@@ -127,7 +128,8 @@ def trend_figure(run: Run | Simulation, panels: Sequence[Panel]) -> Figure:
             axes = figure.add_axes(_box(top, panel.height, height), sharex=first)
             first = first or axes
             colour = colours.get(panel.signal.name, INK)
-            draw_panel(axes, panel_content(panel, recording, time, colour))
+            content = panel_content(panel, recording, time, colour)
+            draw_panel(axes, with_inner_setpoints(content, panel, run, time))
             for segment in recording.segments:
                 axes.axvline(segment.start / seconds, color=MUTED, linewidth=0.5, alpha=0.6)
             _draw_hairlines(axes, recording, seconds)

@@ -11,7 +11,7 @@ from clepsydra.scores.catalogue import SCORES
 from clepsydra.study.tuning.result import TuningResult
 
 
-def tuning_grid(tuning: TuningResult, process: Process) -> Grid:
+def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -> Grid:
     """Return objective, scores and max\\|S\\| before and after a tuning.
 
     Parameters
@@ -19,6 +19,8 @@ def tuning_grid(tuning: TuningResult, process: Process) -> Grid:
     tuning : TuningResult
     process : Process
         Lends display units.
+    duration : float
+        Of the runs that were compared [s], as `clepsydra.report.score_tables.score_text` takes it.
 
     Examples
     --------
@@ -48,7 +50,7 @@ def tuning_grid(tuning: TuningResult, process: Process) -> Grid:
         before = tuning.start_scores[key]
         if name in SCORES and signal:
             cells = [
-                " ".join(score_text(process, signal, number, SCORES[name])).strip()
+                " ".join(score_text(process, signal, number, SCORES[name], duration)).strip()
                 for number in (before, value)
             ]
             rows.append((f"{SCORES[name].title} of {signal}", *cells))

@@ -13,7 +13,16 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.loop.run import Run
 from clepsydra.process.process import Process
 from clepsydra.scores.catalogue import SCORES
-from clepsydra.study.ranking_words import STANDINGS, TIE, percent, reason
+from clepsydra.study.ranking_words import (
+    IDLE,
+    STANDINGS,
+    TIE,
+    in_sentence,
+    peak_sentence,
+    percent,
+    reason,
+    with_article,
+)
 from clepsydra.study.result import Candidate, Standing
 from clepsydra.study.tuning.result import TuningResult
 from clepsydra.study.warnings.levels import leaves_its_tanks
@@ -21,8 +30,9 @@ from clepsydra.study.warnings.loop_response import LoopResponse
 
 _GROUPS = (
     "safe, robust and quiet controllers first (levels stay in their tanks, no pump trips, max|S| "
-    "at most 2.0, measurement noise throws no manipulated variable about by more than 5 % of its "
-    "range), then nervous ones, which are not quiet, then stable ones, then the rest. Among these "
+    "at most 2.0, also of inner loops, measurement noise throws no manipulated variable about by "
+    "more than 5 % of its range), then nervous ones, which are not quiet, then stable ones, then "
+    "the rest. Among these "
 )
 _USUAL = (
     "the smaller mean of setpoint error and load error: the integral absolute error over all "
@@ -34,7 +44,8 @@ _USUAL = (
 )
 _TIES = (
     " Within 2 % of each other the smaller total variation of the manipulated variables, averaged "
-    "as multiples in the same way."
+    f"as multiples in the same way; one below {100 * IDLE:.0f} % of the variable's range counts as "
+    "that much."
 )
 RULE = _GROUPS + _USUAL + _TIES
 
@@ -48,8 +59,6 @@ _ROUNDING = 1e-6
 #: a mean error and a move in shares of the signal's range, a variance ratio [1], and a rate of
 #: change of an outflow [m³/h per h].
 _SMALLEST_SHARE, _SMALLEST_RATIO, _SMALLEST_CHANGE = 1e-6, 1e-6, 1e-9
-#: Moves of a manipulated variable below this share of its range wear nothing.
-_SMALLEST_MOVE = 1e-3
 #: And an overshoot, or a travel in an hour.
 _SMALLEST_PERCENT = 0.1
 
@@ -90,7 +99,9 @@ class Trial:
             return Standing.ROBUST
         if not math.isfinite(self.maximum_sensitivity):
             return Standing.UNSAFE
-        if self.maximum_sensitivity > ROBUST * (1 + _ROUNDING):
+        inner = self.response.inner_peak if self.response else None
+        peak = max(self.maximum_sensitivity, inner[1] if inner else 0.0)
+        if peak > ROBUST * (1 + _ROUNDING):
             return Standing.STABLE
         return Standing.ROBUST if self.noise_movement <= QUIET else Standing.NERVOUS
 
@@ -112,12 +123,12 @@ def rule_of(scores: Sequence[str]) -> str:
     Examples
     --------
     >>> rule_of(["iae", "overshoot[level]"]).partition("Among these ")[2][:44]
-    'the smaller mean of IAE and Overshoot of lev'
+    'the smaller mean of IAE and overshoot of lev'
     """
     if not scores:
         return RULE
     asked = (
-        f"the smaller mean of {' and '.join(_title(score) for score in scores)}, each averaged "
+        f"the smaller mean of {_listed(scores)}, each averaged "
         "over its signals as multiples of the best among the first of these groups."
     )
     return _GROUPS + asked + _TIES
@@ -216,13 +227,8 @@ def verdict(process: Process, ranking: Sequence[Candidate]) -> str:
     )
     return (
         f"{best.controller.name} controls {process.title} best{_lead(best, ranking[1:])}; "
-        f"{_peak(best)}{watch}."
+        f"{peak_sentence(best)}{watch}."
     )
-
-
-def _peak(best: Candidate) -> str:
-    peak = best.maximum_sensitivity
-    return "" if math.isnan(peak) else f"max|S| is {peak:.2f}; "
 
 
 def _lead(best: Candidate, others: Sequence[Candidate]) -> str:
@@ -235,8 +241,8 @@ def _lead(best: Candidate, others: Sequence[Candidate]) -> str:
         return f", {STANDINGS[best.standing]} where {name} is not"
     if rival.mean_error > TIE * best.mean_error:
         saved = 100 * (1 - best.mean_error / rival.mean_error)
-        judged = " and ".join(best.criteria)
-        what = f"a mean of {judged}" if len(best.criteria) > 1 else f"an {judged}"
+        judged = " and ".join(in_sentence(title) for title in best.criteria)
+        what = f"a mean of {judged}" if len(best.criteria) > 1 else with_article(judged)
         return f", with {what} {percent(saved)} below that of {name}"
     return f", as good as {name} with less movement of the inputs"
 
@@ -266,7 +272,9 @@ class _Judge:
         self.process = process
         self.duration = float(example.run.time[-1] - example.run.time[0])
         self.best_of = best_of
-        named = {score: _keys(score, example.scores) for score in scores}
+        # A controller without setpoints has fewer scores than others.
+        every = {key: value for trial in best_of for key, value in trial.scores.items()}
+        named = {score: _keys(score, every) for score in scores}
         usual = {
             title: keys
             for title, score, signals in _judged_by(process)
@@ -283,13 +291,15 @@ class _Judge:
         return self._mean(trial, [f"total_variation[{u.name}]" for u in self.process.inputs])
 
     def _mean(self, trial: Trial, keys: Sequence[str]) -> float:
-        return float(np.mean([self._multiple(key, trial.scores[key]) for key in keys]))
+        return float(
+            np.mean([self._multiple(key, trial.scores.get(key, math.inf)) for key in keys])
+        )
 
     def _multiple(self, key: str, value: float) -> float:
         if not math.isfinite(value):
             return math.inf
         smallest = self._smallest(key)
-        best = min(trial.scores[key] for trial in self.best_of)
+        best = min(trial.scores.get(key, math.inf) for trial in self.best_of)
         if not math.isfinite(best):
             return 1.0
         if max(best, smallest) == 0.0:
@@ -314,7 +324,7 @@ class _Judge:
         if not math.isfinite(span):
             return 0.0
         if score == "total_variation":
-            return _SMALLEST_MOVE * span
+            return IDLE * span
         if "× s" not in rule:
             return _SMALLEST_SHARE * span
         return _SMALLEST_SHARE * span * self.duration
@@ -342,6 +352,10 @@ def _keys(score: str, scores: Mapping[str, float]) -> list[str]:
             "choose one of them, or give the scenario the step that it judges",
         )  # fmt: skip
     return found
+
+
+def _listed(scores: Sequence[str]) -> str:
+    return " and ".join(in_sentence(_title(score)) for score in scores)
 
 
 def _title(score: str) -> str:

@@ -9,6 +9,10 @@ from clepsydra.study.result import Candidate, Standing
 #: Controllers whose mean differs by less are as good as each other, and their wear decides.
 TIE = 1.02
 
+#: A total variation below this share of an input's range counts as this much: the input is idle,
+#: and a multiple of next to nothing says nothing.
+IDLE = 0.1
+
 #: From here on a multiple says more than a percentage.
 _MANY = 3.0
 
@@ -53,15 +57,15 @@ def reason(
 
 
 def _standing(candidate: Candidate) -> str:
-    peak = candidate.maximum_sensitivity
+    peak, peaks = candidate.maximum_sensitivity, _peaks(candidate)
     if math.isnan(peak) and candidate.standing is Standing.ROBUST:
         return "Safe; it switches at levels, and has no margins"
     if candidate.standing is Standing.ROBUST:
-        return f"Robust (max|S| {peak:.2f})"
+        return f"Robust ({peaks})"
     if candidate.standing is Standing.NERVOUS:
-        return f"Robust (max|S| {peak:.2f}), but noise moves its outputs too much"
+        return f"Robust ({peaks}), but noise moves its outputs too much"
     if candidate.standing is Standing.STABLE:
-        return f"Stable with thin margins (max|S| {peak:.2f})"
+        return f"Stable with thin margins ({peaks})"
     return "Unsafe: " + (
         "a level leaves its tank or a pump trips"
         if math.isfinite(peak)
@@ -69,10 +73,35 @@ def _standing(candidate: Candidate) -> str:
     )
 
 
+def _peaks(candidate: Candidate) -> str:
+    words, inner = f"max|S| {candidate.maximum_sensitivity:.2f}", _inner_peak(candidate)
+    return f"{words}, {inner[1]:.2f} in the inner loop of {inner[0]}" if inner else words
+
+
+def peak_sentence(candidate: Candidate) -> str:
+    """Return max|S| of a controller and of its inner loops, "max|S| is 1.50; "; else nothing.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> peak_sentence(SimpleNamespace(maximum_sensitivity=1.5, response=None))
+    'max|S| is 1.50; '
+    """
+    if math.isnan(candidate.maximum_sensitivity):
+        return ""
+    return f"{_peaks(candidate).replace('max|S|', 'max|S| is', 1)}; "
+
+
+def _inner_peak(candidate: Candidate) -> tuple[str, float] | None:
+    return candidate.response.inner_peak if candidate.response else None
+
+
 def _numbers(candidate: Candidate) -> str:
     """Return the numbers of the ranking's table."""
     several = [
-        f"{title} {value:.2f}" if math.isfinite(value) else f"{title} without end"
+        f"{in_sentence(title)} {value:.2f}"
+        if math.isfinite(value)
+        else f"{in_sentence(title)} without end"
         for title, value in candidate.criteria.items()
     ]
     words = " and ".join(several) + " times the best"
@@ -115,16 +144,17 @@ def _larger(worse: Candidate, better: Candidate, whose: str) -> str:
         worse.criteria,
         key=lambda title: _difference(worse.criteria[title], better.criteria[title]),
     )
+    words = in_sentence(most)
     if not math.isfinite(worse.mean_error):
-        return f"{whose} {most} has no end"
+        return f"{whose} {words} has no end"
     ratio = worse.mean_error / better.mean_error
     more = (
         f"{percent(100 * (ratio - 1))} larger" if ratio < _MANY else f"{ratio:.3g} times as large"
     )
     if len(worse.criteria) == 1:
-        return f"{whose} {most} is {more}"
+        return f"{whose} {words} is {more}"
     return (
-        f"{whose} mean is {more}, most of all by the {most} "
+        f"{whose} mean is {more}, most of all by the {words} "
         f"({worse.criteria[most]:.2f} against {better.criteria[most]:.2f})"
     )
 
@@ -141,6 +171,28 @@ def _moves(more: float, less: float) -> str:
     if less > 0.0 and math.isfinite(more):
         return f"moves its inputs {more / less:.2f} times as much"
     return "moves its inputs more"
+
+
+def in_sentence(title: str) -> str:
+    """Return the title of a column as it stands within a sentence; an abbreviation stays.
+
+    Examples
+    --------
+    >>> in_sentence("Total variation"), in_sentence("IAE, load"), in_sentence("load error")
+    ('total variation', 'IAE, load', 'load error')
+    """
+    return title if title[:2].isupper() else f"{title[:1].lower()}{title[1:]}"
+
+
+def with_article(words: str) -> str:
+    """Return words with "a" or "an" before them.
+
+    Examples
+    --------
+    >>> with_article("setpoint error"), with_article("IAE of level"), with_article("overshoot")
+    ('a setpoint error', 'an IAE of level', 'an overshoot')
+    """
+    return f"{'an' if words[:1].lower() in 'aeiou' else 'a'} {words}"
 
 
 def percent(number: float) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from enum import IntEnum
+from pathlib import Path
 from typing import Any
 
 from clepsydra.controllers.controller import Controller
@@ -27,7 +28,7 @@ class Standing(IntEnum):
     UNSAFE = 3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Candidate:
     """One controller of a study with its run, its scores and its place.
 
@@ -74,8 +75,17 @@ class Candidate:
     response: LoopResponse | None = None
     tuning: TuningResult | None = None
 
+    def __repr__(self) -> str:
+        """Return its place and the numbers of the ranking, in a line."""
+        judged = ", ".join(f"{title} {value:.3g}" for title, value in self.criteria.items())
+        return (
+            f"<Candidate {self.rank}: {self.controller.name}; {self.standing.name.lower()}, "
+            f"max|S| {self.maximum_sensitivity:.2f}; {judged or 'not judged'} times the best, "
+            f"moves {self.wear:.3g} times the least; {_counted(len(self.warnings), 'warning')}>"
+        )
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class StudyResult:
     """A process, its analysis, and the controllers in order of rank.
 
@@ -95,6 +105,8 @@ class StudyResult:
         That of the study file; else that of the process.
     rule : str
         What the controllers are ranked by, in words.
+    path : Path or None
+        Of the study file; None where there is none.
     """
 
     process: Process
@@ -106,6 +118,20 @@ class StudyResult:
     warnings: tuple[str, ...]
     title: str = ""
     rule: str = ""
+    path: Path | None = None
+
+    def __repr__(self) -> str:
+        """Return what was studied and what came first, in a line."""
+        best = f", best {self.ranking[0].controller.name}" if self.ranking else ""
+        return (
+            f"<StudyResult of {self.process.address}: "
+            f"{_counted(len(self.ranking), 'controller')}{best}; "
+            f"{len(self.not_applicable)} not applicable>"
+        )
+
+    def __str__(self) -> str:
+        """Return the verdict and the ranking, a line each."""
+        return "\n".join([self.verdict, *(repr(candidate) for candidate in self.ranking)])
 
     @property
     def point(self) -> OperatingPoint:
@@ -135,6 +161,10 @@ class StudyResult:
                 "segments": [asdict(segment) for segment in self.scenario.segments],
             },
         }
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number or 'no'} {what}{'' if number == 1 else 's'}"
 
 
 def _candidate(candidate: Candidate) -> dict[str, Any]:

@@ -401,7 +401,12 @@ def test_a_long_tracking_time_is_told(tank, pid, stepped):
 
 @pytest.mark.parametrize(
     ("demand", "said"),
-    [(990, "pump rests at 9.9 V, at its limit of 10 V"), (10, "of 0 V"), (970, None)],
+    [
+        (990, "9.9 V, near its limit of 10 V: upward it can"),
+        (10, "near its limit of 0 V: downward"),
+        (0, "at its limit of 0 V: downward it corrects nothing"),
+        (970, None),
+    ],
 )
 def test_an_operating_point_without_room_is_told(tank, proportional, stepped, demand, said):
     """100 cm³/s a volt."""

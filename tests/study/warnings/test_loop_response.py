@@ -8,11 +8,14 @@ import pytest
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.linear.disk_margin import disk_margin
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import linearise
 from clepsydra.linear.loop_margins import loop_margins
 from clepsydra.linear.structured_norm import structured_norm
+from clepsydra.study.file.reader import read_study
 from clepsydra.study.warnings.bandwidth import bandwidth_in, largest_bandwidth
 from clepsydra.study.warnings.channel import Channel
 from clepsydra.study.warnings.loop_response import loop_response
+from clepsydra.study.warnings.margins import margin_warnings
 
 #: Volts of level per second and volt of the pump, of the tank of these tests.
 RATE = 0.2
@@ -123,3 +126,61 @@ def test_a_bias_that_nothing_moves_is_no_mode_of_the_loop(tank, pid, actions):
     if actions == "P":
         assert response.law.A.shape == (0, 0)
         assert np.linalg.eigvals(response.loop.A) == pytest.approx([1.0 - 2.0 * RATE])
+
+
+CASCADE = """
+process = "wet-well:flow-meters"
+[controllers.cascade.loops.level]
+measurement = "level"
+output = "flow.setpoint"
+actions = "PI"
+action = "direct"
+gain = "3 %/%"
+integral_time = "10 min"
+[controllers.cascade.loops.flow]
+measurement = "duty_flow"
+output = "duty"
+actions = "PI"
+action = "reverse"
+gain = "{gain}"
+integral_time = "20 s"
+"""
+
+
+@pytest.fixture
+def cascade(tmp_path):
+    """Return a function from the gain of a flow loop within a level loop to their response."""
+
+    def make(gain):
+        path = tmp_path / "cascade.toml"
+        path.write_text(CASCADE.format(gain=gain))
+        study = read_study(path)
+        model = linearise(study.analysis.operating_point)
+        return loop_response(study.controllers[0].make(study.analysis, model), model)
+
+    return make
+
+
+def test_an_inner_loop_is_looked_at_beside_the_outer_one(cascade):
+    """With u = C (K (r - y) - f): S at y is (1 + C F)/(1 + L), at f (1 + C K G)/(1 + L).
+
+    L = C F + C K G is the loop at u, so that both together are 1 more than S at u.
+    """
+    response = cascade("0.4 %/%")
+    assert response.outputs == ("level",) and list(response.at_inner) == ["duty_flow"]
+    at_level, at_pump = response.at_output[:, 0, 0], response.at_input[:, 0, 0]
+    both = at_level + response.at_inner["duty_flow"]
+    np.testing.assert_allclose(both, 1.0 + at_pump, rtol=1e-9)
+    assert np.max(np.abs(response.at_inner["duty_flow"] - 1.0)) > 0.1
+    assert list(response.channels) == ["level", "duty_flow", "duty"]
+    assert margin_warnings(response) == []
+
+
+def test_a_thin_inner_loop_is_told_though_the_outer_one_is_robust(cascade):
+    response = cascade("3 %/%")
+    assert response.loop.is_stable and response.loop.maximum_sensitivity < 1.1
+    name, peak = response.inner_peak
+    assert name == "duty_flow" and peak > 3.0
+    said = margin_warnings(response)
+    assert f"max|S| of the inner loop of duty_flow is {peak:.2f}" in said[0]
+    assert said[1].startswith("The loop of duty_flow has a gain margin of")

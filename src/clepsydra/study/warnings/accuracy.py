@@ -32,5 +32,6 @@ def accuracy_warnings(run: Run) -> list[str]:
         return []
     return [
         f"Halving the integration step still changes a state by {run.error_estimate:.1e} of its "
-        "range: near an empty tank the flow is not smooth; compare with the reference solver."
+        f"range, more than the {_ERROR:.0e} aimed at: smaller differences between runs say "
+        "nothing; compare with the reference solver."
     ]

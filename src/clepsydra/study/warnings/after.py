@@ -7,9 +7,11 @@ from collections.abc import Mapping
 from clepsydra.loop.run import Run
 from clepsydra.study.warnings.accuracy import accuracy_warnings
 from clepsydra.study.warnings.happened import happened_warnings
+from clepsydra.study.warnings.inner_setpoint import inner_setpoint_warnings
 from clepsydra.study.warnings.levels import overflow_warnings
 from clepsydra.study.warnings.saturation import saturation_warnings
 from clepsydra.study.warnings.settling import settling_warnings
+from clepsydra.study.warnings.unfinished import unfinished_warnings
 
 
 def run_warnings(run: Run) -> tuple[str, ...]:
@@ -35,6 +37,7 @@ def run_warnings(run: Run) -> tuple[str, ...]:
         *overflow_warnings(run),
         *happened_warnings(run),
         *saturation_warnings(run),
+        *inner_setpoint_warnings(run),
         *accuracy_warnings(run),
     )
 
@@ -43,7 +46,7 @@ def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
     """Return the warnings of a run and of its scores.
 
     That a level does not settle is no fault where it is meant to average (`Process.averaging`), or
-    where the controller has no setpoint for it.
+    where the controller has no setpoint for it. One that averages has to come to rest.
 
     Parameters
     ----------
@@ -53,7 +56,7 @@ def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
 
     Examples
     --------
-    See `run_warnings` and `settling.settling_warnings`.
+    See `run_warnings`, `settling.settling_warnings` and `unfinished.unfinished_warnings`.
     """
     held = {
         key: value
@@ -61,4 +64,4 @@ def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
         if (name := key.partition("[")[2].removesuffix("]")) not in run.process.averaging
         and name in run.controller.setpoints
     }
-    return (*run_warnings(run), *settling_warnings(held))
+    return (*run_warnings(run), *settling_warnings(held), *unfinished_warnings(run))

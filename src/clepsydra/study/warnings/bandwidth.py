@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from clepsydra.base.words import time_text
 from clepsydra.linear.compared import compared
 from clepsydra.linear.dead_time_structure import dead_times
 from clepsydra.linear.linear_model import LinearModel
@@ -14,7 +15,7 @@ from clepsydra.linear.response import frequency_response
 from clepsydra.linear.roots import roots_of
 from clepsydra.linear.zero_directions import ZeroDirection, zero_directions
 from clepsydra.study.warnings.loop_response import LoopResponse
-from clepsydra.study.warnings.words import duration, listed
+from clepsydra.study.warnings.words import listed
 
 #: Where the sensitivity in a direction reaches this from below, the bandwidth ends.
 _BANDWIDTH = math.sqrt(0.5)
@@ -182,7 +183,7 @@ def bandwidth_warnings(
         if crossover * dead_time > 1.0:
             words.append(
                 f"The loop of {name} crosses over at {crossover:.3g} rad/s, but its dead time of "
-                f"{duration(dead_time)} allows about {1.0 / dead_time:.3g} rad/s: within the dead "
+                f"{time_text(dead_time)} allows about {1.0 / dead_time:.3g} rad/s: within the dead "
                 "time nothing can be corrected; make the loop "
                 f"{_at_least(crossover * dead_time)} times slower."
             )

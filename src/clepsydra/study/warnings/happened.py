@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from clepsydra.base.words import time_text
 from clepsydra.loop.happenings import happenings
 from clepsydra.loop.run import Run
-from clepsydra.study.warnings.words import duration
 
 #: Parts of the names of events that no plant is meant to see; starts and stops are no fault.
 _FAULTS = {
@@ -42,5 +42,5 @@ def happened_warnings(run: Run) -> list[str]:
         for part, consequence in _FAULTS.items():
             if part in event:
                 often = "" if times[event] == 1 else f", and {times[event]} times in all"
-                words.append(f"{what}, at {duration(time)}{often}: {consequence}.")
+                words.append(f"{what}, at {time_text(time)}{often}: {consequence}.")
     return words

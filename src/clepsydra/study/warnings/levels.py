@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from clepsydra.base.words import time_text
 from clepsydra.loop.lane_status import EMPTY_SHARE
 from clepsydra.loop.run import Run
-from clepsydra.study.warnings.words import duration, shown
+from clepsydra.study.warnings.words import shown
 
 
 def leaves_its_tanks(run: Run) -> bool:
@@ -69,7 +70,7 @@ def overflow_warnings(run: Run) -> list[str]:
         for where, what, consequence in limits:
             if np.any(where):
                 words.append(
-                    f"{x.name} {what} at {duration(run.time[int(np.argmax(where))])} (range "
+                    f"{x.name} {what} at {time_text(run.time[int(np.argmax(where))])} (range "
                     f"{shown(x.low, x)} to {shown(x.high, x)}): {consequence}."
                 )
     return words

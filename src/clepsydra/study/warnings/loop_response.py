@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import LinearStepLaw, StepLawDerivatives
+from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.design.sampled.sampled_loop import SampledLoop, sampled_loop
 from clepsydra.design.sampled.sampled_process import sampled_process
 from clepsydra.linear.linear_model import LinearModel
@@ -46,6 +48,9 @@ class LoopResponse:
         The loop itself, with every state of process and law.
     law : LinearStepLaw
         The law alone.
+    at_inner : mapping
+        Measurement of each inner loop of a cascade to S there, from something added to the
+        measurement to what the law reads of it, ndarray [l], complex; the other loops closed.
 
     Examples
     --------
@@ -69,18 +74,30 @@ class LoopResponse:
     at_input: np.ndarray
     loop: SampledLoop
     law: LinearStepLaw
+    at_inner: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @cached_property
     def channels(self) -> dict[str, Channel]:
-        """Each controlled measurement and manipulated variable broken alone, the others closed.
+        """Each measurement of a loop and manipulated variable broken alone, the others closed.
 
+        These are the controlled measurements, those of inner loops, the manipulated variables.
         With one channel broken S is 1/(1 + L), so L follows from the diagonal of S.
         """
-        found = {}
-        for names, values in ((self.outputs, self.at_output), (self.inputs, self.at_input)):
-            for place, name in enumerate(names):
-                found[name] = Channel(self.frequencies, 1.0 / values[:, place, place] - 1.0)
-        return found
+        sensitivities = {
+            **{name: self.at_output[:, k, k] for k, name in enumerate(self.outputs)},
+            **self.at_inner,
+            **{name: self.at_input[:, k, k] for k, name in enumerate(self.inputs)},
+        }
+        return {
+            name: Channel(self.frequencies, 1.0 / sensitivity - 1.0)
+            for name, sensitivity in sensitivities.items()
+        }
+
+    @property
+    def inner_peak(self) -> tuple[str, float] | None:
+        """The inner loop with the largest max|S|, and that; None without inner loops."""
+        peaks = {name: float(np.max(np.abs(values))) for name, values in self.at_inner.items()}
+        return max(peaks.items(), key=lambda entry: entry[1], default=None)
 
 
 def loop_response(controller: Controller, model: LinearModel) -> LoopResponse:
@@ -134,9 +151,12 @@ def loop_response(controller: Controller, model: LinearModel) -> LoopResponse:
     read = [name for name in controller.setpoints if name in controller.measurements]
     outputs = tuple(dict.fromkeys(read))
     places = [controller.measurements.index(name) for name in outputs]
+    inner = _inner_measurements(controller, outputs)
+    broken = (*outputs, *inner)
     # A measurement that the law reads twice is disturbed in both places at once.
-    enters = np.array([[float(y == name) for name in outputs] for y in controller.measurements])
-    at_sensors = np.linalg.solve(np.eye(len(rows)) - plant @ feedback, enters)[:, places]
+    enters = np.array([[float(y == name) for name in broken] for y in controller.measurements])
+    at_sensors = np.linalg.solve(np.eye(len(rows)) - plant @ feedback, enters)
+    at_output = at_sensors[:, places, : len(outputs)]
     at_input = np.linalg.inv(np.eye(len(seen.inputs)) - feedback @ plant)
     spans = [np.array([_size(process.signal(n).span) for n in g]) for g in (outputs, seen.inputs)]
     return LoopResponse(
@@ -144,11 +164,25 @@ def loop_response(controller: Controller, model: LinearModel) -> LoopResponse:
         frequencies=frequencies,
         outputs=outputs,
         inputs=seen.inputs,
-        at_output=at_sensors * spans[0] / spans[0][:, None],
+        at_output=at_output * spans[0] / spans[0][:, None],
         at_input=at_input * spans[1] / spans[1][:, None],
         loop=loop,
         law=law,
+        at_inner={
+            name: at_sensors[:, controller.measurements.index(name), len(outputs) + place]
+            for place, name in enumerate(inner)
+        },
     )
+
+
+def _inner_measurements(controller: Controller, outputs: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the measurements of the loops whose setpoint another block gives."""
+    read = [
+        controller.measurements[block.measured - 1]
+        for block in controller.law.blocks
+        if isinstance(block, PidBlock) and isinstance(block.setpoint, str)
+    ]
+    return tuple(name for name in dict.fromkeys(read) if name not in outputs)
 
 
 def _frequencies(loop: SampledLoop, period: float) -> np.ndarray:

@@ -26,11 +26,12 @@ _SAME = 1e-3
 def margin_warnings(response: LoopResponse) -> list[str]:
     """Return warnings of thin margins of the exact sampled loop.
 
-    *Peak.* max|S| at the controlled measurements above 2, the largest singular value.
+    *Peak.* max|S| at the controlled measurements above 2, the largest singular value; and that
+    of an inner loop of a cascade, at its measurement.
 
     *Channels.* A gain margin below 2, up or down, or a phase margin below 30°, with one
-    measurement or one manipulated variable broken at a time and the others closed. A loop whose
-    peak of 2 leaves it 29° is let pass.
+    measurement (also of an inner loop) or one manipulated variable broken at a time and the
+    others closed. A loop whose peak of 2 leaves it 29° is let pass.
 
     *All at once.* The multiloop disk margin below 0.4, at the measurements or at the
     manipulated variables: every channel may change its gain by no more than a factor of 1.5, or
@@ -70,6 +71,15 @@ def margin_warnings(response: LoopResponse) -> list[str]:
             f"max|S| is {peak:.2f} at {omega:.3g} rad/s, above 2: a disturbance there is amplified "
             "as much, and a small error of the model makes the loop unstable; lower the gains."
         )
+    for name, values in response.at_inner.items():
+        place = int(np.argmax(np.abs(values)))
+        peak_there = float(np.abs(values[place]))
+        if peak_there > _LARGEST_PEAK:
+            words.append(
+                f"max|S| of the inner loop of {name} is {peak_there:.2f} at "
+                f"{response.frequencies[place]:.3g} rad/s, above 2: a disturbance there is "
+                "amplified as much; lower its gain."
+            )
     named: list[Channel] = []
     for name, channel in response.channels.items():
         if any(_alike(channel, other) for other in named):

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.study.warnings.loop_response import LoopResponse
-from clepsydra.study.warnings.words import duration, listed
+from clepsydra.study.warnings.words import listed
 
 #: ωc T from which on the sampling is too slow [rad].
 _TOO_SLOW = 0.5
@@ -62,10 +63,10 @@ def _crossover(response: LoopResponse) -> list[str]:
     omega = max(fastest[name] for name in late)
     loops, which = ("loop", "which") if len(late) == 1 else ("loops", "the fastest of which")
     return [
-        f"The sampling period of {duration(period)} is too long for the {loops} of {listed(late)}, "
-        f"{which} crosses over at {omega:.3g} rad/s: the hold alone takes "
+        f"The sampling period of {time_text(period)} is too long for the {loops} of "
+        f"{listed(late)}, {which} crosses over at {omega:.3g} rad/s: the hold alone takes "
         f"{math.degrees(omega * period / 2.0):.0f}° of phase; sample every "
-        f"{duration(_WANTED / omega)} or lower the gain."
+        f"{time_text(_WANTED / omega)} or lower the gain."
     ]
 
 
@@ -83,7 +84,7 @@ def _derivative(controller: Controller, period: float) -> list[str]:
     loops = "loop" if len(short) == 1 else "loops"
     return [
         f"The derivative of {loops} {listed(list(short))} is filtered with "
-        f"{listed([duration(time) for time in short.values()])}, less than the sampling period of "
-        f"{duration(period)}: it differentiates the noise of single samples; lengthen the filter, "
+        f"{listed([time_text(time) for time in short.values()])}, less than the sampling period of "
+        f"{time_text(period)}: it differentiates the noise of single samples; lengthen the filter, "
         "or sample faster."
     ]

@@ -15,6 +15,8 @@ from clepsydra.study.warnings.words import shown
 
 #: An input that rests within this share of its range of a limit has no room.
 _NO_ROOM = 0.02
+#: And within this share it is at the limit: less is rounding.
+_AT_LIMIT = 1e-6
 #: Share of the run in saturation above which the reader is told, and above which it is most of it.
 _SATURATED = 0.05
 _MOSTLY = 0.5
@@ -52,11 +54,7 @@ def resting_saturation_warnings(
             continue
         end = _nearer_end(signal, at[name])
         if abs(at[name] - end) <= _NO_ROOM * signal.span:
-            words.append(
-                f"{name} rests at {shown(at[name], signal)}, at its limit of "
-                f"{shown(end, signal)}: in one direction it corrects nothing; move the operating "
-                "point, or give it another size."
-            )
+            words.append(_without_room(name, at[name], end, signal))
             continue
         for rest in rests:
             value = rest.values[name]
@@ -99,11 +97,11 @@ def saturation_warnings(run: Run) -> list[str]:
         return []
     words, shares = [], {}
     for signal in run.process.inputs:
-        values = run.values[signal.name]
-        shares[signal.name] = share = float(np.mean(at_limit(values, signal.low, signal.high)))
+        values, (low, high) = run.values[signal.name], run.limits(signal.name)
+        shares[signal.name] = share = float(np.mean(at_limit(values, low, high)))
         if share > _SATURATED:
-            lower = float(np.mean(at_limit(values, signal.low, np.inf)))
-            end = signal.low if lower > share / 2.0 else signal.high
+            lower = float(np.mean(at_limit(values, low, np.inf)))
+            end = low if lower > share / 2.0 else high
             effect = (
                 "nothing is controlled for most of it; ask for less, or give it another size"
                 if share > _MOSTLY
@@ -128,6 +126,20 @@ def _wound_up(run: Run, shares: dict[str, float]) -> list[str]:
         for name in names
         if shares[name] > 0.0
     ]
+
+
+def _without_room(name: str, rest: float, end: float, signal: Signal) -> str:
+    """Return what is missing: all of the room in one direction, or all but a little."""
+    room = abs(rest - end)
+    where, effect = f"at its limit of {shown(end, signal)}", "corrects nothing"
+    if room > _AT_LIMIT * signal.span:
+        where = f"near its limit of {shown(end, signal)}"
+        effect = "can correct hardly anything"
+    way = "downward" if end == signal.low else "upward"
+    return (
+        f"{name} rests at {shown(rest, signal)}, {where}: {way} it {effect}; move the operating "
+        "point, or give it another size."
+    )
 
 
 def _nearer_end(signal: Signal, value: float) -> float:

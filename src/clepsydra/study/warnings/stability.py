@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.compared import compared
 from clepsydra.linear.controllability import (
@@ -16,7 +17,7 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import origin_radius
 from clepsydra.study.warnings.loop_response import LoopResponse
-from clepsydra.study.warnings.words import duration, listed
+from clepsydra.study.warnings.words import listed
 
 #: An eigenvalue of a law so near above one is an integrator with its rounding.
 _INTEGRATOR = 1e-6
@@ -148,4 +149,4 @@ def _law(response: LoopResponse, blocking_zeros: list[complex]) -> list[str]:
 
 
 def _growth(size: float, period: float) -> str:
-    return duration(period / float(np.log(size)))
+    return time_text(period / float(np.log(size)))

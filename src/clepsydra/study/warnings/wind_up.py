@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from clepsydra.base.signal import Signal
+from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.study.warnings.loop_response import LoopResponse
-from clepsydra.study.warnings.words import duration, shown
+from clepsydra.study.warnings.words import shown
 
 #: So many ranges away from its setpoint a measurement saturates every output.
 _FAR = 1e3
@@ -182,8 +183,8 @@ def _slow_tracking(controller: Controller) -> list[str]:
             output = controller.manipulated[int(number) - 1]
             words.append(
                 f"{output} comes out of saturation slowly: its tracking time of "
-                f"{duration(tracking)} is {tracking / integral:.1f} times its integral time of "
-                f"{duration(integral)}; make it at most as long."
+                f"{time_text(tracking)} is {tracking / integral:.1f} times its integral time of "
+                f"{time_text(integral)}; make it at most as long."
             )
     return words
 

@@ -35,16 +35,3 @@ def listed(names: Sequence[str]) -> str:
     ('level_1', 'level_1, level_2 and level_3')
     """
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
-
-
-def duration(seconds: float) -> str:
-    """Return a time in the unit in which it is a handy number.
-
-    Examples
-    --------
-    >>> duration(0.05), duration(90.0), duration(1500.0), duration(7200.0)
-    ('0.05 s', '90 s', '25 min', '2 h')
-    """
-    if seconds < 120.0:
-        return f"{seconds:.3g} s"
-    return f"{seconds / 60.0:.3g} min" if seconds < 7200.0 else f"{seconds / 3600.0:.3g} h"

@@ -1,0 +1,49 @@
+"""The warning of a cascade whose inner setpoint stands at a limit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clepsydra.loop.inner_setpoints import inner_setpoints
+from clepsydra.loop.run import Run
+from clepsydra.study.warnings.words import shown
+
+#: Share of a run at a limit above which the outer loop controls nothing for most of it.
+_MOSTLY = 0.5
+
+
+def inner_setpoint_warnings(run: Run) -> list[str]:
+    """Return warnings of inner setpoints that stand at a limit for more than half of a run.
+
+    Parameters
+    ----------
+    run : Run
+
+    Examples
+    --------
+    A single loop has no inner setpoint:
+
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.loop.loop import Loop
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
+    >>> inner_setpoint_warnings(run)
+    []
+    """
+    words = []
+    for inner in inner_setpoints(run.controller, run.process):
+        low, high = (float(np.mean(end)) for end in inner.ends(run.values[inner.name]))
+        share = low + high
+        if share > _MOSTLY:
+            end, limit = ("low", inner.low) if low > high else ("high", inner.high)
+            words.append(
+                f"The inner setpoint of {inner.measurement} stands at a limit for "
+                f"{100.0 * share:.0f} % of the time, mostly at its {end} limit of "
+                f"{shown(limit, inner.signal)}: the outer loop controls nothing for most of it; "
+                f"widen setpoint_{end} of the inner loop, or ask for less."
+            )
+    return words

@@ -1,0 +1,61 @@
+"""What the page of one controller shows."""
+
+import pytest
+
+from clepsydra.report.controller_page import controller_page
+from clepsydra.study.file.reader import read_study
+from clepsydra.study.study import run_study
+
+STUDY = """
+process = "wet-well:flow-meters"
+[scenario]
+duration = "10 min"
+noise = false
+[[scenario.setpoint]]
+signal = "level"
+at = "2 min"
+by = "2 %"
+[controllers.cascade.loops.level]
+measurement = "level"
+output = "flow.setpoint"
+actions = "P"
+action = "direct"
+gain = "3 %/%"
+[controllers.cascade.loops.flow]
+measurement = "duty_flow"
+output = "duty"
+actions = "PI"
+action = "reverse"
+gain = "0.3 %/%"
+integral_time = "6 s"
+setpoint_high = "35 l/s"
+[controllers.single.loops.level]
+measurement = "level"
+output = "duty"
+actions = "P"
+action = "direct"
+gain = "3 %/%"
+"""
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory):
+    path = tmp_path_factory.mktemp("cascade") / "study.toml"
+    path.write_text(STUDY, encoding="utf-8")
+    result = run_study(read_study(path))
+    return {
+        candidate.controller.name: controller_page(result, place)
+        for place, candidate in enumerate(result.ranking)
+    }
+
+
+def test_a_cascade_shows_its_inner_setpoint_and_a_single_loop_has_none(pages):
+    assert "inner setpoint of duty_flow" in pages["cascade"].picture
+    assert "inner setpoint" not in pages["single"].picture
+
+
+def test_the_time_at_the_limits_of_the_inner_setpoint_is_among_the_scores(pages):
+    titles = {name: [row[0] for table in page.scores for row in table.rows]
+              for name, page in pages.items()}  # fmt: skip
+    assert "Time at a setpoint limit" in titles["cascade"]
+    assert "Time at a setpoint limit" not in titles["single"]
