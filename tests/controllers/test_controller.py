@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
@@ -168,15 +168,23 @@ def test_linear_model_of_lqi_has_the_textbook_matrices():
     assert model.D_measurement == pytest.approx(-F, rel=1e-14)
 
 
-def test_a_law_with_a_delay_ring_has_no_linear_model():
+def test_a_delay_ring_counts_as_a_state_for_every_sample_of_delay():
+    """u(k) = y(k−3) + y(k−1): its response to an impulse tells when each part arrives."""
     law = step_law(
         "delayed",
         inputs=[Signal("measurement_1")],
         parameters=[],
-        state=[DelayRing(Signal("past"), 3)],
+        state=[DelayRing(Signal("past"), 3), Signal("recent")],
         outputs=[Signal("manipulated_1")],
-        equations=lambda s: Equations({"past": s["measurement_1"]}, {"manipulated_1": s["past"]}),
+        equations=lambda s: Equations(
+            {"past": s["measurement_1"], "recent": s["measurement_1"]},
+            {"manipulated_1": s["past"] + s["recent"]},
+        ),
     )
-    delayed = Controller("D", "", "", law, {}, {"past": 0.0}, ("level_1",), (), ("pump_1",))
-    with pytest.raises(ClepsydraError, match="delay ring"):
-        StepLawDerivatives(delayed.law)
+    model = StepLawDerivatives(law).at({}, {}, {})
+    assert model.A.shape == (4, 4)
+    state, seen = model.B_measurement[:, 0], [float(model.D_measurement[0, 0])]
+    for _ in range(5):
+        seen.append(float(model.C[0] @ state))
+        state = model.A @ state
+    assert seen == [0.0, 1.0, 0.0, 1.0, 0.0, 0.0]

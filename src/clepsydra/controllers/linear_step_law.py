@@ -9,12 +9,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from clepsydra.base.errors import ClepsydraError
-from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
 from clepsydra.controllers.parameters import remembered_parameters
 from clepsydra.controllers.python_law import PythonLaw
+from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import StepLaw
 
 
@@ -51,16 +50,12 @@ class LinearStepLaw:
 class StepLawDerivatives:
     """The derivatives of a step law, built once and evaluated for any parameter values.
 
-    Those of expressions are exact, those of a law in Python are differences.
+    Those of expressions are exact, those of a law in Python are differences. A delay ring of n
+    samples counts as n states, of which the law reads the oldest.
 
     Parameters
     ----------
     law : StepLaw
-
-    Raises
-    ------
-    ClepsydraError
-        The law keeps a delay ring.
 
     Examples
     --------
@@ -76,11 +71,12 @@ class StepLawDerivatives:
     """
 
     def __init__(self, law: StepLaw) -> None:
-        if not all(isinstance(state, Signal) for state in law.state):
-            raise ClepsydraError(
-                f"{law.name}: a step law with a delay ring has no linear model here"
-            )
         self.law = law
+        self._rings = {
+            place: entry.length
+            for place, entry in enumerate(law.state)
+            if isinstance(entry, DelayRing)
+        }
         if isinstance(law, PythonLaw):
             self._function: Callable[..., Any] = law.jacobians
             return
@@ -140,6 +136,7 @@ class StepLawDerivatives:
                 [with_limits[parameter.name] for parameter in law.parameters],
             )
         )
+        step_x, step_u, output_x = self._with_rings(step_x, step_u, output_x)
         rows = _numbered([signal.name for signal in law.outputs], "manipulated_")
         names = [signal.name for signal in law.inputs]
         setpoints, measurements = _numbered(names, "setpoint_"), _numbered(names, "measurement_")
@@ -159,6 +156,29 @@ class StepLawDerivatives:
             D_setpoint=output_u[rows][:, setpoints],
             D_measurement=output_u[rows][:, measurements],
         )
+
+    def _with_rings(
+        self, step_x: np.ndarray, step_u: np.ndarray, output_x: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the matrices with every number that a ring holds as a state.
+
+        The oldest keeps the place of the ring; the others follow at the end, youngest first.
+        """
+        for place, length in self._rings.items():
+            n, more = len(step_x), length - 1
+            if not more:
+                continue
+            wider = np.zeros((n + more, n + more))
+            wider[:n, :n] = step_x
+            wider[n], wider[place] = wider[place], 0.0
+            for older in range(n + 1, n + more):
+                wider[older, older - 1] = 1.0
+            wider[place, n + more - 1] = 1.0
+            driven = np.vstack([step_u, np.zeros((more, step_u.shape[1]))])
+            driven[n], driven[place] = step_u[place], 0.0
+            step_x, step_u = wider, driven
+            output_x = np.hstack([output_x, np.zeros((len(output_x), more))])
+        return step_x, step_u, output_x
 
 
 def _numbered(names: list[str], prefix: str) -> list[int]:

@@ -76,12 +76,14 @@ def sampled_cost(
     doublings = max(0, math.ceil(math.log2(max(float(np.linalg.norm(both, 1)) * period, 1.0))))
     short = period / 2.0**doublings
     block = np.block([[-both.T, weight], [np.zeros((size, size)), both]])
-    whole = expm(block * short)
-    held = whole[size:, size:]
-    integral = held.T @ whole[:size, size:]
-    for _ in range(doublings):
-        integral = integral + held.T @ integral @ held
-        held = held @ held
+    # What is no number any more is refused where the cost is used.
+    with np.errstate(over="ignore", invalid="ignore"):
+        whole = expm(block * short)
+        held = whole[size:, size:]
+        integral = held.T @ whole[:size, size:]
+        for _ in range(doublings):
+            integral = integral + held.T @ integral @ held
+            held = held @ held
     integral = 0.5 * (integral + integral.T)
     return SampledCost(
         held[:n, :n], held[:n, n:], integral[:n, :n], integral[:n, n:], integral[n:, n:]

@@ -86,8 +86,6 @@ def sampled_loop(controller: Controller, model: LinearModel) -> SampledLoop:
         from an input to an output, or is sampled too slowly (`design.sampled.sampling_period`).
     NotSampled
         The model has dead time that a sampled model cannot hold (`design.sampled.sampled_process`).
-    ClepsydraError
-        The step law holds a delay ring.
 
     Examples
     --------

@@ -70,7 +70,7 @@ def sampled_process(model: LinearModel, period: float) -> SampledProcess:
 
     References
     ----------
-    K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, section 2.3.
+    K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, chapter 2.
 
     Examples
     --------

@@ -1,0 +1,1 @@
+"""Sampled transfer functions and the polynomial methods that design for them."""

@@ -1,0 +1,1 @@
+"""Polynomial digital control of eight equal liquid tanks in series, Bobál et al."""

@@ -1,0 +1,97 @@
+"""Equations and figures that the text refers to by a number which belongs to another."""
+
+from __future__ import annotations
+
+from clepsydra.papers.comparison import stated
+from clepsydra.papers.experiment import Findings
+from clepsydra.papers.row import Row
+
+#: What stands under each number.
+EQUATIONS = {
+    17: "criterion of identification",
+    18: "model with estimated coefficients",
+    20: "static gain",
+    21: "model with numbers",
+    22: "first Diophantine equation",
+    23: "second Diophantine equation",
+    24: "r0",
+    26: "quadratic criterion",
+    27: "spectral factorisation",
+    28: "polynomial of second order",
+    29: "polynomial of third order",
+    30: "product of real roots",
+    32: "product with a complex pair",
+}
+FIGURES = {
+    1: "schema of a tank",
+    3: "criterion by the delay",
+    4: "step responses",
+    5: "block diagram of the predictor",
+    10: "control courses by penalty",
+    12: "control courses by penalty",
+}
+#: Place, the words around, the number that is printed, and what they speak of.
+_TO_EQUATIONS = (
+    ("section 3.1", "minimum of the criterion", 21, "criterion of identification"),
+    ("Fig. 4", "step responses of models (8) and", 20, "model with numbers"),
+    ("section 3.2", "linear model obtained without hysteresis", 20, "model with numbers"),
+    ("section 4", "second-order linear model", 20, "model with numbers"),
+    ("section 5", "R from equation, with z = 1", 24, "second Diophantine equation"),
+    ("section 5", "obvious from, only d1 and d2", 28, "spectral factorisation"),
+    ("section 5", "polynomial that has the form (32)", 30, "polynomial of third order"),
+)  # fmt: skip
+_TO_FIGURES = (
+    ("section 3.1", "minimum of the criterion is obvious from", 4, "criterion by the delay"),
+    ("section 4", "predicted error as shown in", 1, "block diagram of the predictor"),
+)
+
+
+def run() -> Findings:
+    """Return a row for each wrong reference."""
+    rows = [
+        _row(place, words, f"({printed})", meant, "({})", EQUATIONS[printed], EQUATIONS)
+        for place, words, printed, meant in _TO_EQUATIONS
+    ]
+    rows += [
+        _row(place, words, f"Fig. {printed}", meant, "Fig. {}", FIGURES[printed], FIGURES)
+        for place, words, printed, meant in _TO_FIGURES
+    ]
+    rows += [_caption(), _pages()]
+    return Findings(tuple(rows))
+
+
+def _row(
+    place: str,
+    words: str,
+    printed: str,
+    meant: str,
+    shape: str,
+    stands: str,
+    known: dict[int, str],
+) -> Row:
+    right = next(shape.format(number) for number, what in known.items() if what == meant)
+    return stated(
+        place, f"reference: {words}", printed, right, right == printed,
+        f"The words speak of the {meant}; {printed} is the {stands}.",
+    )  # fmt: skip
+
+
+def _caption() -> Row:
+    varied = {"Fig. 10": ("q_u = 1", "γ = 0.5"), "Fig. 12": ("q_u = 100", "γ = 0.5")}
+    penalties = {settings[0] for settings in varied.values()}
+    poles = {settings[1] for settings in varied.values()}
+    return stated(
+        "section 6.2", "what differs in Figs. 10 to 12", "individual poles γ",
+        "individual penalization factors q_u", len(poles) > 1 or len(penalties) == 1,
+        "By their captions γ stays at 0.5 and q_u is 1, 5 and 100.",
+    )  # fmt: skip
+
+
+def _pages() -> Row:
+    first, last = 1391, 1357
+    return stated(
+        "references", "pages of [14], V. Kučera, Automatica 29, 1993", f"{first}-{last}",
+        "1361-1375", first <= last,
+        "The last page cannot stand before the first; the journal has the survey of Diophantine "
+        "equations in control on pages 1361 to 1375.",
+    )  # fmt: skip

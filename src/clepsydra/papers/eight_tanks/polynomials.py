@@ -1,0 +1,198 @@
+"""Section 5: Diophantine equations, spectral factorisation and the assigned pole."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from clepsydra.design.polynomial.diophantine import product, rational
+from clepsydra.design.polynomial.spectral_factor import spectral_factor
+from clepsydra.design.polynomial.two_degree_of_freedom import (
+    INTEGRAL,
+    TwoDegreeOfFreedom,
+    assigned,
+    two_degree_of_freedom,
+)
+from clepsydra.papers.comparison import claimed, compared, compared_formula
+from clepsydra.papers.eight_tanks.six_designs import PENALTIES, POLES, SIX, printed_model
+from clepsydra.papers.experiment import Findings
+from clepsydra.papers.row import Row
+
+#: Below this q_u nothing is changed any more.
+_SMALLEST = 1e-9
+
+
+def run() -> Findings:
+    """Return the rows of section 5."""
+    return Findings((*_counts(), *_feedforward(), *_poles(), *_criterion(), *_factor()))
+
+
+def controller(penalty: float, poles: tuple[float, ...], *, full: bool) -> TwoDegreeOfFreedom:
+    """Return the solution of (22) with B(1) z^-1, as in Fig. 5, or with the full B as printed."""
+    model = printed_model()
+    D = assigned(spectral_factor(tuple(model.A), tuple(model.B), penalty), poles)
+    B = tuple(model.B) if full else (0.0, float(np.sum(model.B)))
+    return two_degree_of_freedom(tuple(model.A), B, D)
+
+
+def _coefficients(found: TwoDegreeOfFreedom) -> int:
+    """Return how many numbers (22) gives: Q, and P without its leading 1."""
+    return len(found.Q) + len(found.P) - 1
+
+
+def _counts() -> list[Row]:
+    plain, full = (controller(10.0, (0.5,), full=choice) for choice in (False, True))
+    model = printed_model()
+    D = assigned(spectral_factor(tuple(model.A), tuple(model.B), 10.0), (0.5,))
+    left = product(product(tuple(model.A), INTEGRAL), plain.P)
+    right = product(rational([0.0, float(np.sum(model.B))]), plain.Q)
+    exact = all(a + b == d for a, b, d in zip(left, right, rational(D.coefficients), strict=True))
+    counts = _coefficients(plain), _coefficients(full)
+    return [
+        compared(
+            "(22)", "feedback parameters", "7", float(counts[0]),
+            right_if=[
+                (
+                    f"(29) has degree 3, as A K, so that with B(1) P is 1 and Q has {counts[0]} "
+                    "coefficients, and (22) then holds without rounding",
+                    exact and D.degree == 3 and len(plain.P) == 1,
+                ),
+                (
+                    f"with the full B there are {counts[1]}, and r0 makes one more: never 7",
+                    7 not in (counts[0], counts[0] + 1, counts[1], counts[1] + 1),
+                ),
+            ],
+        ),
+    ]  # fmt: skip
+
+
+def _feedforward() -> list[Row]:
+    from sympy import symbols
+
+    S, B, R, D, back = symbols("S B R D x")
+    # S (1 − x) + B R = D at x = 1.
+    left = (S * (1 - back) + B * R).subs(back, 1)
+    (solution,) = _solved(left - D, R)
+    return [
+        compared_formula("(24)", "r0", D / B, solution, reason="(23) at z = 1, where D_w is zero")
+    ]
+
+
+def _solved(expression: Any, unknown: Any) -> list[Any]:
+    from sympy import solve
+
+    return list(solve(expression, unknown))
+
+
+def _poles() -> list[Row]:
+    from sympy import I, Poly, expand, symbols
+
+    z, a, b, c = symbols("z alpha beta gamma", real=True)
+    real = Poly(expand((z - a) * (z - b) * (z - c)), z).all_coeffs()
+    pair = Poly(expand((z - a - I * b) * (z - a + I * b) * (z - c)), z).all_coeffs()
+    slow = (0.8, 0.7, 0.9)
+    right = np.poly(slow)
+    wrong = np.roots([*right[:3], -right[3]])
+    rows = []
+    for place, printed, found in (
+        ("(31)", (-(a + b + c), a * b + a * c + b * c, a * b * c), real),
+        (
+            "(33)",
+            (-(2 * a + c), 2 * a * c + a**2 + b**2, -(a**2 + b**2) * c),
+            pair,
+        ),
+    ):
+        for name, formula, value in zip(("d1", "d2", "d3"), printed, found[1:], strict=True):
+            reason = "the product (30) or (32), expanded"
+            if place == "(31)" and name == "d3":
+                reason = (
+                    "The product (30) ends with −αβγ, as (33) has it. For α = 0.8, β = 0.7, γ = "
+                    f"0.9 the printed sign makes an unstable polynomial, with roots of magnitude "
+                    f"{np.max(np.abs(wrong)):.2f}."
+                )
+            rows.append(compared_formula(place, name, formula, value, reason=reason))
+    return rows
+
+
+def _criterion() -> list[Row]:
+    """Return what (26) amounts to when the setpoint is not zero."""
+    added = POLES[0].penalty / printed_model().static_gain ** 2
+    return [
+        claimed(
+            "(26)", "the criterion that is minimised", "J is a sum that can be minimised",
+            added == 0.0, f"J grows by {added:.2f} in every further sample",
+            reason=(
+                "With w = 1 the inflow stays at w / K_g, so that every sample adds q_u u² for ever "
+                "(here with q_u = 10): J is infinite. Only its factorisation (27) is used."
+            ),
+        )
+    ]  # fmt: skip
+
+
+@cache
+def real_below() -> float:
+    """Return the q_u below which the roots of the factor of (21) are real."""
+    model = printed_model()
+
+    def is_real(penalty: float) -> bool:
+        poles = spectral_factor(tuple(model.A), tuple(model.B), penalty).poles
+        return all(abs(pole.imag) < 1e-12 for pole in poles)
+
+    low, high = _SMALLEST, 1.0
+    for _ in range(60):
+        middle = (low * high) ** 0.5
+        low, high = (middle, high) if is_real(middle) else (low, middle)
+    return low
+
+
+def _factor() -> list[Row]:
+    model = printed_model()
+    factors = {
+        choice: spectral_factor(tuple(model.A), tuple(model.B), choice.penalty) for choice in SIX
+    }
+    rows = [
+        claimed(
+            "(27), (28)", "degree of the spectral factor", "two parameters d1 and d2",
+            all(len(factor.coefficients) == 3 for factor in factors.values()),
+            "; ".join(
+                f"q_u = {choice.penalty:g}: d1 = {factor.coefficients[1]:.6f}, d2 = "
+                f"{factor.coefficients[2]:.6f}"
+                for choice, factor in factors.items()
+                if choice in (PENALTIES[0], POLES[0])
+            ),
+            reason="A and B of (21) are of second order",
+        ),
+        claimed(
+            "section 7", "design without numerical methods",
+            "the controller is derived analytically",
+            _largest_error() < 1e-9, f"largest difference {_largest_error():.1e}",
+            reason=(
+                "d1, d2 by a quadratic equation, compared with the stable roots of the whole "
+                "polynomial of fourth degree, found numerically, for q_u from 0.01 to 1000"
+            ),
+        ),
+        claimed(
+            "(30), (31)", "two different real poles from (27)", "the first of two possibilities",
+            any(all(abs(p.imag) < 1e-12 for p in factor.poles) for factor in factors.values()),
+            f"complex for every q_u above {real_below():.1e}",
+            reason="None of the designs of section 6 reaches the branch with real poles.",
+        ),
+    ]  # fmt: skip
+    return rows
+
+
+@cache
+def _largest_error() -> float:
+    """Return the largest difference of the closed form to numerical roots."""
+    model = printed_model()
+    worst = 0.0
+    for penalty in np.geomspace(0.01, 1000.0, 26):
+        whole = penalty * np.convolve(model.A, model.A[::-1])
+        whole += np.convolve(model.B, model.B[::-1])
+        roots = np.roots(whole)
+        stable = np.real(np.poly(roots[np.argsort(np.abs(roots))[:2]]))
+        closed = spectral_factor(tuple(model.A), tuple(model.B), float(penalty)).coefficients
+        worst = max(worst, float(np.max(np.abs(stable - closed))))
+    return worst

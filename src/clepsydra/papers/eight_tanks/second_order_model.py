@@ -1,0 +1,188 @@
+"""Section 3.2: model (21) and its step response."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from clepsydra.design.polynomial.sampled_model import SampledModel
+from clepsydra.identify.simplex_refinement import (
+    SimplexFit,
+    refined_coefficients,
+    second_order_of_gain,
+)
+from clepsydra.papers.comparison import claimed, compared, compared_formula
+from clepsydra.papers.eight_tanks.six_designs import (
+    GAIN,
+    PRINTED_A,
+    PRINTED_B,
+    PRINTED_D,
+    printed_model,
+    sampled_chain,
+)
+from clepsydra.papers.experiment import Findings
+from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.row import Row
+
+_STEP = 0.04  # [m³/min]
+_MINUTES = 80
+#: Half of the last digit of the coefficients of (21).
+_ROUNDING_A, _ROUNDING_B = (0.0005, 0.00005), (0.00005, 0.00005)
+#: Largest difference of step responses that counts as an approximation [% of the rise].
+_NEAR = 10.0
+#: How far the record's length and the search's tolerance move the fit.
+_OPEN = 0.005
+
+
+def run() -> Findings:
+    """Return the rows of section 3.2 and Fig. 4."""
+    return Findings((*_coefficients(), *_gain(), *_quality()), (_steps(),))
+
+
+@cache
+def _record() -> tuple[np.ndarray, np.ndarray]:
+    inflow = np.concatenate([np.zeros(1), np.full(_MINUTES, _STEP)])
+    return inflow, sampled_chain().output(inflow)
+
+
+@cache
+def _fitted() -> SimplexFit:
+    """Return the held second-order model without zeros, of gain 3.08, that fits the step."""
+    return second_order_of_gain(
+        *_record(), gain=GAIN, delay=PRINTED_D, period=1.0, start=(0.1, 1.0)
+    )
+
+
+@cache
+def _free() -> SimplexFit:
+    return refined_coefficients(_fitted().model, *_record())
+
+
+def _coefficients() -> list[Row]:
+    model = _fitted().model
+    why = (
+        "Simplex search over a held continuous model of second order without zeros, with 5 min of "
+        "delay and the gain fixed at 3.08, on the step response of (8). The print leaves the "
+        "length of its record and the end of the search open."
+    )
+    rows = [
+        compared("(21)", name, printed, value, tolerance=_OPEN, why=why)
+        for name, printed, value in (
+            ("a1", "-1.777", model.denominator[0]),
+            ("a2", "0.7964", model.denominator[1]),
+            ("b1", "0.0309", model.numerator[0]),
+            ("b2", "0.0286", model.numerator[1]),
+        )
+    ]
+    free = _free()
+    near = np.allclose(
+        [*free.model.denominator, *free.model.numerator], [*PRINTED_A, *PRINTED_B], rtol=0.02
+    )
+    b1, b2 = free.model.numerator
+    rows.append(
+        claimed(
+            "section 3.2", "how (21) was found", "fminsearch finds (21)", near,
+            f"b1 = {b1:.4f}, b2 = {b2:.4f}, gain {free.model.static_gain:.3f}",
+            reason=(
+                "With all four coefficients free the search goes on from (21) to another model, "
+                f"whose sum of squares is {_fitted().cost / free.cost:.1f} times smaller and whose "
+                "b1 is negative: (21) is what it finds with a gain that is held and no zeros."
+            ),
+        )
+    )  # fmt: skip
+    return rows
+
+
+def _gain() -> list[Row]:
+    from sympy import symbols
+
+    b1, b2, a1, a2, back = symbols("b1 b2 a1 a2 x")
+    formula = ((b1 * back + b2 * back**2) / (1 + a1 * back + a2 * back**2) * back**5).subs(back, 1)
+    low, high = _gain_range()
+    return [
+        compared_formula(
+            "(20)", "static gain of (18)", (b1 + b2) / (1 + a1 + a2), formula,
+            reason="z = 1 in (18)",
+        ),
+        compared(
+            "(21)", "static gain, the same as in (8)", "3.08", printed_model().static_gain,
+            "min/m²",
+            unprinted=(
+                "The printed digits of (21) give 3.067. They leave anything between "
+                f"{low:.2f} and {high:.2f} open, so that 3.08 is possible and not shown."
+            ),
+        ),
+    ]  # fmt: skip
+
+
+def _gain_range() -> tuple[float, float]:
+    """Return the gains that the printed digits of (21) leave open."""
+    sums = sum(PRINTED_B), 1.0 + sum(PRINTED_A)
+    rooms = sum(_ROUNDING_B), sum(_ROUNDING_A)
+    return (sums[0] - rooms[0]) / (sums[1] + rooms[1]), (sums[0] + rooms[0]) / (sums[1] - rooms[1])
+
+
+def _difference(model: SampledModel) -> float:
+    """Return the largest difference of the step responses, as a share of the final rise [%]."""
+    inflow, level = _record()
+    return float(np.max(np.abs(model.output(inflow) - level)) / (GAIN * _STEP) * 100.0)
+
+
+def _quality() -> list[Row]:
+    worst, longer = _difference(printed_model()), _difference(_longer().model)
+    zero = float(printed_model().zeros[0].real)
+    return [
+        claimed(
+            "section 7", "low-order model of the chain",
+            "a high-order chain can be approximated by a low-order model with delay",
+            worst < _NEAR, f"{worst:.1f} % of the rise at the most",
+            reason=(
+                f"Largest difference of the step responses of (8) and (21), below {_NEAR:g} %; "
+                f"with 7 samples of delay and the gain held it would be {longer:.1f} %."
+            ),
+        ),
+        claimed(
+            "section 4", "zero of B, which B(1) replaces", "B has non-minimum-phase zeros",
+            abs(zero) >= 1.0, f"z = {zero:.3f}",
+            reason=(
+                "The zero of (21) lies inside the unit circle: the model is minimum-phase. To "
+                "cancel it would still make the inflow ring, as it is near −1."
+            ),
+        ),
+    ]  # fmt: skip
+
+
+@cache
+def _longer() -> SimplexFit:
+    return second_order_of_gain(*_record(), gain=GAIN, delay=7, period=1.0, start=(0.2, 0.9))
+
+
+def _steps() -> Figure:
+    inflow, level = _record()
+    minutes = np.arange(len(inflow)) - 1.0
+    free = _free().model.output(inflow)
+    curves = (
+        Curve("chain (8)", minutes, 100.0 * level),
+        Curve("model (21)", minutes, 100.0 * printed_model().output(inflow), "dashed"),
+        Curve("free simplex fit, d = 5", minutes, 100.0 * free, "points"),
+    )
+    errors = tuple(
+        Curve(label, minutes, 100.0 * (model.output(inflow) - level))
+        for label, model in (
+            ("model (21)", printed_model()),
+            ("free simplex fit, d = 5", _free().model),
+            ("gain held, d = 7", _longer().model),
+        )
+    )
+    return Figure(
+        "Fig. 4",
+        "Step responses to 0.04 m³/min",
+        (
+            Panel("Level of tank 8", "h8 [cm]", curves, x_label="time [min]"),
+            Panel("Difference to the chain", "difference [cm]", errors, x_label="time [min]"),
+        ),
+        "After ten minutes the printed model runs ahead of the chain by up to "
+        f"{np.max(printed_model().output(inflow) - level) * 1000:.1f} mm; with two more samples of "
+        "delay it would follow more closely.",
+    )

@@ -1,0 +1,207 @@
+"""The chain, the printed model (21), and the six designs of section 6 on both."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.design.polynomial.element_sampling import sampled_transfer
+from clepsydra.design.polynomial.sampled_model import SampledModel
+from clepsydra.design.smith_predictor import design_smith_predictor
+from clepsydra.linear.analysis import Analysis, analyse
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.process.reader import load_process
+from clepsydra.scores.effort import total_variation
+from clepsydra.scores.step_response import overshoot, settling_time
+
+#: T0 [s]
+MINUTE = 60.0
+#: Model (21) in minutes and m³/min: B, A and d.
+PRINTED_B, PRINTED_A, PRINTED_D = (0.0309, 0.0286), (-1.777, 0.7964), 5
+#: Equation (8): gain [min/m²], time constant of a tank [min], tanks.
+GAIN, TIME_CONSTANT, TANKS = 3.08, 2.0, 8
+#: The loop is linear and the document names no size: small enough that no tank runs over [m].
+_STEP = 0.01
+_SAMPLES = 240
+#: Gains that only simulate, so wide that no limit is met [m³/s].
+_WIDE = 1.0
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Penalty, assigned pole and figure of one experiment of section 6."""
+
+    figure: str
+    penalty: float
+    pole: float
+
+    @property
+    def label(self) -> str:
+        """As the figures name it."""
+        return f"q_u = {self.penalty:g}, γ = {self.pole:g}"
+
+
+#: Section 6.1 and 6.2.
+POLES = (
+    Choice("Fig. 7", 10.0, 0.01), Choice("Fig. 8", 10.0, 0.5), Choice("Fig. 9", 10.0, 0.9),
+)  # fmt: skip
+PENALTIES = (
+    Choice("Fig. 10", 1.0, 0.5), Choice("Fig. 11", 5.0, 0.5), Choice("Fig. 12", 100.0, 0.5),
+)  # fmt: skip
+SIX = POLES + PENALTIES
+
+
+@dataclass(frozen=True, eq=False)
+class StepRun:
+    """A unit step of the setpoint on the true chain.
+
+    Parameters
+    ----------
+    minutes : ndarray [n]
+    level : ndarray [n]
+        Per metre of the step [m/m].
+    inflow : ndarray [n]
+        Per metre of the step [m³/min/m].
+    """
+
+    minutes: np.ndarray
+    level: np.ndarray
+    inflow: np.ndarray
+
+    @property
+    def overshoot(self) -> float:
+        """[%]"""
+        return overshoot(self.minutes, self.level, 0.0, 1.0)
+
+    @property
+    def settling_time(self) -> float:
+        """To 2 % [min]."""
+        return settling_time(self.minutes, self.level, 0.0, 1.0, band=0.02)
+
+    @property
+    def total_variation(self) -> float:
+        """Of the inflow [m³/min/m]."""
+        return total_variation(self.minutes, self.inflow)
+
+    @property
+    def largest_inflow(self) -> float:
+        """[m³/min/m]"""
+        return float(np.max(np.abs(self.inflow)))
+
+    @property
+    def swings(self) -> int:
+        """How often the inflow turns by more than 2 % of its final value."""
+        return turns(self.inflow, 0.02 * abs(float(self.inflow[-1])))
+
+
+def turns(values: np.ndarray, least: float) -> int:
+    """Return how often a signal turns back by more than a least amount."""
+    count, extreme, direction = 0, float(values[0]), 0.0
+    for value in map(float, values[1:]):
+        if direction == 0.0:
+            if abs(value - extreme) > least:
+                direction = np.sign(value - extreme)
+                extreme = value
+        elif (value - extreme) * direction > 0.0:
+            extreme = value
+        elif abs(value - extreme) > least:
+            count, direction, extreme = count + 1, -direction, value
+    return count
+
+
+@cache
+def chain() -> Analysis:
+    """Return the analysis of the catalogue's process, with the printed gain."""
+    return analyse(load_process("eight-tanks:paper"))
+
+
+@cache
+def sampled_chain(gain: float = GAIN) -> SampledModel:
+    """Return equation (9) of (8): the chain sampled each minute, in minutes and m³/min."""
+    return chain_sampled_each(1.0, gain)
+
+
+def chain_sampled_each(period: float, gain: float = GAIN) -> SampledModel:
+    """Return (8) sampled with a period [min]."""
+    below = [float(value) for value in np.poly([-1.0 / TIME_CONSTANT] * TANKS)]
+    return sampled_transfer([gain * below[-1]], below, 0.0, period)
+
+
+@cache
+def printed_model() -> SampledModel:
+    """Return model (21) in minutes and m³/min."""
+    return SampledModel(PRINTED_B, PRINTED_A, PRINTED_D, 1.0)
+
+
+def in_seconds(model: SampledModel) -> SampledModel:
+    """Return a model of minutes and m³/min in seconds and m³/s."""
+    return SampledModel(
+        tuple(MINUTE * b for b in model.numerator), model.denominator, model.delay, MINUTE
+    )
+
+
+@cache
+def designed(penalty: float, poles: tuple[float, ...]) -> Controller:
+    """Return the document's Smith predictor for model (21), its limits out of reach.
+
+    Parameters
+    ----------
+    penalty : float
+        q_u [m² / (m³/min)²]
+    poles : tuple of float
+        γ; none for the second-order D of equation (28).
+    """
+    controller = design_smith_predictor(
+        chain().model, chain().pairing, penalty=penalty * MINUTE**2, assigned_poles=poles,
+        models=[in_seconds(printed_model())],
+    )  # fmt: skip
+    return without_limits(controller)
+
+
+def without_limits(controller: Controller) -> Controller:
+    """Return a controller whose limits are out of reach, since the document has none."""
+    limits = {
+        name: -_WIDE if name.startswith("low") else _WIDE
+        for name in controller.values
+        if "_limit_" in name
+    }
+    return dataclasses.replace(controller, values=controller.values | limits)
+
+
+@cache
+def step_run(penalty: float, poles: tuple[float, ...], samples: int = _SAMPLES) -> StepRun:
+    """Return what the design does on the true chain."""
+    return stepped(designed(penalty, poles), samples)
+
+
+def stepped(controller: Controller, samples: int = _SAMPLES) -> StepRun:
+    """Return a unit step of the setpoint under a controller, on the true chain."""
+    analysis = chain()
+    point = analysis.operating_point
+    level, inflow = point.as_dict()["level_8"], point.as_dict()["feed"]
+    process = point.process
+    scenario = Scenario(
+        MINUTE,
+        np.full((samples, 1), level + _STEP),
+        np.zeros((samples, len(process.disturbances))),
+        np.zeros((samples, len(process.measurements))),
+        (Segment("setpoint", "level_8", 0.0, samples * MINUTE, _STEP),),
+        seed=0,
+    )
+    run = Loop(controller, analysis.model).run(scenario)
+    return StepRun(
+        np.arange(samples, dtype=float),
+        (run.true_measurement("level_8") - level) / _STEP,
+        (run.values["feed"] - inflow) * MINUTE / _STEP,
+    )
+
+
+def labels(choices: Sequence[Choice]) -> str:
+    """Return the settings of some experiments in words."""
+    return "; ".join(choice.label for choice in choices)

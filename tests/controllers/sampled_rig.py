@@ -1,0 +1,73 @@
+"""A law in increments on a sampled model, scan by scan."""
+
+from collections import deque
+
+import numpy as np
+
+from clepsydra.program.delay_ring import DelayRing
+
+
+class Rig:
+    """One loop of a law, its signals far from zero: y° = 5, u° = 3.
+
+    Parameters
+    ----------
+    law, values
+    model : SampledModel or None
+        Of the process; None where the test gives the measurements.
+    """
+
+    def __init__(self, law, values, model=None, *, load=0.0):
+        self.law, self.model, self.load = law, model, load
+        self.values = {"low_limit_1": -1e6, "high_limit_1": 1e6, **values}
+        self.state = {entry.name: 0.0 for entry in law.state}
+        self.state |= {n: 5.0 for n in self.state if n.startswith(("past_measurement_",
+                       "past_prediction_", "past_setpoint_"))}  # fmt: skip
+        self.state["last_output_1"] = 3.0
+        self.rings = {
+            entry.name: deque([0.0] * entry.length)
+            for entry in law.state
+            if isinstance(entry, DelayRing)
+        }
+        self.given = {"setpoint_1": 5.0, "measurement_1": 5.0, "sensor_1": 1.0, "mode_1": 1.0,
+                          "manual_1": 3.0, "tracking_1": 3.0, "time_step": 1.0}  # fmt: skip
+        self.u, self.y, self.status = [], [], 0
+
+    def scan(self, **given):
+        """One sample; returns the output."""
+        self.given |= given
+        if self.model is not None:
+            self.given["measurement_1"] = 5.0 + self.deviation()
+        now = {**self.state, **{name: ring[0] for name, ring in self.rings.items()}}
+        following, outputs, _ = self.law.function(
+            [now[entry.name] for entry in self.law.state],
+            [self.given[signal.name] for signal in self.law.inputs],
+            [self.values[signal.name] for signal in self.law.parameters],
+        )
+        for entry, value in zip(self.law.state, following.elements(), strict=True):
+            if entry.name in self.rings:
+                self.rings[entry.name].popleft()
+                self.rings[entry.name].append(float(value))
+            else:
+                self.state[entry.name] = float(value)
+        self.y.append(self.given["measurement_1"])
+        self.u.append(float(outputs[0]))
+        self.status = int(outputs[1])
+        return self.u[-1]
+
+    def deviation(self):
+        """y(k) − y°, by the difference equation."""
+        m, k = self.model, len(self.y)
+        value = 0.0
+        for i, a in enumerate(m.denominator, start=1):
+            value -= a * (self.y[k - i] - 5.0) if k >= i else 0.0
+        for j, b in enumerate(m.numerator, start=1):
+            past = k - j - m.delay
+            value += b * ((self.u[past] - 3.0 if past >= 0 else 0.0) + self.load)
+        return value
+
+    def run(self, samples, **given):
+        """Some samples; returns the measurements since the beginning."""
+        for _ in range(samples):
+            self.scan(**given)
+        return np.array(self.y)
