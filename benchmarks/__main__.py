@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
-from benchmarks import machine, page, tuning
+from benchmarks import fuzzy, machine, page, tuning
 from benchmarks.cplusplus import CompilerMissing
 from benchmarks.experiments import FULL, QUICK, Disagreement, Experiments
 from benchmarks.scale import Scale
@@ -47,6 +47,7 @@ def main() -> int:
                 chains=_progress("chains of tanks", scale.chains),
                 catalogue=_progress("processes of the catalogue", scale.catalogue),
                 tuning=_progress("tuning", lambda: tuning.measure(size.slow_rounds)),
+                fuzzy=_progress("fuzzy control", lambda: fuzzy.measure(size.slow_rounds)),
             )
     except (CompilerMissing, Disagreement, RuntimeError) as error:
         print(f"benchmarks: {error}", file=sys.stderr)

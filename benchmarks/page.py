@@ -8,6 +8,7 @@ from pathlib import Path
 
 from benchmarks import experiments as e
 from benchmarks.experiments import Measured
+from benchmarks.fuzzy import FuzzyTimes
 from benchmarks.measure import Spread
 from benchmarks.scale import Growth
 from benchmarks.tuning import TuningTimes
@@ -31,6 +32,7 @@ class Results:
     chains: dict[int, Growth]
     catalogue: list[Growth]
     tuning: dict[float, TuningTimes]
+    fuzzy: FuzzyTimes
 
 
 @dataclass(frozen=True)
@@ -104,6 +106,7 @@ def _figures(r: Results) -> list[_Figure]:
         _Figure("first table of study, second time [s]", "under 2",
                 waits.of(e.SECOND_TIME), 2, lambda v: v < 2),
         *_tuning_figures(r.tuning),
+        *_fuzzy_figures(r.fuzzy),
     ]  # fmt: skip
 
 
@@ -113,6 +116,13 @@ def _tuning_figures(tuning: dict[float, TuningTimes]) -> list[_Figure]:
                 found.seconds.inverse(times.scipy.seconds.median), 0, lambda v: v >= 100)
         for period, times in tuning.items()
         for what, found in (("the same local search", times.local), ("all bounds", times.whole))
+    ]  # fmt: skip
+
+
+def _fuzzy_figures(fuzzy: FuzzyTimes) -> list[_Figure]:
+    return [
+        _Figure("fuzzy control, 27 rules to three centroids [million a second and core]",
+                "at least 10", fuzzy.inference.inverse(1e-6), 1, lambda v: v >= 10),
     ]  # fmt: skip
 
 
@@ -184,6 +194,8 @@ def render(r: Results) -> str:
         "### Minimax tuning of two PI loops of the averaging tank, from process file to answer, "
         "one core",
         _tuning(r.tuning),
+        "### Fuzzy control: 27 rules, three outputs, centroids on 101 points, one core",
+        _fuzzy(r.fuzzy),
     ]  # fmt: skip
     return "\n\n".join(parts)
 
@@ -244,6 +256,21 @@ def _tuning(tuning: dict[float, TuningTimes]) -> str:
     return "\n\n".join(
         [_table(heads, rows), f"One simulation by LSODA, called from Python: {one}."]
     )
+
+
+def _fuzzy(fuzzy: FuzzyTimes) -> str:
+    rows = [
+        ["Clepsydra, inference, batch", _shown(fuzzy.inference.times(1e9), 1)],
+        ["Clepsydra, whole step law, batch", _shown(fuzzy.law.times(1e9), 1)],
+    ]
+    words = f"Largest difference to plain Python, of an output's range: {fuzzy.difference:.0e}."
+    if fuzzy.scikit_fuzzy is not None:
+        rows.append(["scikit-fuzzy", _shown(fuzzy.scikit_fuzzy.times(1e9), 0)])
+        words += (
+            " scikit-fuzzy takes the centroid below straight lines between the points; to that "
+            f"its difference is {fuzzy.scikit_difference:.0e}."
+        )
+    return "\n\n".join([_table(["way", "ns an evaluation"], rows), words])
 
 
 def write(text: str, page: Path = PAGE) -> None:

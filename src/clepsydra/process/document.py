@@ -15,13 +15,14 @@ from clepsydra.process.toml_lines import key_lines, line_of
 LARGEST_FILE = 1_000_000
 _LONGEST_LINE = 1_000
 
-Kind = Literal["process", "study"]
+Kind = Literal["process", "study", "fuzzy"]
 #: Keys that only a study file has.
 _ONLY_STUDY = ("process", "controllers", "scenario", "ranking")
 #: How to begin with a file of each kind.
 _BEGIN = {
     "process": "begin with a copy of a file of the catalogue",
     "study": "begin with one that clepsydra new --study writes",
+    "fuzzy": "begin with a copy of the example of docs/fuzzy-files.md",
 }
 
 
@@ -69,7 +70,7 @@ def read_bytes(path: Path, kind: Kind = "process") -> bytes:
     Parameters
     ----------
     path : Path
-    kind : {"process", "study"}
+    kind : {"process", "study", "fuzzy"}
         What it should be, for messages.
 
     Raises
@@ -114,7 +115,7 @@ def parse(content: bytes, file: str, kind: Kind = "process") -> Document:
     content : bytes
     file : str
         Its name, for messages.
-    kind : {"process", "study"}
+    kind : {"process", "study", "fuzzy"}
         What it should be, for messages.
 
     Raises

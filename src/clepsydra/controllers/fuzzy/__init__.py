@@ -1,0 +1,1 @@
+"""Mamdani fuzzy control: sets, rules, inference, the file that holds them, and the step law."""

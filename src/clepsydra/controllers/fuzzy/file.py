@@ -1,0 +1,218 @@
+"""A fuzzy controller as a TOML file: sets, rules, and what they stand for in a process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.units import to_si
+from clepsydra.controllers.fuzzy.membership import (
+    Gaussian,
+    Membership,
+    Trapezoid,
+    left_shoulder,
+    right_shoulder,
+    triangle,
+)
+from clepsydra.controllers.fuzzy.rule import Rule, parse_rule
+from clepsydra.controllers.fuzzy.system import (
+    FEWEST_POINTS,
+    MOST_POINTS,
+    FuzzySystem,
+    LinguisticVariable,
+)
+from clepsydra.process.document import Document, parse, read_bytes
+from clepsydra.process.table_reader import TableReader, checked_name, shown_value
+
+_KEYS = ("title", "points", "inputs", "outputs", "rules")
+INPUT_KEYS = ("of", "quantity", "unit", "gain", "range", "dead_zone", "filter_time", "sets")
+OUTPUT_KEYS = ("moves", "action", "unit", "range", "gain", "rate_limit", "fading_time", "sets")
+_RULE = 'write as in R1 = "if e is N and de is ZO then u is PS"'
+_SETS = "write as in [inputs.e.sets] and N = { left_shoulder = [-1, 0] }"
+
+#: Shape to its number of points, and what makes it.
+_SHAPES: dict[str, tuple[int, Callable[..., Membership]]] = {
+    "left_shoulder": (2, left_shoulder),
+    "right_shoulder": (2, right_shoulder),
+    "triangle": (3, triangle),
+    "trapezoid": (4, Trapezoid),
+    "gaussian": (2, Gaussian),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class FuzzyFile:
+    """What a file of a fuzzy controller says.
+
+    Parameters
+    ----------
+    title : str
+    system : FuzzySystem
+        In the units of the file, after the input gains and before the output gains.
+    inputs, outputs : dict
+        Linguistic variable to its table, for what it stands for in a process.
+
+    Examples
+    --------
+    See `read_fuzzy`.
+    """
+
+    title: str
+    system: FuzzySystem
+    inputs: dict[str, TableReader]
+    outputs: dict[str, TableReader]
+
+
+def load_fuzzy(path: str | Path) -> FuzzyFile:
+    """Read a file of a fuzzy controller.
+
+    Raises
+    ------
+    InputError
+        There is no such file, or something in it is wrong, told with its line.
+
+    Examples
+    --------
+    >>> load_fuzzy("no-such-rules.toml")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: no-such-rules.toml: got 'no such file', expected a fuzzy \
+file; check the path.
+    """
+    content = read_bytes(Path(path), "fuzzy")
+    return read_fuzzy(parse(content, str(path), "fuzzy"))
+
+
+def read_fuzzy(document: Document) -> FuzzyFile:
+    """Read a fuzzy controller from a document.
+
+    Parameters
+    ----------
+    document : Document
+
+    Raises
+    ------
+    InputError
+        Something is wrong, told with its line.
+
+    Examples
+    --------
+    >>> text = b'''
+    ... [inputs.e]
+    ... of = "level"
+    ... unit = "m"
+    ... [inputs.e.sets]
+    ... N = { left_shoulder = [-1, 1] }
+    ... P = { right_shoulder = [-1, 1] }
+    ... [outputs.u]
+    ... moves = "pump"
+    ... unit = "V"
+    ... range = [0, 10]
+    ... [outputs.u.sets]
+    ... S = { left_shoulder = [0, 10] }
+    ... L = { right_shoulder = [0, 10] }
+    ... [rules]
+    ... R1 = "if e is N then u is S"
+    ... R2 = "if e is P then u is L"
+    ... '''
+    >>> file = read_fuzzy(parse(text, "halves.toml"))
+    >>> file.system.outputs[0].high, [str(rule) for rule in file.system.rules][1]
+    (10.0, 'if e is P then u is L')
+    >>> read_fuzzy(parse(text.replace(b"u is L", b"u is XL"), "halves.toml"))
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: halves.toml, line 17, rules.R2: got 'XL', expected a set of \
+u (S, L); perhaps 'L' was meant.
+    """
+    general = TableReader(document, (), _KEYS)
+    inputs = _tables(general, "inputs", INPUT_KEYS)
+    outputs = _tables(general, "outputs", OUTPUT_KEYS)
+    with _placed(document):
+        system = FuzzySystem(
+            tuple(_variable("inputs", name, table, (-1.0, 1.0)) for name, table in inputs.items()),
+            tuple(_variable("outputs", name, table, None) for name, table in outputs.items()),
+            _rules(general),
+            _points(general),
+        )
+    title = general.text("title", "one line of text", "leave it out for none", default="")
+    return FuzzyFile(title, system, inputs, outputs)
+
+
+@contextmanager
+def _placed(document: Document) -> Iterator[None]:
+    """Give an error whose place is a path in the system its line in the file."""
+    try:
+        yield
+    except InputError as error:
+        if error.place.startswith(f"{document.file}, line "):
+            raise
+        place = document.place(*error.place.split("."))
+        raise InputError(place, error.value, error.expected, error.remedy) from None
+
+
+def _tables(general: TableReader, kind: str, keys: tuple[str, ...]) -> dict[str, TableReader]:
+    example = "e" if kind == "inputs" else "u"
+    remedy = f"write [{kind}.{example}]"
+    rows = general.table(kind, f"a table for each of the {kind}", remedy)
+    if not rows.present:
+        raise general.refused(kind, "none", f"a table for each of the {kind}", remedy)
+    return {
+        checked_name(name, rows.place(name)): rows.table(name, "a table", remedy, keys)
+        for name in rows.present
+    }
+
+
+def _variable(
+    kind: str, name: str, table: TableReader, default: tuple[float, float] | None
+) -> LinguisticVariable:
+    if default is not None and not table.has("range"):
+        low, high = default
+    else:
+        low, high = table.range("range", "1")
+    rows = table.table("sets", "a table of sets", _SETS)
+    sets = {checked_name(label, rows.place(label)): _set(rows, label) for label in rows.present}
+    try:
+        return LinguisticVariable(name, low, high, sets)
+    except InputError as error:
+        raise InputError(
+            f"{kind}.{error.place}", error.value, error.expected, error.remedy
+        ) from None
+
+
+def _set(rows: TableReader, label: str) -> Membership:
+    shapes = ", ".join(_SHAPES)
+    table = rows.table(label, "a table with one shape", _SETS, tuple(_SHAPES))
+    if len(table.present) != 1:
+        shown = ", ".join(table.present) or "no shape"
+        raise rows.refused(label, shown, f"one shape of {shapes}", _SETS)
+    (shape,) = table.present
+    count, make = _SHAPES[shape]
+    written = table.raw(shape)
+    if not isinstance(written, list) or len(written) != count:
+        raise table.refused(
+            shape, shown_value(written), f"a list of {count} numbers",
+            f"write as in {shape} = {list(range(count))}",
+        )  # fmt: skip
+    numbers = [to_si(shown_value(number), "1", table.place(shape)) for number in written]
+    try:
+        return make(*numbers)
+    except InputError as error:
+        raise table.refused(shape, shown_value(written), error.expected, error.remedy) from None
+
+
+def _points(general: TableReader) -> int:
+    written = general.raw("points") if general.has("points") else 101
+    if not isinstance(written, int) or isinstance(written, bool):
+        shown = str(written).lower() if isinstance(written, bool) else shown_value(written)
+        raise general.refused(
+            "points", shown, f"a whole number from {FEWEST_POINTS} to {MOST_POINTS}", "101 is usual"
+        )
+    return written
+
+
+def _rules(general: TableReader) -> tuple[Rule, ...]:
+    rows = general.table("rules", "a table of rules", _RULE)
+    return tuple(parse_rule(name, rows.text(name, "a rule", _RULE)) for name in rows.present)

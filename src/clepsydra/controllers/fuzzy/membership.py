@@ -1,0 +1,192 @@
+"""Membership functions: how far a number belongs to a fuzzy set."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import casadi as ca
+import numpy as np
+
+from clepsydra.base.errors import InputError
+
+#: Beyond this exponent a Gaussian stays at its value there, 1e-304, so that it is never zero.
+_LARGEST_EXPONENT = 700.0
+#: exp(-z) = (exp(-z / 2¹⁰))^(2¹⁰), the inner one by this many terms of its series: to 1e-12.
+_HALVINGS = 10
+_TERMS = 8
+
+
+@dataclass(frozen=True)
+class Trapezoid:
+    """A set that rises from 0 at `foot` to 1 at `top` and falls from `end_of_top` to `end`.
+
+    A triangle has its two tops in one place, a shoulder is open on one side (`left_shoulder`,
+    `right_shoulder`), and where foot and top are one place the edge is upright.
+
+    Parameters
+    ----------
+    foot, top, end_of_top, end : float
+        In rising order; foot and top may both be -∞, end_of_top and end both ∞.
+
+    Raises
+    ------
+    InputError
+        The places are not in order, the set has no width, or it is open where it must not be.
+
+    Examples
+    --------
+    >>> Trapezoid(0.0, 1.0, 2.0, 4.0).degrees([-1.0, 0.25, 1.5, 3.0]).tolist()
+    [0.0, 0.25, 1.0, 0.5]
+    """
+
+    foot: float
+    top: float
+    end_of_top: float
+    end: float
+
+    def __post_init__(self) -> None:
+        places = (self.foot, self.top, self.end_of_top, self.end)
+        ordered = all(a <= b for a, b in pairwise(places))
+        open_ends = (self.foot == -math.inf) == (self.top == -math.inf)
+        open_ends = open_ends and (self.end == math.inf) == (self.end_of_top == math.inf)
+        bounded = math.isfinite(self.top) or math.isfinite(self.end_of_top)
+        if not (ordered and open_ends and bounded and self.foot < self.end):
+            shown = ", ".join(f"{place:g}" for place in places if math.isfinite(place))
+            raise InputError(
+                "fuzzy set", shown, "numbers in rising order that do not all agree",
+                "put them in order, from the left foot to the right one",
+            )  # fmt: skip
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """The places at which the slope changes."""
+        places = (self.foot, self.top, self.end_of_top, self.end)
+        return tuple(place for place in places if math.isfinite(place))
+
+    def degrees(self, x: object) -> np.ndarray:
+        """Return the degrees of membership of numbers [n]."""
+        x = np.asarray(x, dtype=float)
+        found = np.ones_like(x)
+        if self.foot < self.top:
+            found = np.minimum(found, (x - self.foot) * (1.0 / (self.top - self.foot)))
+        if self.end_of_top < self.end:
+            found = np.minimum(found, (self.end - x) * (1.0 / (self.end - self.end_of_top)))
+        return np.where((x < self.foot) | (x > self.end), 0.0, np.maximum(found, 0.0))
+
+    def expression(self, x: ca.SX) -> ca.SX:
+        """Return the degree as an expression that every target computes to the same bit."""
+        edges, upright = [], []
+        if self.foot < self.top:
+            edges.append((x - self.foot) * (1.0 / (self.top - self.foot)))
+        elif math.isfinite(self.foot):
+            upright.append(x >= self.foot)
+        if self.end_of_top < self.end:
+            edges.append((self.end - x) * (1.0 / (self.end - self.end_of_top)))
+        elif math.isfinite(self.end):
+            upright.append(x <= self.end)
+        # d · (1/d), rounded twice, is never above 1: where the edges meet they are the limit.
+        if len(edges) < 2 or self.top < self.end_of_top:
+            edges.append(ca.SX(1))
+        least = edges[0]
+        for edge in edges[1:]:
+            least = ca.fmin(least, edge)
+        degree = ca.fmax(0, least)
+        for condition in upright:
+            degree = ca.if_else(condition, degree, 0)
+        return degree
+
+
+@dataclass(frozen=True)
+class Gaussian:
+    """A set of degree exp(-(x - centre)² / (2 width²)).
+
+    It is computed by additions and multiplications alone, to 12 digits, so that the engine, C and
+    Structured Text agree in every bit; it is nowhere zero.
+
+    Parameters
+    ----------
+    centre, width : float
+        The width is the standard deviation.
+
+    Raises
+    ------
+    InputError
+        The width is not above zero.
+
+    Examples
+    --------
+    >>> Gaussian(0.0, 0.5).degrees([0.0, 0.5]).round(6).tolist()
+    [1.0, 0.606531]
+    """
+
+    centre: float
+    width: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.centre) and 0.0 < self.width < math.inf):
+            raise InputError(
+                "fuzzy set", f"{self.centre:g}, {self.width:g}", "a centre, and a width above zero",
+                "give the standard deviation as the second number",
+            )  # fmt: skip
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """None: it is smooth."""
+        return ()
+
+    def degrees(self, x: object) -> np.ndarray:
+        """Return the degrees of membership of numbers [n]."""
+        distance = (np.asarray(x, dtype=float) - self.centre) / self.width
+        return np.exp(-np.minimum(distance * distance / 2.0, _LARGEST_EXPONENT))
+
+    def expression(self, x: ca.SX) -> ca.SX:
+        """Return the degree as an expression that every target computes to the same bit."""
+        distance = (x - self.centre) * (1.0 / self.width)
+        # Farther away the square would not change the degree, but could overflow.
+        distance = ca.fmin(50.0, ca.fabs(distance))
+        exponent = ca.fmin(_LARGEST_EXPONENT, 0.5 * (distance * distance))
+        part = exponent * 2.0**-_HALVINGS
+        series = ca.SX(1)
+        for n in range(_TERMS, 0, -1):
+            series = 1 - part * (1.0 / n) * series
+        for _ in range(_HALVINGS):
+            series = series * series
+        return series
+
+
+Membership = Trapezoid | Gaussian
+
+
+def triangle(foot: float, top: float, end: float) -> Trapezoid:
+    """Return a triangle.
+
+    Examples
+    --------
+    >>> triangle(-1.0, 0.0, 2.0).degrees([-0.5, 0.5]).tolist()
+    [0.5, 0.75]
+    """
+    return Trapezoid(foot, top, top, end)
+
+
+def left_shoulder(end_of_top: float, end: float) -> Trapezoid:
+    """Return an L-function: 1 left of its first point, 0 right of its second one.
+
+    Examples
+    --------
+    >>> left_shoulder(-0.2, 0.0).degrees([-9.0, -0.1, 0.0]).tolist()
+    [1.0, 0.5, 0.0]
+    """
+    return Trapezoid(-math.inf, -math.inf, end_of_top, end)
+
+
+def right_shoulder(foot: float, top: float) -> Trapezoid:
+    """Return an R-function: 0 left of its first point, 1 right of its second one.
+
+    Examples
+    --------
+    >>> right_shoulder(0.0, 0.2).degrees([0.0, 0.1, 9.0]).tolist()
+    [0.0, 0.5, 1.0]
+    """
+    return Trapezoid(foot, top, math.inf, math.inf)

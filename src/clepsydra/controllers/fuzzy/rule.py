@@ -1,0 +1,277 @@
+"""Rules: if … then …, read from a line of text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from clepsydra.base.errors import InputError
+
+T = TypeVar("T")
+
+_TOKEN = re.compile(r"\s*([A-Za-z][A-Za-z0-9_]*|[()]|\S)")
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_KEYWORDS = ("if", "is", "and", "or", "then")
+_FORM = "write as in if e is N and de is ZO then u is PS"
+
+
+@dataclass(frozen=True)
+class Is:
+    """A variable is a set: its degree of membership.
+
+    Examples
+    --------
+    >>> str(Is("e", "ZO"))
+    'e is ZO'
+    """
+
+    variable: str
+    set: str
+
+    def __str__(self) -> str:
+        return f"{self.variable} is {self.set}"
+
+
+@dataclass(frozen=True)
+class All:
+    """All parts hold: the smallest of their degrees.
+
+    Examples
+    --------
+    >>> str(All((Is("e", "N"), Some((Is("de", "N"), Is("de", "ZO"))))))
+    'e is N and (de is N or de is ZO)'
+    """
+
+    parts: tuple[Condition, ...]
+
+    def __str__(self) -> str:
+        return " and ".join(f"({p})" if isinstance(p, Some) else str(p) for p in self.parts)
+
+
+@dataclass(frozen=True)
+class Some:
+    """Some part holds: the largest of their degrees.
+
+    Examples
+    --------
+    >>> str(Some((Is("e", "N"), Is("e", "P"))))
+    'e is N or e is P'
+    """
+
+    parts: tuple[Condition, ...]
+
+    def __str__(self) -> str:
+        return " or ".join(map(str, self.parts))
+
+
+Condition = Is | All | Some
+
+
+def atoms(condition: Condition) -> Iterator[Is]:
+    """Yield every "variable is set" of a condition.
+
+    Examples
+    --------
+    >>> [atom.set for atom in atoms(All((Is("e", "N"), Is("de", "P"))))]
+    ['N', 'P']
+    """
+    if isinstance(condition, Is):
+        yield condition
+    else:
+        for part in condition.parts:
+            yield from atoms(part)
+
+
+def firing(
+    condition: Condition,
+    degrees: Mapping[tuple[str, str], T],
+    least: Callable[[T, T], T],
+    greatest: Callable[[T, T], T],
+) -> T:
+    """Return how far a condition holds: AND by the smallest, OR by the largest degree.
+
+    Parameters
+    ----------
+    condition : Condition
+    degrees : mapping
+        (variable, set) to its degree, of any type.
+    least, greatest : callable
+        The smaller and the larger of two degrees.
+
+    Examples
+    --------
+    >>> firing(All((Is("e", "N"), Is("de", "P"))), {("e", "N"): 0.7, ("de", "P"): 0.2}, min, max)
+    0.2
+    """
+    if isinstance(condition, Is):
+        return degrees[condition.variable, condition.set]
+    joined = least if isinstance(condition, All) else greatest
+    found = [firing(part, degrees, least, greatest) for part in condition.parts]
+    total = found[0]
+    for value in found[1:]:
+        total = joined(total, value)
+    return total
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A rule: where the condition holds, each output is its set.
+
+    Parameters
+    ----------
+    name : str
+    condition : Condition
+    conclusions : tuple of Is
+        An output and one of its sets, each output once.
+
+    Examples
+    --------
+    >>> rule = parse_rule("R1", "if e is N and de is ZO then u is PS and v is NS")
+    >>> rule.condition, len(rule.conclusions)
+    (All(parts=(Is(variable='e', set='N'), Is(variable='de', set='ZO'))), 2)
+    """
+
+    name: str
+    condition: Condition
+    conclusions: tuple[Is, ...]
+
+    def __str__(self) -> str:
+        return f"if {self.condition} then {' and '.join(map(str, self.conclusions))}"
+
+
+def parse_rule(name: str, text: str) -> Rule:
+    """Read a rule: ``if e is N and (de is N or de is ZO) then u is PS and v is NS``.
+
+    AND binds closer than OR; parentheses group. Keywords may be in capitals.
+
+    Parameters
+    ----------
+    name : str
+    text : str
+
+    Raises
+    ------
+    InputError
+        It is no such rule, or an output is concluded twice.
+
+    Examples
+    --------
+    >>> str(parse_rule("R1", "IF a is X or b is Y and c is Z THEN u is W").condition)
+    'a is X or b is Y and c is Z'
+    """
+    return _Parser(name, text).rule()
+
+
+class _Parser:
+    def __init__(self, name: str, text: str) -> None:
+        self.name = name
+        self.tokens = [match[1] for match in _TOKEN.finditer(text)]
+        self.next = 0
+
+    def rule(self) -> Rule:
+        self._expect("if")
+        condition = self._some()
+        self._expect("then")
+        conclusions = [self._is()]
+        while self._take("and"):
+            conclusions.append(self._is())
+        if self.next < len(self.tokens):
+            raise self._error("the end of the rule, or and")
+        outputs = [each.variable for each in conclusions]
+        for output in outputs:
+            if outputs.count(output) > 1:
+                raise InputError(
+                    f"rules.{self.name}", f"{output} twice", "each output once in a rule",
+                    "write a rule for each",
+                )  # fmt: skip
+        return Rule(self.name, condition, tuple(conclusions))
+
+    def _some(self) -> Condition:
+        parts = [self._all()]
+        while self._take("or"):
+            parts.append(self._all())
+        return parts[0] if len(parts) == 1 else Some(tuple(parts))
+
+    def _all(self) -> Condition:
+        parts = [self._part()]
+        while self._take("and"):
+            parts.append(self._part())
+        return parts[0] if len(parts) == 1 else All(tuple(parts))
+
+    def _part(self) -> Condition:
+        if not self._take("("):
+            return self._is()
+        inner = self._some()
+        self._expect(")")
+        return inner
+
+    def _is(self) -> Is:
+        variable = self._name("the name of a variable")
+        self._expect("is")
+        return Is(variable, self._name("the name of a set"))
+
+    def _name(self, expected: str) -> str:
+        token = self._token
+        if not _NAME.fullmatch(token) or token.lower() in _KEYWORDS:
+            raise self._error(expected)
+        self.next += 1
+        return token
+
+    @property
+    def _token(self) -> str:
+        return self.tokens[self.next] if self.next < len(self.tokens) else ""
+
+    def _take(self, token: str) -> bool:
+        found = self._token.lower() == token
+        self.next += found
+        return found
+
+    def _expect(self, token: str) -> None:
+        if not self._take(token):
+            raise self._error(token)
+
+    def _error(self, expected: str) -> InputError:
+        before = " ".join(self.tokens[max(0, self.next - 3) : self.next])
+        shown = self._token[:40] or "the end"
+        return InputError(
+            f"rules.{self.name}",
+            f"{shown} after {before[-40:]}" if before else shown,
+            expected,
+            _FORM,
+        )
+
+
+def rule_table(
+    prefix: str,
+    rows: tuple[str, Sequence[str]],
+    columns: tuple[str, Sequence[str]],
+    cells: Sequence[Sequence[Mapping[str, str]]],
+) -> tuple[Rule, ...]:
+    """Return a rule for each cell of a table of two inputs.
+
+    Parameters
+    ----------
+    prefix : str
+        Of the rules' names, which are numbered row by row.
+    rows, columns : (variable, sets)
+    cells : sequence of sequences of mappings
+        Output to its set, one mapping for each row and column.
+
+    Examples
+    --------
+    >>> for rule in rule_table("R", ("e", ["N", "P"]), ("de", ["N"]), [[{"u": "S"}], [{"u": "L"}]]):
+    ...     print(rule.name, rule)
+    R1 if e is N and de is N then u is S
+    R2 if e is P and de is N then u is L
+    """
+    pairs = [
+        (All((Is(rows[0], row), Is(columns[0], column))), cells[i][j])
+        for i, row in enumerate(rows[1])
+        for j, column in enumerate(columns[1])
+    ]
+    return tuple(
+        Rule(f"{prefix}{number}", condition, tuple(Is(*pair) for pair in cell.items()))
+        for number, (condition, cell) in enumerate(pairs, start=1)
+    )
