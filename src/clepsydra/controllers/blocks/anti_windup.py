@@ -16,6 +16,8 @@ IN_WORDS: dict[str, str] = {
     "back_calculation": "back-calculation: the integral follows what was applied",
     "conditional_integration": "conditional integration: stops where it would push on into a limit",
     "clamping": "clamping: the integral is kept within the output's limits",
+    "variable_structure": "variable structure: while the error pushes on into a limit, the "
+    "integral lets the excess die away",
     "none": "none",
 }
 
@@ -57,7 +59,7 @@ def conditional_integration(
 
     References
     ----------
-    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, section 3.5.
+    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, chapter 3.
 
     Examples
     --------
@@ -83,7 +85,7 @@ def back_calculation(
 
     References
     ----------
-    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, section 3.5.
+    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, chapter 3.
 
     Examples
     --------
@@ -108,8 +110,8 @@ def clamping(integral: ca.SX, increment: ca.SX, low: ca.SX, high: ca.SX) -> ca.S
 
     References
     ----------
-    A. Visioli, Practical PID Control, Springer 2006, section 3.3,
-    doi 10.1007/1-84628-586-0.
+    A. Visioli, Practical PID Control, Springer 2006, chapter 3,
+    doi 10.1007/1-84628-586-0_3.
 
     Examples
     --------

@@ -1,0 +1,180 @@
+"""An observer that runs the equations of the process themselves, corrected by a constant gain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.validity import is_number, is_time_step
+from clepsydra.linear.lie_derivatives import InputAffineEquations
+from clepsydra.program.step_law import Symbols
+
+
+@dataclass(frozen=True, eq=False)
+class ModelObserver:
+    """x̂c = x̂ + M (y − h(x̂)) now, and x̂ in the next sample by dx/dt = f(x, u).
+
+    Unlike a linear observer it holds away from the operating point too, in an empty tank for
+    one; only its gain is that of the operating point.
+
+    Parameters
+    ----------
+    equations : InputAffineEquations
+    estimated : tuple of str [N]
+        States that act on each other and on nothing else that is not constant.
+    measurements : tuple of str [p]
+    corrected : ndarray of bool [N, p]
+        Where M has numbers.
+
+    Raises
+    ------
+    InputError
+        An estimated state depends on one that is not estimated.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.linear.lie_derivatives import input_affine_equations
+    >>> from clepsydra.process.reader import load_process
+    >>> equations = input_affine_equations(analyse(load_process("quadruple-tank")).model)
+    >>> observer = ModelObserver(equations, equations.states, ("level_1", "level_2"),
+    ...                          np.ones((4, 2), bool))
+    >>> [signal.name for signal in observer.state()]
+    ['estimate_1', 'estimate_2', 'estimate_3', 'estimate_4']
+    """
+
+    equations: InputAffineEquations
+    estimated: tuple[str, ...]
+    measurements: tuple[str, ...]
+    corrected: np.ndarray
+
+    def __post_init__(self) -> None:
+        others = [name for name in self.equations.states if name not in self.estimated]
+        for name in others:
+            place = self.equations.states.index(name)
+            if ca.depends_on(self._rates, self.equations.state[place]):
+                raise InputError(
+                    "observer, estimated",
+                    ", ".join(self.estimated),
+                    f"{name} too, which acts on them",
+                    "estimate it as well",
+                )
+
+    @property
+    def _places(self) -> list[int]:
+        return [self.equations.states.index(name) for name in self.estimated]
+
+    @property
+    def _rates(self) -> ca.SX:
+        return self.equations.rates[self._places]
+
+    @property
+    def expressions(self) -> list[ca.SX]:
+        """What it computes with: whoever writes the law gives it the constants in them."""
+        return [self._rates, *(self.equations.reading(name) for name in self.measurements)]
+
+    def parameters(self) -> list[Signal]:
+        """Return correction_j_k."""
+        process = self.equations.point.process
+        return [
+            signals.gain(
+                f"correction_{j + 1}_{k + 1}",
+                signals.ratio_of_units(
+                    process.signal(self.estimated[j]).unit,
+                    process.signal(self.measurements[k]).unit,
+                ),
+                0.0,
+                f"what {self.measurements[k]} not as estimated does to {self.estimated[j]}",
+            )
+            for j, k in np.argwhere(self.corrected)
+        ]
+
+    def values(self, correction: np.ndarray) -> dict[str, float]:
+        """Return the values of the parameters from M."""
+        return {
+            f"correction_{j + 1}_{k + 1}": float(correction[j, k])
+            for j, k in np.argwhere(self.corrected)
+        }
+
+    def state(self) -> list[Signal]:
+        """Return estimate_j, expected in the next sample."""
+        process = self.equations.point.process
+        return [
+            signals.like(process.signal(name), f"estimate_{j}", f"expected {name}")
+            for j, name in enumerate(self.estimated, start=1)
+        ]
+
+    def corrected_estimate(
+        self,
+        symbols: Symbols,
+        measured: Sequence[ca.SX],
+        known: ca.SX,
+        read: Callable[[Sequence[ca.SX]], list[ca.SX]],
+    ) -> list[ca.SX]:
+        """Return x̂ with the measurements of this sample, or as expected where these are unusable.
+
+        Parameters
+        ----------
+        symbols : mapping
+            estimate_j and correction_j_k.
+        measured : sequence of casadi.SX [p]
+        known : casadi.SX
+            Whether they are numbers from sound sensors.
+        read : callable
+            h: takes x̂ and returns what the sensors would show.
+        """
+        expected = [symbols[f"estimate_{j}"] for j in range(1, len(self.estimated) + 1)]
+        surprise = [
+            ca.if_else(known, value - reading, 0)
+            for value, reading in zip(measured, read(expected), strict=True)
+        ]
+        found = []
+        for j, value in enumerate(expected):
+            for k in np.flatnonzero(self.corrected[j]).tolist():
+                value = value + symbols[f"correction_{j + 1}_{k + 1}"] * surprise[k]
+            found.append(value)
+        return found
+
+    def expected_next(
+        self,
+        symbols: Symbols,
+        estimate: Sequence[ca.SX],
+        rates: Callable[[Sequence[ca.SX]], list[ca.SX]],
+    ) -> dict[str, ca.SX]:
+        """Return estimate_j of the next sample by one step of the classical Runge-Kutta method.
+
+        Parameters
+        ----------
+        symbols : mapping
+            estimate_j and time_step.
+        estimate : sequence of casadi.SX [N]
+            Corrected.
+        rates : callable
+            f: takes x̂ and returns dx̂/dt under the inputs that were really given out.
+        """
+        good = is_time_step(symbols["time_step"])
+        step = ca.if_else(good, symbols["time_step"], 1)
+
+        def moved(slopes: Sequence[ca.SX], time: ca.SX) -> list[ca.SX]:
+            return [x + time * slope for x, slope in zip(estimate, slopes, strict=True)]
+
+        half = 0.5 * step
+        first = rates(estimate)
+        second = rates(moved(first, half))
+        third = rates(moved(second, half))
+        fourth = rates(moved(third, step))
+        slopes = [
+            (a + 2 * (b + c) + d) / 6
+            for a, b, c, d in zip(first, second, third, fourth, strict=True)
+        ]
+        following = {}
+        for j, end in enumerate(moved(slopes, step), start=1):
+            usable = ca.logic_and(good, is_number(end))
+            following[f"estimate_{j}"] = ca.if_else(usable, end, symbols[f"estimate_{j}"])
+        return following

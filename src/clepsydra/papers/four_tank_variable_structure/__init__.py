@@ -1,0 +1,1 @@
+"""Four tanks with input constraint under variable-structure PID, document 002."""

@@ -1,0 +1,216 @@
+"""The rig of the document, its controllers, and runs that fill it from empty."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.virtual_input import AlphaOn, VirtualAntiWindup
+from clepsydra.design.feedback_linearisation import feedback_linearisation_controller
+from clepsydra.design.loops.detuning import as_given
+from clepsydra.design.loops.multiloop import MultiloopPid
+from clepsydra.design.loops.pid_settings import PidSettings
+from clepsydra.design.variable_structure_pid import with_variable_structure
+from clepsydra.design.virtual_settings import VirtualSettings
+from clepsydra.engine.kernel import Kernel
+from clepsydra.linear.analysis import Analysis, analyse
+from clepsydra.linear.relative_degree import relative_degree
+from clepsydra.loop.closed_loop import closed_loop
+from clepsydra.loop.loop import Loop
+from clepsydra.process.process import Process
+from clepsydra.process.reader import load_process
+from clepsydra.scores.step_response import overshoot, rise_time, settling_time
+
+#: Levels that the document's figures go to [m], and what the sensors read there per metre [V/m].
+TARGET = (0.124, 0.127)
+VOLTS_PER_METRE = 50.0
+#: Johansson's PI controllers, in volts per volt.
+SETTINGS = (PidSettings(3.0, 30.0), PidSettings(2.7, 40.0))
+#: The document's α; in volts it acts on a level in centimetres, so that here it counts k_c.
+ALPHA = 0.1
+DURATION = 600.0
+#: One sample in so many is kept.
+KEPT = 2
+
+WAYS = {
+    "none": "output limited only",
+    "clamping": "clamping",
+    "conditional_integration": "conditional integration",
+    "back_calculation": "back-calculation",
+    "variable_structure": "variable structure, α = 0.1",
+}
+
+
+@cache
+def plant(variant: str = "minimum-phase") -> Process:
+    """Return P− or P+."""
+    return load_process(Path(__file__).with_name("four-tanks.toml"), variant)
+
+
+@cache
+def at_target(levels: tuple[float, float] = TARGET) -> Analysis:
+    """Return P− at rest at two lower levels [m]."""
+    wanted = {f"level_{j}": VOLTS_PER_METRE * level for j, level in enumerate(levels, start=1)}
+    return analyse(plant(), outputs=wanted)
+
+
+@cache
+def in_volts(way: str, alpha: float = ALPHA) -> Controller:
+    """Return Johansson's PI controllers in volts, with one of the `WAYS` against windup."""
+    analysis = at_target()
+    plain = "none" if way == "variable_structure" else way
+    form = PidForm(anti_windup=plain)  # type: ignore[arg-type]
+    together = MultiloopPid(analysis.model, analysis.pairing, form, "Johansson")
+    found = as_given(SETTINGS, together.peak, "Johansson", "his settings")
+    controller = together.controller(found, "As Johansson", ())
+    if way != "variable_structure":
+        return controller
+    return with_variable_structure(controller, form, [alpha, alpha], analysis.model)
+
+
+@cache
+def in_nu(
+    way: VirtualAntiWindup, alpha: float = ALPHA, alpha_on: AlphaOn = "virtual"
+) -> Controller:
+    """Return the linearised process under PI controllers of ν, M = 0 and P = I.
+
+    The PI controllers are Johansson's, so that near the target a volt of error moves the pumps
+    as in volts: Kp = E K. α is in 1/s, or with ``alpha_on="input"`` in cm/s² per volt.
+    """
+    model = at_target().model
+    linearised = relative_degree(model)
+    effects = np.diag(linearised.at_point)
+    settings = [
+        VirtualSettings(effect * each.gain, effect * each.gain / each.integral_time)
+        for effect, each in zip(effects, SETTINGS, strict=True)
+    ]
+    rates = [alpha] * 2
+    if way == "back_calculation":
+        rates = [1.0 / each.integral_time for each in SETTINGS]
+    if alpha_on == "input":
+        rates = [alpha * VOLTS_PER_METRE / 100.0] * 2
+    return feedback_linearisation_controller(
+        model, linearised, settings, anti_windup=way, rates=rates, alpha_on=alpha_on
+    )
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Filling:
+    """Runs from empty to a target, one lane each.
+
+    Parameters
+    ----------
+    time : ndarray [samples]
+        [s]
+    values : dict
+        Signal to trajectories [lanes, samples], SI.
+    target : tuple of float
+        [m]
+    """
+
+    time: np.ndarray
+    values: dict[str, np.ndarray]
+    target: tuple[float, float]
+
+    def level(self, tank: int, lane: int = 0) -> np.ndarray:
+        """Return a level [cm]."""
+        return 100.0 * self.values[f"tank_{tank}.level"][lane]
+
+    def voltage(self, pump: int, lane: int = 0) -> np.ndarray:
+        """Return a voltage [V]."""
+        return self.values[f"pump_{pump}"][lane]
+
+    def overshoot(self, tank: int, lane: int = 0) -> float:
+        """Return the overshoot of a lower level [%]."""
+        return overshoot(self.time, self.level(tank, lane), 0.0, 100.0 * self.target[tank - 1])
+
+    def rise(self, tank: int, lane: int = 0) -> float:
+        """Return the time of a lower level from 10 % to 90 % [s]."""
+        return rise_time(self.time, self.level(tank, lane), 0.0, 100.0 * self.target[tank - 1])
+
+    def settling(self, tank: int, lane: int = 0) -> float:
+        """Return the settling time of a lower level to 2 % [s]."""
+        target = 100.0 * self.target[tank - 1]
+        return settling_time(self.time, self.level(tank, lane), 0.0, target, band=0.02)
+
+    def absolute_error(self, tank: int, lane: int = 0) -> float:
+        """Return the integral of the absolute error of a lower level [cm s]."""
+        error = np.abs(100.0 * self.target[tank - 1] - self.level(tank, lane))
+        return float(np.trapezoid(error, self.time))
+
+    def saturated(self, pump: int, limit: float, lane: int = 0) -> float:
+        """Return how long a pump stands at one of its limits [s]."""
+        voltage = self.voltage(pump, lane)
+        step = float(self.time[1] - self.time[0])
+        return float(np.sum((voltage >= limit) | (voltage <= 0.0))) * step
+
+    def pumped(self, lane: int = 0, until: float = DURATION) -> float:
+        """Return the volume that both pumps lift [l]."""
+        step = float(self.time[1] - self.time[0])
+        gains = [plant().signal(f"pump_{pump}.gain").initial for pump in (1, 2)]
+        seen = self.time < until
+        return (
+            1e3
+            * step
+            * sum(
+                gain * float(np.sum(self.voltage(pump, lane)[seen]))
+                for pump, gain in zip((1, 2), gains, strict=True)
+            )
+        )
+
+    def electric(self, lane: int = 0) -> float:
+        """Return what the motors take, in proportion to the voltage squared [V² s]."""
+        step = float(self.time[1] - self.time[0])
+        return step * sum(float(np.sum(self.voltage(pump, lane) ** 2)) for pump in (1, 2))
+
+    def spilt(self, lane: int = 0) -> float:
+        """Return what ran over the rims [cm³]."""
+        return 1e6 * sum(float(self.values[f"tank_{j}.spilt"][lane, -1]) for j in range(1, 5))
+
+
+def fill(
+    controller: Controller,
+    limits: float | np.ndarray = 10.0,
+    target: tuple[float, float] = TARGET,
+    parameters: Mapping[str, np.ndarray] | None = None,
+) -> Filling:
+    """Run from empty tanks and standing pumps to a target.
+
+    Parameters
+    ----------
+    controller : Controller
+    limits : float or ndarray [lanes]
+        Upper limits of both pumps [V].
+    target : tuple of float
+        Lower levels [m].
+    parameters : mapping, optional
+        Parameters of the process or "controller." + of the law, [lanes].
+    """
+    loop = Loop(controller, at_target().model)
+    setpoints = {f"level_{j}.setpoint": VOLTS_PER_METRE * h for j, h in enumerate(target, start=1)}
+    program = closed_loop(loop.process, controller, substeps=1, constant=loop.at_rest() | setpoints)
+    empty = (
+        ".level",
+        "controller.integral_",
+        "controller.virtual_integral_",
+        "controller.last_output_",
+        "controller.estimate_",
+    )
+    state: dict[str, float | np.ndarray] = {
+        name: 0.0 if name.endswith(empty[0]) or name.startswith(empty[1:]) else value
+        for name, value in loop.initial_state().items()
+    }
+    given: dict[str, float | np.ndarray] = dict(loop.law_parameters())
+    given |= {f"controller.high_limit_{i}": limits for i in (1, 2)}
+    given |= dict(parameters or {})
+    samples = round(DURATION / loop.process.sampling_period)
+    run = Kernel(program).run(samples, state=state, parameters=given, every=KEPT)
+    values = {signal.name: run.output(signal.name) for signal in program.outputs}
+    time = np.arange(values["pump_1"].shape[1]) * KEPT * loop.process.sampling_period
+    return Filling(time, values, target)

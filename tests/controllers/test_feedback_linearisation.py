@@ -1,0 +1,236 @@
+"""Feedback linearisation: against its equations in NumPy, in every mode, at faults and limits."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.feedback_linearisation import feedback_linearisation_law
+from clepsydra.controllers.virtual_input import ANTI_WINDUPS
+from clepsydra.design.feedback_linearisation import (
+    design_feedback_linearisation,
+    feedback_linearisation_controller,
+)
+from clepsydra.design.virtual_settings import VirtualSettings
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.derivatives import Derivatives
+from clepsydra.linear.relative_degree import relative_degree
+from clepsydra.process.reader import load_process
+
+FULL = Path(__file__).with_name("full-effects.toml")
+VALVE = Path(__file__).with_name("draining-valve.toml")
+SETTINGS = (VirtualSettings(0.08, 0.002), VirtualSettings(0.05, 0.001, 0.6))
+#: Of a range of 10 V.
+BUMP = 1e-9 * 10.0
+BY_HAND = ("manual", "tracking")
+
+
+@cache
+def full(anti_windup="variable_structure", alpha_on="virtual"):
+    model = analyse(load_process(FULL)).model
+    return feedback_linearisation_controller(
+        model, relative_degree(model), SETTINGS, anti_windup=anti_windup, rates=[0.2, 0.3],
+        alpha_on=alpha_on,
+    )  # fmt: skip
+
+
+class Rig:
+    """A controller scanned by names, in automatic at rest unless told otherwise."""
+
+    def __init__(self, controller, process):
+        self.law, self.values = controller.law, dict(controller.values)
+        self.state = {x.name: controller.initial_state[x.name] for x in self.law.state}
+        at = analyse(process).operating_point.as_dict()
+        self.inputs = {signal.name: signal.initial for signal in self.law.inputs}
+        for k, name in enumerate(controller.measurements, start=1):
+            self.inputs |= {f"measurement_{k}": at[name], f"sensor_{k}": 1.0}
+        for j, name in enumerate(controller.setpoints, start=1):
+            self.inputs[f"setpoint_{j}"] = at[name]
+        for i, name in enumerate(controller.manipulated, start=1):
+            self.inputs |= {f"mode_{i}": 1.0, f"manual_{i}": at[name], f"tracking_{i}": at[name]}
+        self.count = len(controller.manipulated)
+
+    def scan(self, **inputs):
+        self.inputs |= inputs
+        function = self.law.function
+        found = function(
+            list(self.state.values()), list(self.inputs.values()),
+            [self.values[p.name] for p in self.law.parameters],
+        )  # fmt: skip
+        self.state = dict(zip(self.state, np.array(found[0]).ravel().tolist(), strict=True))
+        names = [signal.name for signal in self.law.outputs]
+        self.outputs = dict(zip(names, np.array(found[1]).ravel().tolist(), strict=True))
+        return np.array([self.outputs[f"manipulated_{i + 1}"] for i in range(self.count)])
+
+
+@cache
+def derivatives():
+    return Derivatives(load_process(FULL))
+
+
+def linear_parts(levels):
+    """L and E of the two tanks in volts, from the exact derivatives of the process."""
+    still = derivatives().at(np.array(levels) / 40.0, np.zeros(2), np.zeros(0))
+    C = still.measured_by_state
+    return C @ still.rates, C @ still.rates_by_input
+
+
+@pytest.mark.parametrize(
+    ("anti_windup", "alpha_on"),
+    [*((way, "virtual") for way in ANTI_WINDUPS), ("variable_structure", "input")],
+)
+def test_equals_the_equations_in_numpy(anti_windup, alpha_on):
+    controller = full(anti_windup, alpha_on)
+    rig = Rig(controller, load_process(FULL))
+    random = np.random.default_rng(12)
+    gain, integral_gain, weight = (
+        np.array(c) for c in zip(*[s[:3] for s in SETTINGS], strict=True)
+    )
+    y = np.array([rig.inputs["measurement_1"], rig.inputs["measurement_2"]])
+    integral = gain * (1.0 - weight) * y
+    rates, step, cut = np.array([0.2, 0.3]), 0.5, 0
+    pairs = dict(relative_degree(analyse(load_process(FULL)).model).order)
+    assert pairs == {0: 0, 1: 1}
+    for k in range(500):
+        if k % 60 == 0:
+            r = random.uniform(1.0, 11.0, 2)
+        y = np.clip(y + random.normal(scale=0.15, size=2) + 0.06 * (r - y), 0.2, 11.8)
+        u = rig.scan(
+            setpoint_1=r[0], setpoint_2=r[1], measurement_1=y[0], measurement_2=y[1],
+            time_step=step,
+        )  # fmt: skip
+        L, E = linear_parts(y)
+        asked = gain * (weight * r - y) + integral
+        wanted = np.linalg.solve(E, asked - L)
+        applied = np.clip(wanted, 0.0, 10.0)
+        assert u == pytest.approx(applied, abs=1e-9)
+        reached = asked if np.all(wanted == applied) else L + E @ applied
+        cut += int(reached is not asked)
+        increment = step * integral_gain * (r - y)
+        middle = L + E @ np.array([5.0, 5.0])
+        excess = asked - reached
+        winds = (excess != 0.0) & (increment * (asked - middle) > 0.0)
+        if anti_windup == "none":
+            integral = integral + increment
+        elif anti_windup == "conditional_integration":
+            integral = np.where(excess * increment > 0.0, integral, integral + increment)
+        elif anti_windup == "back_calculation":
+            integral = integral + increment - np.minimum(step * rates, 1.0) * excess
+        elif anti_windup == "clamping":
+            ends = np.array(
+                [[L[j] + E[j] @ applied + E[j, j] * (end - applied[j]) for end in (0.0, 10.0)]
+                 for j in (0, 1)]
+            )  # fmt: skip
+            low, high = np.minimum(ends.min(1), integral), np.maximum(ends.max(1), integral)
+            integral = np.clip(integral + increment, low, high)
+        elif alpha_on == "virtual":
+            back = np.minimum(step * rates, 1.0) * excess
+            integral = np.where(winds, integral - back, integral + increment)
+        else:
+            back = np.minimum(np.abs(rates * step * (wanted - applied)), np.abs(excess))
+            integral = np.where(winds, integral - np.sign(excess) * back, integral + increment)
+        found = [rig.state[f"virtual_integral_{j}"] for j in (1, 2)]
+        assert found == pytest.approx(integral, abs=1e-9)
+    assert 30 < cut < 470
+
+
+def test_automatic_takes_over_without_a_bump_whatever_was_before():
+    rig = Rig(full(), load_process(FULL))
+    random = np.random.default_rng(5)
+    last = rig.scan()
+    for k in range(300):
+        modes = [float(random.choice([0.0, 1.0, 2.0, 3.0])) for _ in range(2)]
+        if k % 5 == 0:
+            # Levels and setpoints stand, and no time passes: the modes alone change.
+            last = rig.scan(time_step=1e-12)
+            hands = {
+                f"{what}_{i + 1}": last[i] for i in range(2) for what in ("manual", "tracking")
+            }
+            found = rig.scan(mode_1=modes[0], mode_2=modes[1], time_step=1e-12, **hands)
+            assert found == pytest.approx(last, abs=BUMP)
+        by_hand = {
+            f"{what}_{i}": random.uniform(2.0, 8.0)
+            for i in (1, 2)
+            for what in ("manual", "tracking")
+        }
+        last = rig.scan(
+            measurement_1=random.uniform(4.0, 8.0), measurement_2=random.uniform(4.0, 8.0),
+            setpoint_1=random.uniform(4.0, 8.0), time_step=1.0, **by_hand,
+        )  # fmt: skip
+
+
+def test_gains_change_without_a_bump():
+    rig = Rig(full("none"), load_process(FULL))
+    rig.scan(setpoint_1=6.0, measurement_1=5.0, measurement_2=6.5, time_step=1.0)
+    last = rig.scan(time_step=1e-12)
+    for name, factor in (("virtual_gain_1", 1.7), ("setpoint_weight_2", 0.5)):
+        rig.values[name] *= factor
+        assert rig.scan(time_step=1e-12) == pytest.approx(last, abs=BUMP)
+
+
+def test_a_pump_by_hand_stands_and_the_other_output_is_still_exact():
+    """E₂₁ u₁ + E₂₂ u₂ + L₂ = ν₂ with u₁ given by the operator."""
+    rig = Rig(full("none"), load_process(FULL))
+    rig.scan(mode_1=0.0, manual_1=6.3, time_step=1.0)
+    before = rig.state["virtual_integral_2"]
+    y = np.array([5.0, 6.0])
+    u = rig.scan(measurement_1=y[0], measurement_2=y[1], setpoint_2=6.4)
+    L, E = linear_parts(y)
+    asked = SETTINGS[1].gain * (SETTINGS[1].setpoint_weight * 6.4 - y[1]) + before
+    assert u[0] == 6.3
+    assert 0.0 < u[1] < 10.0
+    assert L[1] + E[1] @ u == pytest.approx(asked, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [{"sensor_2": 0.0}, {"measurement_1": np.nan}, {"setpoint_1": np.inf}, {"time_step": 0.0},
+     {"time_step": np.nan}],
+)  # fmt: skip
+def test_a_fault_holds_both_pumps_and_the_way_back_has_no_bump(fault):
+    rig = Rig(full(), load_process(FULL))
+    last = rig.scan(setpoint_1=7.0, measurement_2=6.0, time_step=1.0)
+    sound = dict(rig.inputs)
+    assert rig.scan(**fault) == pytest.approx(last, abs=0.0)
+    assert np.all(np.isfinite(list(rig.state.values())))
+    assert rig.scan(**(sound | {"time_step": 1e-12})) == pytest.approx(last, abs=BUMP)
+
+
+def test_an_empty_tank_divides_by_nothing_and_shuts_the_valve():
+    """E = −k √h / A vanishes with the level: the law asks for its limit, in the right sense."""
+    process = load_process(VALVE)
+    model = analyse(process).model
+    found = relative_degree(model)
+    assert found.equations.at(found.decoupling, np.zeros(1))[0, 0] == 0.0
+    controller = design_feedback_linearisation(model)
+    rig = Rig(controller, process)
+    rig.scan(time_step=1.0)
+    with np.errstate(all="raise"):
+        shut = rig.scan(measurement_1=0.0)
+        again = rig.scan(measurement_1=0.0)
+    assert shut == again == [0.0]
+    assert np.all(np.isfinite(list(rig.state.values())))
+    # Full, it opens.
+    assert rig.scan(measurement_1=1.99) == [1.0]
+
+
+def test_no_parameter_of_the_model_can_be_set_to_zero():
+    controller = full()
+    with pytest.raises(InputError, match="model_tank_1_area"):
+        replace(controller, values=controller.values | {"model_tank_1_area": 0.0})
+
+
+def test_a_state_that_nobody_measures_is_named():
+    process = load_process("wet-well")
+    with pytest.raises(InputError, match=r"duty\.actual"):
+        feedback_linearisation_law(relative_degree(analyse(process).model))
+
+
+@pytest.mark.parametrize("wrong", [{"anti_windup": "off"}, {"alpha_on": "volts"}])
+def test_unknown_names_are_refused(wrong):
+    found = relative_degree(analyse(load_process("quadruple-tank")).model)
+    with pytest.raises(InputError, match="correct the name"):
+        feedback_linearisation_law(found, **wrong)

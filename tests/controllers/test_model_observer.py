@@ -1,0 +1,95 @@
+"""The observer that runs the process: against SciPy, and its correction against the matrix."""
+
+import numpy as np
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.feedback_linearisation import feedback_linearisation_law
+from clepsydra.controllers.observers.model_observer import ModelObserver
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.lie_derivatives import input_affine_equations
+from clepsydra.linear.relative_degree import relative_degree
+from clepsydra.process.reader import load_process
+
+MEASURED = ("level_1", "level_2")
+CORRECTION = 1e-3 * np.array([[4.0, 0.1], [0.2, 3.0], [1.0, 0.5], [-0.3, 0.7]])
+
+
+@pytest.fixture(scope="module")
+def scanned():
+    """The law of four tanks with two sensors, its parameters, and a scan by names."""
+    process = load_process("quadruple-tank")
+    found = relative_degree(analyse(process).model)
+    equations = found.equations
+    observer = ModelObserver(equations, equations.states, MEASURED, CORRECTION != 0.0)
+    law = feedback_linearisation_law(found, observer=observer)
+    values = {parameter.name: parameter.initial for parameter in law.parameters}
+
+    def scan(state, correction, **inputs):
+        given = {signal.name: signal.initial for signal in law.inputs} | {
+            "mode_1": 0.0, "mode_2": 0.0, "time_step": 2.0,
+        } | inputs  # fmt: skip
+        numbers = values | observer.values(correction)
+        start = {entry.name: 0.0 for entry in law.state}
+        start |= {f"estimate_{k}": x for k, x in enumerate(state, start=1)}
+        following, _, _ = law.function(
+            list(start.values()), [given[s.name] for s in law.inputs],
+            [numbers[p.name] for p in law.parameters],
+        )  # fmt: skip
+        after = dict(zip(start, np.array(following).ravel(), strict=True))
+        return np.array([after[f"estimate_{k}"] for k in range(1, 5)])
+
+    return scan
+
+
+def integrated(state, u, time):
+    from scipy.integrate import solve_ivp
+
+    process = load_process("quadruple-tank")
+    parameters = process.parameter_values
+    run = solve_ivp(
+        lambda _, x: np.array(process.dynamics(x, u, np.zeros(2), parameters)).ravel(),
+        (0.0, time), state, "DOP853", rtol=1e-12, atol=1e-14,
+    )  # fmt: skip
+    return run.y[:, -1]
+
+
+@pytest.mark.parametrize("start", [[0.12, 0.13, 0.02, 0.015], [0.05, 0.01, 0.1, 0.08]])
+def test_it_goes_on_as_the_process_does(scanned, start):
+    """What is by hand is what it hears of; a step of 2 s of time constants above 20 s."""
+    state = np.array(start)
+    for u in ([3.0, 3.0], [6.0, 1.0], [0.0, 9.0]):
+        found = scanned(
+            state, 0.0 * CORRECTION, manual_1=u[0], manual_2=u[1],
+            measurement_1=0.0, measurement_2=0.0,
+        )  # fmt: skip
+        expected = integrated(state, u, 2.0)
+        assert found == pytest.approx(expected, abs=1e-7)
+        # A hundredth of what happened in the step at most.
+        assert np.max(np.abs(expected - state)) > 1e-5
+        state = expected
+
+
+def test_a_surprise_corrects_it_by_the_matrix(scanned):
+    state, y = np.array([0.12, 0.13, 0.02, 0.015]), np.array([6.3, 6.1])
+    hand = {"manual_1": 4.0, "manual_2": 2.0}
+    found = scanned(state, CORRECTION, measurement_1=y[0], measurement_2=y[1], **hand)
+    corrected = state + CORRECTION @ (y - 50.0 * state[:2])
+    assert found == pytest.approx(integrated(corrected, [4.0, 2.0], 2.0), abs=1e-8)
+    # A sensor that fails surprises nobody.
+    failed = scanned(
+        state, CORRECTION, measurement_1=y[0], measurement_2=y[1], sensor_1=0.0, **hand
+    )
+    assert failed == pytest.approx(integrated(state, [4.0, 2.0], 2.0), abs=1e-8)
+
+
+def test_an_unusable_time_step_leaves_the_estimate(scanned):
+    state = np.array([0.12, 0.13, 0.02, 0.015])
+    kept = scanned(state, CORRECTION, manual_1=4.0, measurement_1=6.3, time_step=0.0)
+    assert kept.tolist() == state.tolist()
+
+
+def test_a_state_that_acts_on_the_estimated_ones_is_asked_for():
+    equations = input_affine_equations(analyse(load_process("quadruple-tank")).model)
+    with pytest.raises(InputError, match=r"tank_3\.level too"):
+        ModelObserver(equations, ("tank_1.level",), ("level_1",), np.ones((1, 1), bool))

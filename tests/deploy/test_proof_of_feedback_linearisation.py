@@ -1,0 +1,90 @@
+"""Engine, C and Structured Text of feedback linearisation, equal in every bit."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from deployed import all_bits, run_both
+from test_proof import simulated
+from test_proof_of_structures import scans
+
+from clepsydra.controllers.virtual_input import ANTI_WINDUPS
+from clepsydra.design.feedback_linearisation import design_feedback_linearisation
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
+
+FULL = Path(__file__).parents[1] / "controllers" / "full-effects.toml"
+
+
+def proven(controller, folder, spans, seed):
+    """Run the scans of a plant that goes wrong, with levels within the ranges of the sensors."""
+    program = controller.program()
+    inputs = scans(program, seed)
+    for name, column in inputs.items():
+        if name.startswith(("measurement", "setpoint", "manual", "tracking")):
+            # They are made for ranges from 0 to 10.
+            inputs[name] = np.where(np.abs(column) < 100.0, column * spans[name] / 10.0, column)
+    engine = simulated(program, inputs)
+    in_c, in_text = run_both(program, folder, inputs)
+    assert np.isfinite(engine).all()
+    assert np.array_equal(all_bits(engine), all_bits(in_c))
+    assert np.array_equal(all_bits(engine), all_bits(in_text))
+    names = [signal.name for signal in program.outputs]
+    for column, output in enumerate(names):
+        if output.startswith("status"):
+            word = engine[:, column].astype(int)
+            for bit in (1, 2, 4, 8, 16, 32, 64):
+                assert np.any(word & bit) and not np.all(word & bit), (output, bit)
+        else:
+            assert len(np.unique(engine[:, column])) > 100, output
+    for column, entry in enumerate(program.state, start=len(names)):
+        if entry.name.startswith("was_in_force"):
+            assert set(engine[:, column]) == {0.0, 1.0}
+        elif not entry.name.startswith("last_") or entry.name.startswith("last_output"):
+            assert len(np.unique(engine[:, column])) > 50, entry.name
+
+
+def spans_of(controller, process):
+    """The top of the range of each signal of the law."""
+    groups = {
+        "measurement": controller.measurements,
+        "setpoint": controller.setpoints,
+        "manual": controller.manipulated,
+        "tracking": controller.manipulated,
+    }
+    return {
+        f"{what}_{number}": process.signal(name).high
+        for what, names in groups.items()
+        for number, name in enumerate(names, start=1)
+    }
+
+
+@pytest.mark.parametrize("anti_windup", ANTI_WINDUPS)
+def test_every_anti_windup(anti_windup, tmp_path):
+    process = load_process("quadruple-tank")
+    controller = design_feedback_linearisation(analyse(process).model, anti_windup=anti_windup)
+    proven(controller, tmp_path, spans_of(controller, process), seed=3)
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [
+        ("three-tanks", {}),
+        ("quadruple-tank", {"alpha_on": "input"}),
+        (FULL, {}),
+    ],
+    ids=["third-order", "alpha-in-volts", "full-decoupling-matrix"],
+)
+def test_every_shape(name, options, tmp_path):
+    process = load_process(name)
+    controller = design_feedback_linearisation(analyse(process).model, **options)
+    proven(controller, tmp_path, spans_of(controller, process), seed=4)
+
+
+def test_with_an_observer_of_the_process(tmp_path):
+    process = load_process("quadruple-tank")
+    controller = design_feedback_linearisation(
+        analyse(process).model, measurements=["level_1", "level_2"]
+    )
+    assert controller.measurements == ("level_1", "level_2")
+    proven(controller, tmp_path, spans_of(controller, process), seed=5)

@@ -1,0 +1,41 @@
+"""Engine, C and Structured Text of variable-structure PID, equal in every bit."""
+
+import numpy as np
+import pytest
+from deployed import all_bits, run_both
+from test_proof import simulated
+from test_proof_of_structures import scans, uneven
+
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.variable_structure_pid import variable_structure_pid_law
+from clepsydra.program.defaults import with_defaults
+from clepsydra.program.reader import program_of
+
+FORMS = {
+    "isa": PidForm("PID"),
+    "on-error": PidForm("PID", derivative_on="error", remote_setpoint=True),
+    "parallel": PidForm("PI", "parallel"),
+    "series": PidForm("PID", "series", setpoint_ramp=True),
+    "gap": PidForm("PI", error="gap"),
+}
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_every_form(name, tmp_path):
+    program = program_of(variable_structure_pid_law(1, FORMS[name]))
+    values = uneven(program, 7) | {
+        "low_limit_1": 0.0, "high_limit_1": 9.0, "saturation_rate_1": 0.37,
+    }  # fmt: skip
+    program = with_defaults(program, values)
+    inputs = scans(program, seed=8)
+    engine = simulated(program, inputs)
+    in_c, in_text = run_both(program, tmp_path, inputs)
+    assert np.isfinite(engine).all()
+    assert np.array_equal(all_bits(engine), all_bits(in_c))
+    assert np.array_equal(all_bits(engine), all_bits(in_text))
+    word = engine[:, 1].astype(int)
+    for bit in (1, 2, 4, 8, 16, 32, 64):
+        assert np.any(word & bit) and not np.all(word & bit), bit
+    names = [entry.name for entry in program.state]
+    integral = engine[:, len(program.outputs) + names.index("integral_1")]
+    assert len(np.unique(integral)) > 100
