@@ -1,0 +1,1 @@
+"""Loop shaping: the most robust controller of a plant whose loop has been given its shape."""

@@ -1,0 +1,136 @@
+"""Runs of the simulator with a controller: reference step from empty tanks, then two pours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Literal
+
+import numpy as np
+
+from clepsydra.engine.kernel import Kernel
+from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.linear.linearise import linearise
+from clepsydra.loop.closed_loop import closed_loop
+from clepsydra.loop.loop import Loop
+from clepsydra.papers.four_tank_laboratory.controllers import (
+    at_the_simulator,
+    decentralised,
+    robust,
+)
+from clepsydra.papers.four_tank_laboratory.set_ups import (
+    AREA,
+    FULL_LEVEL,
+    MINIMUM,
+    Holes,
+    SetUp,
+    Units,
+    plant,
+)
+from clepsydra.scores.load_response import return_time
+from clepsydra.scores.step_response import overshoot, rise_time
+
+Kind = Literal["decentralised", "robust"]
+
+SEEDS = 32
+#: Both references, share of 25 cm.
+TARGET = 0.6
+#: Poured: 25 % of a tank, in one second.
+POURED = 0.25 * FULL_LEVEL * AREA * 1e-6  # m³
+#: Back within this share of the target counts as recovered; the noise forbids 2 %.
+BAND = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """What both lower levels and both pumps did, for every seed.
+
+    Parameters
+    ----------
+    time : ndarray [t]
+        [s]
+    levels, pumps : ndarray [2, seeds, t]
+        In shares of 25 cm and of 15 V.
+    pours : tuple of int
+        The samples at which water is poured into tank 1 and into tank 2.
+    tripped : float
+        Share of the runs in which the pumps were cut off.
+    """
+
+    time: np.ndarray
+    levels: np.ndarray
+    pumps: np.ndarray
+    pours: tuple[int, int]
+    tripped: float
+
+    def rise(self, tank: int) -> np.ndarray:
+        """Return the rise time of each seed [s]."""
+        return self._each(tank, 0, self.pours[0], lambda t, y: rise_time(t, y, 0.0, TARGET))
+
+    def overshoot(self, tank: int) -> np.ndarray:
+        """Return the overshoot of each seed [% of the target]."""
+        return self._each(tank, 0, self.pours[0], lambda t, y: overshoot(t, y, 0.0, TARGET))
+
+    def recovery(self, tank: int) -> np.ndarray:
+        """Return the time of each seed until the level is back after a pour into its tank [s]."""
+        stops = (self.pours[1], len(self.time))
+        return self._each(
+            tank,
+            self.pours[tank],
+            stops[tank],
+            lambda t, y: return_time(t, y, TARGET, BAND * TARGET),
+        )
+
+    def _each(self, tank: int, start: int, stop: int, score) -> np.ndarray:  # type: ignore[no-untyped-def]
+        part = slice(start, stop)
+        return np.array([score(self.time[part], level[part]) for level in self.levels[tank]])
+
+
+@cache
+def runs(
+    set_up: SetUp, kind: Kind, units: Units, holes: Holes = "report", noisy: bool = True
+) -> Runs:
+    """Run the simulator with a controller, all seeds in one batch.
+
+    Both references step from the empty tanks to 60 %; when all is at rest 6.25 cm are poured
+    into tank 1, and later into tank 2.
+    """
+    process = plant(set_up, units, holes)
+    designed = decentralised(set_up) if kind == "decentralised" else robust(set_up)
+    controller = at_the_simulator(designed, process)
+    period, every = process.sampling_period, 4 if set_up is MINIMUM else 10
+    stretch = 150.0 if set_up is MINIMUM else 800.0
+    each = round(stretch / period)
+    samples = 3 * each
+    loop = Loop(controller, linearise(find_equilibrium(process)))
+    noise = ["pump_1.noise", "pump_2.noise"]
+    given: dict[str, np.ndarray] = {
+        "level_1.setpoint": np.full(samples, TARGET * process.signal("level_1").high / 1.2),
+        "level_2.setpoint": np.full(samples, TARGET * process.signal("level_2").high / 1.2),
+    }
+    second = round(1.0 / period)
+    for tank in (1, 2):
+        given[f"pour_{tank}"] = np.zeros(samples)
+        given[f"pour_{tank}"][tank * each : tank * each + second] = POURED
+    seeds = SEEDS if noisy else 1
+    drawn = np.random.default_rng(4).standard_normal((2, seeds, samples))
+    for name, column in zip(noise, drawn, strict=True):
+        given[name] = column * (process.noise[name] if noisy else 0.0)
+    constant = {name: value for name, value in loop.at_rest().items() if name not in given}
+    program = closed_loop(process, controller, substeps=1, constant=constant)
+    state = loop.initial_state()
+    empty = {entry.name: 0.0 for entry in process.motion.contents}
+    result = Kernel(program, individual=noise).run(
+        samples, inputs=given, state=state | empty, parameters=loop.law_parameters(), every=every
+    )
+    levels = np.array([result.output(f"tank_{tank}.level") for tank in (1, 2)])
+    highs = [process.signal(f"pump_{number}").high for number in (1, 2)]
+    pumps = np.array([result.output(f"pump_{number}") for number in (1, 2)])
+    off = result.output("pump_1.tripped").max(axis=1)
+    return Runs(
+        time=np.arange(levels.shape[2]) * period * every,
+        levels=100.0 * levels / FULL_LEVEL,
+        pumps=pumps / np.array(highs)[:, None, None],
+        pours=(each // every, 2 * each // every),
+        tripped=float(np.mean(off > 0.0)),
+    )

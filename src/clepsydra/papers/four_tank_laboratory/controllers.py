@@ -1,0 +1,179 @@
+"""The controllers of the laboratory: decentralised PI, and Glover-McFarlane on top of it."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+
+from clepsydra.controllers.conditioned_linear import ConditionedMatrices, conditioned_linear_law
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.design.glover_mcfarlane import design_glover_mcfarlane
+from clepsydra.design.loop_shaping.precompensator import Precompensator, sampled_precompensator
+from clepsydra.design.phase_margin import design_phase_margin
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.response import transfer_at
+from clepsydra.papers.four_tank_laboratory.set_ups import (
+    MINIMUM,
+    PHASE_MARGIN,
+    SetUp,
+    course_model,
+)
+from clepsydra.process.process import Process
+
+#: The course's simulator has no anti-windup.
+FORM = PidForm("PI", anti_windup="none")
+#: The decoupling is made proper by a lag of this many times the crossover.
+FILTER = 10.0
+
+
+@cache
+def decentralised(set_up: SetUp) -> Controller:
+    """Return the decentralised PI control, designed in volts.
+
+    Examples
+    --------
+    >>> round(decentralised(MINIMUM).values["proportional_gain_1"], 3)
+    1.74
+    """
+    return design_phase_margin(
+        course_model(set_up),
+        set_up.pairing,
+        form=FORM,
+        phase_margin=PHASE_MARGIN,
+        crossover=set_up.crossover,
+    )
+
+
+@cache
+def robust(set_up: SetUp) -> Controller:
+    """Return the Glover-McFarlane controller in volts, with γ = 1.1 γ_min and of full order."""
+    model = course_model(set_up)
+    if set_up is MINIMUM:
+        shaping: Controller | Precompensator = decentralised(set_up)
+        order = len(model.states) + len(model.inputs)
+    else:
+        shaping = dynamic_decoupling(set_up)
+        order = len(model.states) + len(shaping.system.A)
+    return design_glover_mcfarlane(model, set_up.pairing, precompensator=shaping, order=order)
+
+
+def dynamic_decoupling(set_up: SetUp) -> Precompensator:
+    """Return PI control of both outputs through a dynamic decoupling, as the course has it.
+
+    W = [[w₁₁, 1], [1, w₂₂]] a/(s + a) with w₁₁ = −g₂₂/g₂₁ and w₂₂ = −g₁₁/g₁₂ makes G W
+    diagonal, and the lag a = 10 ω_c makes it proper. Each PI has the phase margin at the
+    crossover of its own element of G W. As det W = det G/(g₁₂ g₂₁), the zero of G in the right
+    half-plane stays.
+    """
+    model = course_model(set_up)
+    times = -1.0 / model.A.diagonal()
+    k = model.B  # rates of the levels per volt: γ k/A on the lower tanks
+    ratios = -k[1, 1] / k[3, 0], -k[0, 0] / k[2, 1]
+    # A₄/(A₂ T₄) leads from tank 4 to tank 2: g₂₂/g₂₁ = k₂₂/k₄₁ (1 + s T₄).
+    leads = times[3], times[2]
+    lag = FILTER * set_up.crossover
+    settings = [
+        _pi(value, set_up.crossover) for value in _decoupled(model, ratios, leads, lag, set_up)
+    ]
+    gains = np.diag([gain for gain, _ in settings])
+    rates = np.diag([gain / time for gain, time in settings])
+    # Integrals x_i' = K/Ti e, v = K e + x_i; filters f' = a (v − f).
+    zero, one = np.zeros((2, 2)), np.eye(2)
+    A = np.block([[zero, zero], [lag * one, -lag * one]])
+    B = np.vstack([rates, lag * gains])
+    # u₁ = w₁₁ f₁ (1 + s T) + f₂ with s f = a (v − f), and u₂ likewise.
+    direct = np.diag([ratio * lead * lag for ratio, lead in zip(ratios, leads, strict=True)])
+    straight = np.diag(ratios) + one[::-1]
+    C = np.hstack([direct, straight - direct])
+    return sampled_precompensator(
+        "PI with dynamic decoupling",
+        (A, B, C, direct @ gains),
+        model.point.process.sampling_period if model.point else math.nan,
+        model.outputs,
+        model.inputs,
+    )
+
+
+def _decoupled(
+    model: LinearModel,
+    ratios: tuple[float, float],
+    leads: tuple[float, float],
+    lag: float,
+    set_up: SetUp,
+) -> list[complex]:
+    """Return the diagonal of G W at the crossover."""
+    s = 1j * set_up.crossover
+    G = transfer_at(model, np.array([s]))[0]
+    w = [ratio * (1.0 + s * lead) for ratio, lead in zip(ratios, leads, strict=True)]
+    W = np.array([[w[0], 1.0], [1.0, w[1]]]) * lag / (s + lag)
+    return [complex(value) for value in np.diag(G @ W)]
+
+
+def _pi(response: complex, crossover: float) -> tuple[float, float]:
+    """Return K and Ti of the PI with the phase margin at the crossover of an element."""
+    lag = math.pi - PHASE_MARGIN + math.atan2(response.imag, response.real)
+    return math.cos(lag) / abs(response), 1.0 / (crossover * math.tan(lag))
+
+
+def at_the_simulator(controller: Controller, process: Process) -> Controller:
+    """Return a controller with the same numbers at the simulator: from rest at zero, unwarned.
+
+    The simulator hands the error to the controller and the output of the controller to the
+    pumps, both in the unit of the process, with no operating point, no anti-windup and zeros in
+    every state. A gain of 1 V/V becomes 1 %/%, three times as much.
+
+    Parameters
+    ----------
+    controller : Controller
+        Designed in volts.
+    process : Process
+        Of the same set-up, in either unit.
+    """
+    measured = [process.signal(name) for name in controller.measurements]
+    manipulated = [process.signal(name) for name in controller.manipulated]
+    if "memory_gain_1_1" in controller.values or "error_gain_1_1" in controller.values:
+        matrices = matrices_of(controller).unconditioned()
+        law = conditioned_linear_law(matrices, measured=measured, manipulated=manipulated)
+        values = matrices.values()
+        for i in range(1, len(manipulated) + 1):
+            values |= {f"bias_{i}": 0.0, f"fading_time_{i}": 1.0}
+    else:
+        law = multiloop_pid_law(len(measured), FORM, measured=measured, manipulated=manipulated)
+        values = dict(controller.values)
+    for i, signal in enumerate(manipulated, start=1):
+        values |= {f"low_limit_{i}": signal.low, f"high_limit_{i}": signal.high}
+    remembered = {f"last_{name}" for name in values}
+    return Controller(
+        name=controller.name,
+        family=controller.family,
+        design=controller.design,
+        law=law,
+        values=values,
+        initial_state={s.name: 0.0 for s in law.state if s.name not in remembered},
+        measurements=controller.measurements,
+        setpoints=controller.setpoints,
+        manipulated=controller.manipulated,
+    )
+
+
+def matrices_of(controller: Controller) -> ConditionedMatrices:
+    """Return the matrices of a controller of the conditioned linear law."""
+    states = sum(entry.name.startswith("memory_") for entry in controller.law.state)
+    outputs, errors = len(controller.manipulated), len(controller.measurements)
+    shapes = {
+        "transition": (states, states),
+        "error_effect": (states, errors),
+        "output_effect": (states, outputs),
+        "memory_gain": (outputs, states),
+        "error_gain": (outputs, errors),
+    }
+    found = {prefix: np.zeros(shape) for prefix, shape in shapes.items()}
+    for name, value in controller.values.items():
+        prefix, row, column = [*name.rsplit("_", 2), "", ""][:3]
+        if prefix in found:
+            found[prefix][int(row) - 1, int(column) - 1] = value
+    return ConditionedMatrices(*found.values())

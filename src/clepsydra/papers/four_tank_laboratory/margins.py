@@ -1,0 +1,212 @@
+"""The margins of the loops at the gain that was designed and at the simulator's three times it."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+
+from clepsydra.design.loop_shaping.coprime_factors import coprime_factors
+from clepsydra.design.loop_shaping.precompensator import Precompensator, precompensator_of
+from clepsydra.design.loop_shaping.robust_controller import robust_controller
+from clepsydra.design.loop_shaping.shaped_plant import shaped_plant
+from clepsydra.linear.static_gain import static_gain
+from clepsydra.papers.comparison import claimed
+from clepsydra.papers.experiment import Findings
+from clepsydra.papers.figure import Curve, Figure, Panel
+from clepsydra.papers.four_tank_laboratory.closed_loop import Kind
+from clepsydra.papers.four_tank_laboratory.controllers import (
+    at_the_simulator,
+    decentralised,
+    dynamic_decoupling,
+    robust,
+)
+from clepsydra.papers.four_tank_laboratory.set_ups import (
+    FULL_LEVEL,
+    FULL_VOLTAGE,
+    MINIMUM,
+    PHASE_MARGIN,
+    SENSOR_GAIN,
+    SET_UPS,
+    SetUp,
+    Units,
+    course_model,
+    plant,
+)
+from clepsydra.papers.row import Row
+from clepsydra.study.warnings.loop_response import LoopResponse, loop_response
+
+#: As designed, and as the simulator has it.
+_UNITS: tuple[Units, ...] = ("volts", "percent")
+_KINDS: tuple[Kind, ...] = ("decentralised", "robust")
+_NAMES = {"decentralised": "PI", "robust": "Glover-McFarlane"}
+
+
+def run() -> Findings:
+    """Compute both, since the simulator hands percent to a controller that was made for volts."""
+    rows = [_gain_of_the_units()]
+    figures = []
+    for set_up in SET_UPS:
+        rows += [_designed(set_up), _norm(set_up)]
+        rows += [_three_times(set_up, kind) for kind in _KINDS]
+        rows.append(_more_robust(set_up))
+        figures.append(_figure(set_up))
+    rows += [_worse(*of) for of in zip(_KINDS, ("Exercise 4.1.2", "Exercise 4.2.3"), strict=True)]
+    return Findings(tuple(rows), tuple(figures))
+
+
+@cache
+def _response(set_up: SetUp, kind: Kind, units: Units) -> LoopResponse:
+    designed = decentralised(set_up) if kind == "decentralised" else robust(set_up)
+    controller = at_the_simulator(designed, plant(set_up, units))
+    return loop_response(controller, course_model(set_up, units))
+
+
+def _gain_of_the_units() -> Row:
+    volts = SENSOR_GAIN * FULL_LEVEL
+    gains = {units: static_gain(course_model(MINIMUM, units))[0, 0] for units in _UNITS}
+    found = gains["percent"] / gains["volts"]
+    return claimed(
+        "Exercises 4.1.1 and 4.2.1", "controllers used in the simulator",
+        "the previous designs, as they are", abs(found - 1.0) < 0.01,
+        f"{found:.3g} times their gain",
+        reason=f"The simulator subtracts levels in percent of {FULL_LEVEL:g} cm, {volts:g} V, and "
+        f"sends the result to the pumps in percent of {FULL_VOLTAGE:g} V: 1 V/V becomes "
+        f"{FULL_VOLTAGE / volts:g} V/V. Figures: the static gain from pump 1 to level 1 in both "
+        "units, which the same controller then meets.",
+    )  # fmt: skip
+
+
+def _designed(set_up: SetUp) -> Row:
+    """Ask of each PI loop by itself whether it has the margin that it was designed for."""
+    model, controller = course_model(set_up), decentralised(set_up)
+    shaped = shaped_plant(model, precompensator_of(controller, model))
+    angles = np.geomspace(1e-5, 0.2, 4000)
+    loops = np.diagonal(shaped.system.response(angles), axis1=1, axis2=2)
+    margins = []
+    for loop in loops.T:
+        place = int(np.flatnonzero(np.abs(loop) > 1.0)[-1])
+        share = math.log(abs(loop[place])) / math.log(abs(loop[place]) / abs(loop[place + 1]))
+        angle = angles[place] * (angles[place + 1] / angles[place]) ** share
+        turned = np.angle(loop[place]) + share * (np.angle(loop[place + 1] / loop[place]))
+        margins.append((math.degrees(math.pi + turned), float(angle) / shaped.period))
+    wanted = math.degrees(PHASE_MARGIN), set_up.crossover
+    return claimed(
+        "Exercise 4.1.1", f"PI in volts, {set_up.phase}, each loop by itself",
+        f"{wanted[0]:.0f}° at {wanted[1]:g} rad/s",
+        all(abs(phase - wanted[0]) < 0.5 and abs(omega / wanted[1] - 1.0) < 0.01
+            for phase, omega in margins),
+        " and ".join(f"{phase:.1f}° at {omega:.3g} rad/s" for phase, omega in margins),
+        reason="Sampled loop at the course's levels; the numbers of the course's exercise, which "
+        "the report leaves out.",
+    )  # fmt: skip
+
+
+def _norm(set_up: SetUp) -> Row:
+    """Ask whether the robust controller keeps the norm that it promises, by a sweep."""
+    model = course_model(set_up)
+    shaping: Precompensator = (
+        precompensator_of(decentralised(set_up), model)
+        if set_up is MINIMUM
+        else dynamic_decoupling(set_up)
+    )
+    shaped = shaped_plant(model, shaping)
+    factors = coprime_factors(shaped.system)
+    controller = robust_controller(factors)
+    angles = np.concatenate([np.geomspace(1e-6, math.pi, 4000), [math.pi]])
+    G, K = shaped.system.response(angles), controller.system.response(angles)
+    one = np.eye(2)
+    sensitivity = np.linalg.inv(one - G @ K)
+    inner = np.concatenate([np.broadcast_to(one, G.shape), G], axis=2)
+    sweep = np.linalg.norm(np.concatenate([K, np.broadcast_to(one, K.shape)], axis=1)
+                           @ sensitivity @ inner, 2, axis=(1, 2)).max()  # fmt: skip
+    closed_form = 1.0 / math.sqrt(1.0 - factors.hankel_singular_values[0] ** 2)
+    return claimed(
+        "Exercise 4.2.2", f"Glover-McFarlane in volts, {set_up.phase}",
+        "guarantees robust stabilisation",
+        bool(factors.smallest_gamma <= sweep <= controller.gamma),
+        f"γ_min = {factors.smallest_gamma:.3f} (by the Hankel norm {closed_form:.3f}), norm "
+        f"{sweep:.3f} below γ = {controller.gamma:.3f}",
+        reason=f"So {100.0 / sweep:.0f} % of the normalised coprime factors of the shaped plant "
+        "can be off. Norm by a sweep over 4000 frequencies.",
+    )  # fmt: skip
+
+
+def _three_times(set_up: SetUp, kind: Kind) -> Row:
+    peaks, margins = {}, {}
+    for units in _UNITS:
+        response = _response(set_up, kind, units)
+        peaks[units] = response.loop.maximum_sensitivity
+        margins[units] = [response.channels[name].phase_margin for name in response.outputs]
+    least = {units: min(margin.value for margin in each) for units, each in margins.items()}
+    words = {
+        units: f"M_s = {peaks[units]:.2f}, "
+        + " and ".join(
+            f"{math.degrees(margin.value):.0f}° at {margin.frequency:.3g} rad/s"
+            for margin in margins[units]
+        )
+        for units in peaks
+    }
+    return claimed(
+        "section 4", f"{_NAMES[kind]}, {set_up.phase}, three times the gain",
+        "as robust as designed",
+        peaks["percent"] <= 1.05 * peaks["volts"] and least["percent"] >= 0.95 * least["volts"],
+        f"designed {words['volts']}; in the simulator {words['percent']}",
+        reason="Phase margin of each level with the other loop closed, M_s of both together, at "
+        "the course's levels.",
+    )  # fmt: skip
+
+
+def _peak(set_up: SetUp, kind: Kind, units: Units) -> float:
+    return _response(set_up, kind, units).loop.maximum_sensitivity
+
+
+def _more_robust(set_up: SetUp) -> Row:
+    peaks = {(kind, units): _peak(set_up, kind, units) for kind in _KINDS for units in _UNITS}
+    return claimed(
+        "Exercise 4.2.2", f"sensitivity peak, {set_up.phase}",
+        "Glover-McFarlane is the more robust",
+        all(peaks["robust", units] <= peaks["decentralised", units] + 5e-3
+            for units in _UNITS),
+        "; ".join(
+            f"in {units} PI {peaks['decentralised', units]:.2f}, Glover-McFarlane "
+            f"{peaks['robust', units]:.2f}"
+            for units in _UNITS
+        ),
+        reason="Largest singular value of the sensitivity over frequency.",
+    )  # fmt: skip
+
+
+def _worse(kind: Kind, place: str) -> Row:
+    peaks = {units: [_peak(set_up, kind, units) for set_up in SET_UPS] for units in _UNITS}
+    return claimed(
+        place, f"robustness, {_NAMES[kind]}", "worse in the non-minimum phase",
+        all(two > one for one, two in peaks.values()),
+        "; ".join(f"M_s in {units} {one:.2f} and {two:.2f}" for units, (one, two) in peaks.items()),
+        reason="Largest singular value of the sensitivity, minimum and non-minimum phase.",
+    )  # fmt: skip
+
+
+def _figure(set_up: SetUp) -> Figure:
+    found = {(kind, units): _response(set_up, kind, units) for kind in _KINDS for units in _UNITS}
+    curves = tuple(
+        Curve(
+            f"{_NAMES[kind]}, {units}",
+            response.frequencies,
+            np.linalg.norm(response.at_output, 2, axis=(1, 2)),
+            "line" if units == "volts" else "dashed",
+        )
+        for (kind, units), response in found.items()
+    )
+    return Figure(
+        "",
+        f"Sensitivity of both loops together, {set_up.phase}",
+        (
+            Panel(
+                "", "largest singular value of S", curves, x_label="frequency [rad/s]",
+                logarithmic_x=True, logarithmic_y=True,
+            ),
+        ),
+        "As designed in volts, and in the simulator's percent.",
+    )  # fmt: skip

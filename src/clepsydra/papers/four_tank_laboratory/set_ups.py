@@ -1,0 +1,130 @@
+"""The two set-ups of the laboratory: their processes, models and printed numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Literal
+
+import numpy as np
+
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import linearise
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.process.process import Process
+from clepsydra.process.reader import load_process
+
+Units = Literal["percent", "volts"]
+Holes = Literal["report", "fitted"]
+
+#: Level that counts as 100 %, and voltage of a pump that does.
+FULL_LEVEL, FULL_VOLTAGE = 25.0, 15.0  # cm, V
+#: Cross-section of every tank, acceleration of gravity.
+AREA, GRAVITY = 15.5179, 981.0  # cm², cm/s²
+#: k_c [V/cm], k [cm³/(s V)].
+SENSOR_GAIN, PUMP_GAINS = 0.2, (4.32, 3.74)
+#: The phase margin of every decentralised loop [rad].
+PHASE_MARGIN = np.pi / 3.0
+
+
+@dataclass(frozen=True)
+class SetUp:
+    """One of the two ways in which the valves can stand.
+
+    Parameters
+    ----------
+    phase : str
+        "minimum phase" or "non-minimum phase".
+    process : str
+        Of the catalogue.
+    split : float
+        γ of both valves.
+    course_levels : tuple of float
+        Around which the course's model is linear [cm].
+    pairing : tuple of (output, input)
+    crossover : float
+        [rad/s]
+    voltages : tuple of float
+        Of the two pumps at the printed levels [V].
+    levels : tuple of str
+        Of Table 1 or 2, as printed [cm].
+    holes : tuple of str
+        (22) to (25), as printed [cm²].
+    """
+
+    phase: str
+    process: str
+    split: float
+    course_levels: tuple[float, ...]
+    pairing: tuple[tuple[str, str], ...]
+    crossover: float
+    voltages: tuple[float, float]
+    levels: tuple[str, ...]
+    holes: tuple[str, ...]
+
+
+MINIMUM = SetUp(
+    phase="minimum phase",
+    process="laboratory-four-tanks",
+    split=0.625,
+    course_levels=(18.0, 18.0, 14.0, 19.0),
+    pairing=(("level_1", "pump_1"), ("level_2", "pump_2")),
+    crossover=0.1,
+    voltages=(7.5, 7.5),
+    levels=("19.775", "27.325", "13.9", "23.5"),
+    holes=("0.1563", "0.1283", "0.0637", "0.0566"),
+)
+NON_MINIMUM = SetUp(
+    phase="non-minimum phase",
+    process="laboratory-four-tanks-nonminimum-phase",
+    split=0.375,
+    course_levels=(17.0, 20.0, 7.5, 7.0),
+    pairing=(("level_1", "pump_2"), ("level_2", "pump_1")),
+    crossover=0.02,
+    voltages=(7.5, 7.5),
+    levels=("19", "27.25", "6", "9.25"),
+    holes=("0.1538", "0.1331", "0.1617", "0.1504"),
+)
+SET_UPS = (MINIMUM, NON_MINIMUM)
+
+
+@cache
+def plant(set_up: SetUp, units: Units = "volts", holes: Holes = "report") -> Process:
+    """Return the process of a set-up.
+
+    Examples
+    --------
+    >>> plant(MINIMUM).signal("pump_1").high
+    15.0
+    """
+    return load_process(f"{set_up.process}:{holes},{units}")
+
+
+@cache
+def course_model(set_up: SetUp, units: Units = "volts") -> LinearModel:
+    """Return the linear model around the levels of the course, with the holes of the report.
+
+    The course gives the levels; that nothing rests at them exactly does not matter for the time
+    constants (10), which depend on the levels alone.
+
+    Examples
+    --------
+    >>> (-1.0 / course_model(MINIMUM).A.diagonal()).round(1).tolist()
+    [19.0, 23.2, 41.2, 54.0]
+    """
+    process = plant(set_up, units)
+    state = np.array(set_up.course_levels) / 100.0
+    still = np.zeros(len(process.disturbances))
+    parameters = process.parameter_values
+
+    def rates(inputs: np.ndarray) -> np.ndarray:
+        return np.array(process.dynamics(state, inputs, still, parameters), float).ravel()
+
+    # The inputs that come nearest to holding the levels.
+    without = rates(np.zeros(2))
+    moved = np.column_stack([rates(one) - without for one in np.eye(2)])
+    inputs = np.linalg.lstsq(moved, -without, rcond=None)[0]
+    left = float(np.abs(rates(inputs)).max())
+    measured = np.array(process.measure(state, parameters), float).ravel()
+    point = OperatingPoint(process, state, inputs, still, measured, left)
+    return linearise(point).select(outputs=process.controlled)
