@@ -11,7 +11,10 @@ from clepsydra.papers.experiment import Document
 #: Key of each document to the package that holds it; loaded when it is asked for.
 PACKAGES = {
     "averaging-tank": "averaging_tank",
+    "eight-tanks": "eight_tanks",
+    "four-tank-variable-structure": "four_tank_variable_structure",
     "three-tanks": "three_tanks",
+    "four-tank-laboratory": "four_tank_laboratory",
 }
 
 
