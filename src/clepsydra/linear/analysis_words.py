@@ -137,7 +137,7 @@ def words_on_dead_time(model: LinearModel, dead_times: np.ndarray, note: str) ->
     """Return sentences on the dead time of each pair and what it allows.
 
     The figure is the bandwidth limit 1/θ (Skogestad and Postlethwaite, Multivariable Feedback
-    Control, 2nd ed., section 5.6.2).
+    Control, 2nd ed., chapter 5).
 
     Parameters
     ----------

@@ -73,8 +73,7 @@ def controllability_margins(model: LinearModel) -> list[ModeMargin]:
 
     References
     ----------
-    R. Eising, Between controllable and uncontrollable, Systems & Control Letters 4(5), 1984,
-    263-264, doi 10.1016/S0167-6911(84)80035-3.
+    R. Eising, Between controllable and uncontrollable, Systems & Control Letters, 1984.
 
     Examples
     --------

@@ -61,11 +61,11 @@ def distance_to_uncontrollability(A: np.ndarray, B: np.ndarray) -> Distance:
 
     References
     ----------
-    R. Eising, doi 10.1016/S0167-6911(84)80035-3. M. Gu, New methods for estimating the distance
-    to uncontrollability, SIAM Journal on Matrix Analysis and Applications 21(3), 2000, 989-1003,
-    doi 10.1137/S0895479897328856. J. V. Burke, A. S. Lewis and M. L. Overton, Pseudospectral
+    R. Eising, Between controllable and uncontrollable, Systems & Control Letters, 1984. M. Gu,
+    New methods for estimating the distance to uncontrollability, SIAM Journal on Matrix
+    Analysis and Applications, 2000. J. V. Burke, A. S. Lewis and M. L. Overton, Pseudospectral
     components and the distance to uncontrollability, SIAM Journal on Matrix Analysis and
-    Applications 26(2), 2004, 350-361, doi 10.1137/S0895479803433313.
+    Applications 26, 2004, 350-361.
 
     Examples
     --------

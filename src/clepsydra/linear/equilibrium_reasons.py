@@ -175,6 +175,8 @@ def _accumulation(search: EquilibriumSearch, stuck: Iterate) -> tuple[str, ...]:
             "asked outputs independently",
         )
     levels = _taking_part(_row_names(search)[:states], right[:states])
+    if not levels:
+        return ()
     if len(levels) > 1:
         return (
             f"{' and '.join(levels)} accumulate together: no flow changes when they rise "

@@ -103,7 +103,7 @@ def minimal_realisation(
     References
     ----------
     P. Van Dooren, The generalized eigenstructure problem in linear system theory, IEEE
-    Transactions on Automatic Control 26(1), 1981, 111-129, doi 10.1109/TAC.1981.1102559.
+    Transactions on Automatic Control 26(1), 1981, 111-129.
 
     Examples
     --------

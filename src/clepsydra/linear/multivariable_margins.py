@@ -100,8 +100,8 @@ def multivariable_margins(plant: LinearModel, controller: LinearModel) -> Multiv
 
     References
     ----------
-    S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, sections
-    3.2 and 9.2. The disk margins: doi 10.1109/MCS.2020.3005277.
+    S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, chapters
+    3 and 9. The disk margins: doi 10.1109/MCS.2020.3005277.
 
     Examples
     --------

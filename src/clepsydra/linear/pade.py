@@ -44,7 +44,7 @@ def without_dead_time(model: LinearModel, order: int) -> LinearModel:
 
     References
     ----------
-    G. H. Golub and C. F. Van Loan, Matrix Computations, 4th ed., 2013, section 9.3.1.
+    G. H. Golub and C. F. Van Loan, Matrix Computations, 4th ed., 2013, chapter 9.
 
     Examples
     --------

@@ -64,7 +64,7 @@ def pole_directions(model: LinearModel) -> list[PoleDirection]:
     References
     ----------
     S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section
-    4.4.3.
+    4.4.
 
     Examples
     --------

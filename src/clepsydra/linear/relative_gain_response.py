@@ -36,8 +36,8 @@ def relative_gain_response(model: LinearModel, omegas: ArrayLike) -> np.ndarray:
 
     References
     ----------
-    S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section
-    3.4.
+    S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, chapter
+    3.
 
     Examples
     --------

@@ -86,7 +86,7 @@ def unstable_roots(model: LinearModel) -> int | None:
     References
     ----------
     J. K. Hale and S. M. Verduyn Lunel, Introduction to Functional Differential Equations, 1993,
-    doi 10.1007/978-1-4612-4342-7, section 9.6, for the difference equation.
+    doi 10.1007/978-1-4612-4342-7, chapter 9, for the difference equation.
 
     Examples
     --------

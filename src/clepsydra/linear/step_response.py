@@ -45,7 +45,7 @@ def step_response(model: LinearModel, times: ArrayLike) -> np.ndarray:
 
     References
     ----------
-    R. Bellman and K. L. Cooke, Differential-Difference Equations, 1963, section 3.4.
+    R. Bellman and K. L. Cooke, Differential-Difference Equations, 1963, chapter 3.
 
     Examples
     --------

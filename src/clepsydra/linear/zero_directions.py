@@ -60,7 +60,7 @@ def zero_directions(model: LinearModel) -> list[ZeroDirection]:
     References
     ----------
     S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section
-    4.5.3.
+    4.5.
 
     Examples
     --------
