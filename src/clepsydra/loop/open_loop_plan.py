@@ -11,13 +11,13 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import to_si
+from clepsydra.base.words import time_text
 from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import time_constants
-from clepsydra.base.words import time_text
 from clepsydra.loop.duration import pretty_duration, read_duration, samples_before
 from clepsydra.loop.open_loop import Simulation, simulate
 from clepsydra.loop.profile import Change, check_range, profiles_of

@@ -10,6 +10,7 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
+from clepsydra.engine.many_points import at_many_points
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 
@@ -72,8 +73,9 @@ class Run:
         """Return what a sensor without noise, resolution and limits would read [samples]."""
         position = [y.name for y in self.process.measurements].index(name)
         states = np.array([self.values[x.name] for x in self.process.state])
-        readings = self.process.measure(states, self.process.parameter_values)
-        return np.asarray(readings, dtype=float)[position]
+        return at_many_points(self.process.measure, [states, self.process.parameter_values])[
+            position
+        ]
 
     def limits(self, name: str) -> tuple[float, float]:
         """Return between which values an input can move: the narrower of actuator and controller.

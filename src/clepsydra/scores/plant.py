@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 
+from clepsydra.engine.many_points import at_many_points
 from clepsydra.process.motion import FlowPath
 from clepsydra.process.process import Process
 from clepsydra.process.pump import Pump
@@ -137,7 +138,8 @@ def _flows(
     def stacked(names: list[str]) -> np.ndarray:
         return np.array([values[name] for name in names]).reshape(len(names), time.size)
 
-    contents = motion.to_contents(stacked([s.name for s in process.state]), parameters)
+    states = stacked([s.name for s in process.state])
+    contents = at_many_points(motion.to_contents, [states, parameters])
     memories = np.array(
         [values.get(s.name, np.full(time.size, s.initial)) for s in motion.memories]
     )
@@ -150,14 +152,14 @@ def _flows(
     # What leaves a delay entered it earlier, and one delay may feed the next.
     delayed = np.zeros((len(motion.delays), time.size))
     for _ in motion.delays:
-        sent = np.array(motion.rates(contents, delayed, *outside)[1])
+        sent = at_many_points(motion.rates, [contents, delayed, *outside], 1)
         delayed = np.array(
             [
                 np.interp(time - delay.time, time, row)
                 for delay, row in zip(motion.delays, sent, strict=True)
             ]
         )
-    rates = np.array(motion.flows(contents, delayed, *outside)).reshape(-1, time.size)
+    rates = at_many_points(motion.flows, [contents, delayed, *outside])
     return list(zip(motion.flow_paths, rates, strict=True))
 
 
