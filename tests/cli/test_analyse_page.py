@@ -17,14 +17,14 @@ def run(*arguments):
 
 def test_it_writes_a_page_beside_the_table(tmp_path, capsys):
     target = tmp_path / "tank.html"
-    assert run("analyse", "quadruple-tank", "--output", str(target)) == 0
+    assert run("analyse", "three-tanks", "--output", str(target)) == 0
     assert f"Page: {target}" in capsys.readouterr().out.replace("\n", "")
     assert target.read_text("utf-8").startswith("<!DOCTYPE html>")
 
 
 def test_json_names_the_page(tmp_path, capsys):
     target = tmp_path / "tank.html"
-    assert run("analyse", "quadruple-tank", "--json", "-o", str(target)) == 0
+    assert run("analyse", "three-tanks", "--json", "-o", str(target)) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["page"] == str(target)
     assert target.exists()

@@ -100,6 +100,14 @@ def test_what_is_commented_out_may_be_written(command, tmp_path):
     assert study.controllers[2].tune.limits.maximum_sensitivity < SENSITIVITY_LIMIT
 
 
+def test_help_says_that_studies_are_written(command):
+    for arguments in (("--help",), ("new", "--help")):
+        status, output, _ = command(*arguments)
+        words = " ".join(output.replace("│", " ").split())
+        assert status == 0
+        assert "a commented process file, or with --study a study file" in words
+
+
 def test_nothing_is_ever_written_over(command, tmp_path):
     (tmp_path / "mine.toml").write_text("mine")
     refused(command("new", "--study", "mine"), "NAME", "mine.toml")

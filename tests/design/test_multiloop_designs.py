@@ -1,5 +1,6 @@
 """SIMC and phase margin on tanks, against closed forms and direct frequency responses."""
 
+import dataclasses
 import math
 import re
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
+import clepsydra as cl
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable
@@ -17,7 +19,9 @@ from clepsydra.design.loops.pid_settings import PidSettings, slowed_down
 from clepsydra.design.models.transfer_element import TransferElement
 from clepsydra.design.phase_margin import default_crossover, design_phase_margin
 from clepsydra.design.simc import design_simc
+from clepsydra.linear.analysis import analyse
 from clepsydra.linear.response import evaluate_transfer, frequency_response
+from clepsydra.process.reader import load_process
 
 DIRECT = [("level_1", "pump_1"), ("level_2", "pump_2")]
 CROSS = [("level_1", "pump_2"), ("level_2", "pump_1")]
@@ -376,7 +380,7 @@ def test_signals_without_a_range_are_not_applicable(single_tank):
         (design_simc, [], {}),
         (design_simc, [("level_9", "pump_1")], {}),
         (design_simc, [("level_1", "pump_1"), ("level_2", "pump_1")], {}),
-        (design_simc, None, {}),
+        (design_simc, 3, {}),
         (design_simc, "level_1", {}),
         (design_simc, ["level_1", "pump_1"], {}),
         (design_simc, [("level_1", "pump_1", "pump_2")], {}),
@@ -413,3 +417,31 @@ def test_settings_that_no_controller_takes_are_not_applicable(
     model = single_tank(*matrices, period=period, span=1e-6, high=1e6, at=5e5)
     with pytest.raises(NotApplicable, match=reason):
         design_simc(model, [("level", "pump")])
+
+
+@pytest.mark.parametrize(
+    "design",
+    [
+        cl.design_simc,
+        cl.design_lambda,
+        cl.design_phase_margin,
+        cl.design_ziegler_nichols,
+        cl.design_tyreus_luyben,
+        cl.design_amigo,
+    ],
+)
+def test_without_a_pairing_it_is_the_one_that_the_relative_gains_suggest(design):
+    analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
+    assert analysis.pairing == (("level_1", "pump_2"), ("level_2", "pump_1"))  # the crossed one
+    found = design(analysis.model)
+    assert (found.measurements, found.manipulated) == (("level_1", "level_2"), ("pump_2", "pump_1"))
+    for pairing in (analysis.pairing, dict(analysis.pairing)):
+        assert design(analysis.model, pairing).values == found.values
+
+
+def test_where_no_pairing_is_suggested_one_is_asked_for():
+    """Both inputs do the same: their relative gains do not exist."""
+    model = analyse(load_process("quadruple-tank")).model
+    same = dataclasses.replace(model, B=np.repeat(model.B[:, :1], 2, axis=1))
+    with pytest.raises(InputError, match="a pairing, since the relative gains suggest none"):
+        design_simc(same)

@@ -381,10 +381,25 @@ def test_lqi_by_weights_of_bryson_is_lqi_by_bryson(minimum_phase):
         assert by_weights.values[name] == pytest.approx(by_bryson.values[name], rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.parametrize("weights", [[4.0, 0.2], {"states": {}}, np.eye(4)])
+def test_weights_that_are_none_are_refused(minimum_phase, weights):
+    for design in (design_lqr, design_lqi_by_weights):
+        with pytest.raises(InputError, match="expected QuadraticWeights; make them by diagonal"):
+            design(minimum_phase.model, weights=weights)
+
+
+def test_matrices_may_be_lists(minimum_phase):
+    """Weights given as lists are the same matrices."""
+    model = minimum_phase.model
+    Q, R = np.diag([4.0, 4.0, 0.0, 0.0]), 0.2 * np.eye(2)
+    by_lists = design_lqr(model, weights=QuadraticWeights(Q.tolist(), R.tolist()))
+    assert by_lists.values == design_lqr(model, weights=QuadraticWeights(Q, R)).values
+
+
 def test_lqi_by_weights_needs_those_of_the_integrals(minimum_phase):
     model = minimum_phase.model
     pumps = {"pump_1": 1.0, "pump_2": 1.0}
-    with pytest.raises(InputError, match="weights for level_1, level_2"):
+    with pytest.raises(InputError, match="weights for the integrals of level_1, level_2"):
         design_lqi_by_weights(model, diagonal_weights(model, {"tank_1.level": 1.0}, pumps))
     with pytest.raises(InputError, match="weights, states"):
         design_lqr(model, weights=QuadraticWeights(np.eye(3), np.eye(2)))

@@ -10,6 +10,7 @@ from clepsydra.design.integrating_delay import integrating_delay
 from clepsydra.design.models.step_record import step_record
 from clepsydra.design.relay_autotune import ultimate_point_of_relay
 from clepsydra.design.two_point_fopdt import SHARES, two_point_fopdt
+from clepsydra.loop.relay_experiment import RelayRecord
 
 TIME = np.arange(0.0, 400.0, 1.0)
 
@@ -152,6 +153,18 @@ def test_a_sine_gives_the_describing_function(hysteresis, sign):
     assert found.gain == pytest.approx(expected, rel=1e-5)
     # Switching is seen to the sample, of which three cycles have 15 000.
     assert found.period == pytest.approx(40.0, rel=1e-4)
+
+
+def test_a_record_is_taken_as_the_experiment_returns_it():
+    time, moved, output = swing(0.5, 40.0, hysteresis=0.2)
+    record = RelayRecord(time, moved, output, amplitude=2.0, hysteresis=0.2, bias=0.0)
+    by_hand = ultimate_point_of_relay(time, moved, output, hysteresis=0.2)
+    assert ultimate_point_of_relay(record) == by_hand
+    # Its own hysteresis counts where none is given.
+    assert ultimate_point_of_relay(record, hysteresis=0.0).gain < by_hand.gain
+    for arguments in ((time,), (time, moved), (record, moved)):
+        with pytest.raises(InputError, match="relay experiment: got"):
+            ultimate_point_of_relay(*arguments)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from clepsydra.papers.audit import audit
 from clepsydra.papers.averaging_tank.lqi import COLUMNS, gains, lqi_run
 from clepsydra.papers.averaging_tank.model import numbers
 from clepsydra.papers.averaging_tank.pi import BY_HAND, pi_run
@@ -52,9 +51,13 @@ EXPERIMENTS = {"model", "closed-loops", "pi", "lqi"}
 
 
 @pytest.fixture(scope="module")
-def rows():
-    found = audit(["averaging-tank"]).rows
+def rows(audited):
+    found = audited("averaging-tank").rows
     return {(row.place, row.name): row for row in found if row.experiment in EXPERIMENTS}
+
+
+def test_its_page_prints_what_the_audit_finds(page_holds):
+    assert page_holds("averaging-tank")
 
 
 def keys(rows, verdict):

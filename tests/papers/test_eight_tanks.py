@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 
 from clepsydra.papers.eight_tanks import six_designs
-from clepsydra.papers.eight_tanks.document import DOCUMENT
 from clepsydra.papers.eight_tanks.polynomials import controller, real_below
 from clepsydra.papers.eight_tanks.predictor_structure import closed_loop_radius
 from clepsydra.papers.eight_tanks.robustness import judged, largest_gain
 
 
 @pytest.fixture(scope="module")
-def found():
-    return [experiment.findings(DOCUMENT.key) for experiment in DOCUMENT.experiments]
+def found(audited):
+    return audited("eight-tanks").experiments
 
 
 @pytest.fixture(scope="module")
@@ -43,6 +42,10 @@ MISPRINTS = {
     ("references", "pages of [14], V. Kučera, Automatica 29, 1993"): "1361-1375",
     ("section 6.2", "what differs in Figs. 10 to 12"): "individual penalization factors q_u",
 }
+
+
+def test_its_page_prints_what_the_audit_finds(page_holds):
+    assert page_holds("eight-tanks")
 
 
 def test_every_misprint_is_found_with_the_right_value(rows):

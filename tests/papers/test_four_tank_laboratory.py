@@ -13,7 +13,6 @@ from clepsydra.papers.four_tank_laboratory.controllers import (
     matrices_of,
     robust,
 )
-from clepsydra.papers.four_tank_laboratory.document import DOCUMENT
 from clepsydra.papers.four_tank_laboratory.manual_runs import by_hand
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
@@ -100,8 +99,8 @@ REPRODUCED_IN_5_AND_6 = {
 
 
 @pytest.fixture(scope="module")
-def found():
-    return [experiment.findings(DOCUMENT.key) for experiment in DOCUMENT.experiments]
+def found(audited):
+    return audited("four-tank-laboratory").experiments
 
 
 @pytest.fixture(scope="module")
@@ -111,6 +110,10 @@ def rows(found):
 
 def named(rows, verdict):
     return {(row.place, row.name) for row in rows if row.verdict == verdict}
+
+
+def test_its_page_prints_what_the_audit_finds(page_holds):
+    assert page_holds("four-tank-laboratory")
 
 
 def test_every_row_has_its_own_name(rows):

@@ -7,13 +7,13 @@ import pytest
 
 from clepsydra.linear.analysis import analyse
 from clepsydra.papers.four_tank_variable_structure import rig
-from clepsydra.papers.four_tank_variable_structure.document import DOCUMENT
 from clepsydra.papers.four_tank_variable_structure.rig import at_target, plant
 
 
 @pytest.fixture(scope="module")
-def findings():
-    return {each.name: each.findings(DOCUMENT.key) for each in DOCUMENT.experiments}
+def findings(audited):
+    parts = audited("four-tank-variable-structure").experiments
+    return {part.experiment.name: part for part in parts}
 
 
 @pytest.fixture(scope="module")
@@ -27,6 +27,10 @@ def verdict(verdicts, place, words):
     found = {value for (where, name), value in verdicts.items() if where == place and words in name}
     assert len(found) == 1, (place, words, found)
     return found.pop()
+
+
+def test_its_page_prints_what_the_audit_finds(page_holds):
+    assert page_holds("four-tank-variable-structure")
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from clepsydra.papers.audit import audit
 from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop
 from clepsydra.papers.three_tanks.printed_model import printed_model
 from clepsydra.papers.three_tanks.state_feedback import placed_loop
@@ -57,8 +56,12 @@ FAILING = {
 
 
 @pytest.fixture(scope="module")
-def rows():
-    return {(row.place, row.name): row for row in audit(["three-tanks"]).rows}
+def rows(audited):
+    return {(row.place, row.name): row for row in audited("three-tanks").rows}
+
+
+def test_its_page_prints_what_the_audit_finds(page_holds):
+    assert page_holds("three-tanks")
 
 
 @pytest.mark.parametrize(

@@ -120,7 +120,7 @@ def test_what_was_not_written_is_said(study):
     (note,) = controller.notes
     assert "left.setpoint_weight = 1" in note and "left.tracking_time = 30 s" in note
     assert "right" not in note
-    assert "level_1 by pump_1, PI, K = 3" in controller.design
+    assert "level_1 by pump_1, PI, K = 3 %/%, Ti = " in controller.design
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from clepsydra.study.file.reader import read_study
 
 QUADRUPLE = 'process = "quadruple-tank"\n'
 BASIN = 'process = "equalisation-tank"\n'
+WEIGHTS = 'weights = { states = { "tank_1.level" = 4.0 }, inputs = { pump_1 = 0.2, pump_2 = 0.2 } }'
 LOOP = """[controllers.a.loops.level]
 measurement = "level"
 output = "outflow"
@@ -221,19 +222,63 @@ DESIGNS = [
     ),
     (
         designed('design = "phase_margin"', 'phase_margin = "200 deg"'),
-        "line 4, controllers.a.phase_margin: got 3.49",
+        "line 4, controllers.a.phase_margin: got '200 deg', expected an angle below 180 deg",
+    ),
+    (
+        designed('design = "phase_margin"', "phase_margin = 60"),
+        'phase_margin: got 60, expected an angle in deg or rad; write as in "60 deg".',
+    ),
+    # Shares are numbers, and so are radians: 60 % would be 34 deg.
+    (designed('design = "phase_margin"', 'phase_margin = "60 %"'), "expected an angle in deg or"),
+    # A hertz would be taken for a radian a second.
+    (
+        designed('design = "phase_margin"', 'crossover = "0.1 Hz"'),
+        "line 4, controllers.a.crossover: got '0.1 Hz', expected an angular frequency in rad/s; "
+        "multiply hertz by 2 pi",
     ),
     (
         designed('design = "lqi"', 'maximum_errors = { level_1 = "-5 %" }'),
         "line 4, controllers.a.maximum_errors.level_1: got '-5 %', expected a deviation above 0",
     ),
-    (designed('design = "lqi_by_weights"'), "line 2, controllers.a.weights: got 'no weights'"),
+    (
+        designed('design = "lqi_by_weights"'),
+        "line 2, controllers.a.weights: got 'no weights', expected weights of states and inputs, "
+        'for LQI of integrals as well; write as in weights = { states = { "tank_1.level" = 4.0 }, ',
+    ),
+    (
+        designed('design = "lqi_by_weights"', WEIGHTS),
+        "line 4, controllers.a.weights: got 'no integrals', expected weights for the integrals of "
+        "level_1, level_2",
+    ),
+    (
+        designed('design = "lqr"', WEIGHTS[:-2] + ", integrals = { level_1 = 1, level_2 = 1 } }"),
+        "line 4, controllers.a.weights: got 'weights of integrals', expected weights of states and "
+        "inputs alone",
+    ),
+    (
+        designed('design = "lqr"', WEIGHTS.replace("4.0", "0")),
+        "line 4, controllers.a.weights: got 'no weight above 0', expected a weight above 0 for one",
+    ),
+    # An integrator that next to nothing weighs, and a cost beyond all numbers: the usual weights
+    # make a regulator of the same process, which therefore is not to blame.
+    (
+        designed(
+            'design = "lqr"',
+            'weights = { states = { "basin.level" = 1e-20 }, inputs = { outflow = 1e18 } }',
+            process="equalisation-tank",
+        ),
+        "expected weights that make a stable loop; weigh every state",
+    ),
+    (
+        designed('design = "lqr"', WEIGHTS.replace("4.0", "1e18").replace("0.2", "1e-18")),
+        "expected weights that make a stable loop; weigh every state",
+    ),
     (
         designed(
             'design = "lqr"',
             'weights = { states = { "tank_1.level" = 1 }, inputs = { pump_1 = 0, pump_2 = 1 } }',
         ),
-        "line 4, controllers.a.weights.inputs: got 0.0, expected a number above zero",
+        "line 4, controllers.a.weights.inputs.pump_1: got 0, expected a weight above 0",
     ),
     (
         designed(
@@ -288,12 +333,12 @@ LOOPS = [
     ),
     (
         loop(gain='"2 V/V"', measurement='"strength"', setpoint='"300 g/m^3"'),
-        "line 7, controllers.a.loops.level.gain: got '2 V/V', expected a quantity convertible to "
-        "1/(kg/m^3)",
+        "line 7, controllers.a.loops.level.gain: got '2 V/V', expected a gain, in %/(g/m^3), or in "
+        "%/% of the ranges of outflow and strength; 'V/V' is no unit of it",
     ),
     (
         loop(gain="2", measurement='"strength"', setpoint='"300 g/m^3"'),
-        'or in "1 %/%" of the ranges of outflow and strength',
+        'the unit is missing: write as in "1 %/%"',
     ),
     (
         loop(measurement='"lvl"'),
@@ -346,7 +391,51 @@ LOOPS = [
     (loop(setpoint_low='"10 %"'), "it limits what an outer loop may ask for, and here is none"),
     (
         loop() + '[controllers.a.outputs.outflow]\nlow = "60 %"\nhigh = "40 %"\n',
-        "line 10, controllers.a.outputs.outflow.low: got 0.6, expected a value below high_limit_1",
+        "line 10, controllers.a.outputs.outflow.low: got '60 %', expected a limit of outflow below "
+        "its high limit, 40 %; exchange the two",
+    ),
+    (
+        loop() + '[controllers.a.outputs.outflow]\nhigh = "0 %"\n',
+        "line 10, controllers.a.outputs.outflow.high: got '0 %', expected a limit of outflow above "
+        "the low end of its range, 0 %",
+    ),
+    (
+        loop(integral_time='"1e9 h"'),
+        "line 8, controllers.a.loops.level.integral_time: got '1e9 h', expected a value from "
+        "2.778e-10 to 2.778e+05 h",
+    ),
+    (
+        loop(gain='"2e12 %/%"'),
+        "line 7, controllers.a.loops.level.gain: got '2e12 %/%', expected a size of at most 1e+09 "
+        "%/%",
+    ),
+    (
+        loop(setpoint='"3 m"'),
+        "line 9, controllers.a.loops.level.setpoint: got '3 m', expected a fixed setpoint of level "
+        "from 0 to 100 %; 'm' is no unit of it: write as in \"50 %\".",
+    ),
+    (
+        step("setpoint", 'signal = "level"', 'at = "1 h"', 'to = "3 m"').replace(
+            "equalisation-tank", "wet-well"
+        ),
+        "expected a value of level from 4 to 20 mA, or in % of its range; 'm' is no unit of it: "
+        'write as in "12 mA".',
+    ),
+    (
+        loop() + '[controllers.a.feedforward.ahead]\nmeasurement = "strength"\n',
+        "controllers.a.feedforward.ahead.to: got 'no to', expected the loop, selector or ratio "
+        'that it adds to (level); write as in to = "level".',
+    ),
+    (
+        loop()
+        + '[controllers.a.feedforward.ahead]\nmeasurement = "level"\nto = "level"\n'
+        + 'gain = "1 %/%"\nreference = "120 %"\n',
+        "got '120 %', expected a reference from 0 to 100 %, the range of level",
+    ),
+    (
+        loop(output=None),
+        "controllers.a.loops.level.output: got 'no output', expected what it moves; write the name "
+        'of one, as in output = "outflow".',
     ),
     (loop() + '[controllers.a.outputs.inflow]\nlow = "60 %"\n', "expected one of outflow"),
 ]
@@ -498,13 +587,34 @@ TUNING = [
     ),
     (
         tuned('parameters.level.integral_time = ["3 h", "100 min"]'),
-        "line 10, controllers.a.tune.parameters.level.integral_time: got 'bounds 10800 to 6000', "
-        "expected a low bound below the high bound",
+        "line 10, controllers.a.tune.parameters.level.integral_time: got "
+        '\'["3 h", "100 min"]\', expected a low bound below the high bound',
     ),
     (
         tuned('parameters.level.gain = ["3 %/%", "5 %/%"]'),
-        "line 10, controllers.a.tune.parameters.level.gain: got 'a start at -2', expected a start "
-        "within its bounds -5 to -3",
+        'line 10, controllers.a.tune.parameters.level.gain: got \'["3 %/%", "5 %/%"]\', expected '
+        "bounds around where it starts, 2 %/%",
+    ),
+    (
+        tuned('parameters.proportional_gain_1 = ["1 %/%", "5 %/%"]'),
+        "expected bounds around where it starts, -2 %/%",
+    ),
+    (
+        tuned('parameters.level.integral_time = ["2 h", "5 h"]'),
+        "expected bounds around where it starts, 1 h",
+    ),
+    (
+        tuned('parameters.level.gain = ["-5 %/%", "-1 %/%"]'),
+        "expected bounds that are not negative: the action of the loop gives the gain its sign",
+    ),
+    (
+        tuned('parameters.level.integral_time = ["0 h", "5 h"]'),
+        "got '0 h', expected a value from 1e-06 to 1e+09 s",
+    ),
+    (tuned("overshoot = 10"), "overshoot: got 10, expected an overshoot of at most 1; write as in"),
+    (
+        tuned('total_variation = { outflow = "0 %" }'),
+        "got '0 %', expected a total variation above 0",
     ),
     (tuned('parameters.level.gian = ["1 %/%", "5 %/%"]'), "perhaps 'gain' was meant"),
     (
@@ -513,7 +623,10 @@ TUNING = [
     ),
     (tuned('parameters.integral_time_2 = ["1 s", "5 s"]'), "perhaps 'integral_time_1' was meant"),
     (tuned("parameters.level.gain = 3"), "expected a list of a low and a high bound"),
-    (tuned('parameters.level.setpoint_weight = ["0.5", "1.5"]'), "within 0 to 1"),
+    (
+        tuned('parameters.level.setpoint_weight = ["0.5", "1.5"]'),
+        "got '1.5', expected a value from 0 to 1",
+    ),
     (tuned("seed = 3"), "line 10, controllers.a.tune.seed: got 'seed', expected one of objective"),
 ]
 
@@ -527,11 +640,13 @@ stop = ["7 mA", "9 mA"]
 STATIONS = [
     (
         STATION.replace('"13 mA"', '"9.5 mA"'),
-        "line 5, controllers.a.start_stop.start: got 0.0095, expected a level beyond start_level_1",
+        "line 5, controllers.a.start_stop.start: got '9.5 mA', expected a start of stage 2 above "
+        "that of stage 1 at 10 mA",
     ),
     (
         STATION.replace('"7 mA"', '"11 mA"'),
-        "line 5, controllers.a.start_stop.start: got 0.013, expected a level below stop_level_2",
+        "line 5, controllers.a.start_stop.start: got '13 mA', expected a start of stage 2 below "
+        "its stop at 9 mA",
     ),
     (
         STATION.replace(', "13 mA"', ""),
@@ -577,7 +692,12 @@ def test_laws_of_users_that_cannot_be_used(message, tmp_path):
         in message(head + 'law = "none.py"\n')
     )
     (tmp_path / "bad.py").write_text("x = 1\n")
-    assert "no law" in message(head + 'law = "bad.py"\n')
+    assert "line 3, controllers.a.law, bad.py: got 'no law'" in message(head + 'law = "bad.py"\n')
+    (tmp_path / "bad.py").write_text('inputs = ["measurement_1"]\ndef step(state, inputs)\n')
+    assert (
+        "line 3, controllers.a.law, bad.py, line 2: got \"SyntaxError: expected ':'\""
+        in message(head + 'law = "bad.py"\n')
+    )
     (tmp_path / "good.py").write_text(
         'inputs = ["measurement_1"]\noutputs = ["manipulated_1"]\nparameters = {"gain": 1.0}\n'
         "def step(state, inputs, parameters, time_step):\n"

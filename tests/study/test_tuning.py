@@ -22,13 +22,17 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.simc import design_simc
+from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
+from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.reader import load_process
 from clepsydra.study.tuning.objective import Limits, Objective, minimax, weighted_sum
+from clepsydra.study.tuning.parameter_words import ParameterWords
 from clepsydra.study.tuning.parameters import TunedParameter, around
 from clepsydra.study.tuning.result import TuningResult
 from clepsydra.study.tuning.tune import Progress, tune
@@ -93,11 +97,11 @@ def test_the_gain_of_least_ise_is_that_of_the_closed_form(model, generations):
     ("limits", "gain", "said"),
     [
         (Limits(maximum_sensitivity=1.5), 2.0 / 3.0 / PERIOD, "max|S| at most 1.5"),
-        (Limits(overshoot=10.0), 1.1 / PERIOD, "overshoot of volume at most 10"),
+        (Limits(overshoot=10.0), 1.1 / PERIOD, "overshoot of volume at most 10 %"),
         (
             Limits(total_variation={"inflow": 2 * 5.0 * STEP}),
             5.0,
-            "total variation of inflow at most 0.1",
+            "total variation of inflow at most 0.1 m^3/s",
         ),
         (Limits(overshoot=10.0, maximum_sensitivity=1.25), 0.4 / PERIOD, "max|S| at most 1.25"),
     ],
@@ -114,7 +118,31 @@ def test_a_bound_that_binds_is_named(model):
     narrow = dataclasses.replace(GAIN, high=9.0)
     found = tune(controller(), model, step_of_volume(), [narrow], minimax("ise[volume]"))
     assert found.controller.values["proportional_gain_1"] == pytest.approx(9.0, rel=1e-12)
-    assert found.binding == ("proportional_gain_1 at most 9",)
+    # In shares of 4 m³ and 1 m³/s, the ranges of volume and inflow.
+    assert found.binding == ("volume.gain at most 36 %/%",)
+    assert "volume.gain = 36 %/%" in found.controller.design
+
+
+def test_a_negative_gain_is_named_without_its_sign():
+    """The bound nearest to zero is the least gain, though it is the high one of the law."""
+    basin = analyse(load_process("equalisation-tank"))
+    start = design_simc(basin.model)
+    gain = start.values["proportional_gain_1"]
+    assert gain < 0.0
+    words = ParameterWords(start, basin.operating_point.process)
+    # Level and outflow are shares of their ranges: K is the gain in %/%.
+    assert words.value("proportional_gain_1", -0.5) == "0.5 %/%"
+    narrow = TunedParameter("proportional_gain_1", 1.2 * gain, 0.8 * gain)
+    found = tune(
+        start,
+        basin.model,
+        default_scenario(basin.model),
+        [narrow],
+        minimax("total_variation[outflow]"),
+        generations=0,
+    )
+    assert found.controller.values["proportional_gain_1"] == pytest.approx(0.8 * gain)
+    assert found.binding == (f"level.gain at least {0.8 * abs(gain):.4g} %/%",)
 
 
 def test_the_minimax_of_opposing_scores_stands_where_they_are_equal(model):
@@ -293,6 +321,17 @@ def parameter(*arguments, **options) -> TunedParameter:
         (lambda: Limits(maximum_sensitivity=1.0), "got 1.0, expected a number above 1"),
         (lambda: Limits(overshoot=-1.0), "got -1.0, expected 0 % or more"),
         (lambda: Limits(total_variation={"inflow": 0.0}), "expected a number above 0"),
+        (lambda: minimax(["iae[volume]"]), "got 'a list', expected the name of a score"),
+        (lambda: weighted_sum(["iae[volume]"]), "expected scores with their weights"),
+        (lambda: weighted_sum({3: 1.0}), "got 3, expected scores with their weights"),
+        (lambda: Limits("2"), "maximum_sensitivity: got '2', expected a number"),
+        (lambda: Limits(overshoot=None), "overshoot: got None, expected a number"),
+        (lambda: Limits(total_variation=5.0), "expected manipulated variables with their limits"),
+        (lambda: Limits(total_variation={"inflow": "1 m^3"}), "give it in the unit of inflow"),
+        (lambda: parameter(3, 1.0, 2.0), "expected the name of a parameter"),
+        (lambda: around(controller(), "integral_time_1"), "expected a list of names"),
+        (lambda: around(controller(), ["integral_time_1"], 0.5), "a number above 1"),
+        (lambda: around("PI", ["integral_time_1"]), "expected a Controller"),
     ],
 )
 def test_what_cannot_be_meant_is_refused(make, message):
@@ -314,6 +353,13 @@ def test_what_cannot_be_meant_is_refused(make, message):
         ([GAIN], {"generations": -1}, "generations: got -1, expected a whole number"),
         ([GAIN], {"seed": 1.5}, "seed: got 1.5, expected a whole number"),
         ([GAIN], {"scenario": []}, "scenarios: got 'none', expected at least one"),
+        ([GAIN], {"scenario": None}, "scenario: got None, expected a Scenario"),
+        (["proportional_gain_1"], {}, "expected a list of TunedParameter; make them, as by around"),
+        (GAIN, {}, "got 'a TunedParameter', expected a list of TunedParameter"),
+        ([GAIN], {"objective": "iae[volume]"}, "expected an Objective; make one, as by minimax"),
+        ([GAIN], {"limits": {"maximum_sensitivity": 2.0}}, "write as in Limits"),
+        ([GAIN], {"front": 2.0}, "front: got 2.0, expected a list of bounds"),
+        ([GAIN], {"state_file": 3}, "state_file: got 3, expected the path of a file"),
     ],
 )
 def test_a_problem_that_cannot_be_tuned_is_refused(model, parameters, options, message):

@@ -9,6 +9,7 @@ import typer
 from clepsydra import __version__
 from clepsydra.cli.analyse import analyse
 from clepsydra.cli.draw import draw
+from clepsydra.cli.identify import identify
 from clepsydra.cli.new import new
 from clepsydra.cli.papers import papers
 from clepsydra.cli.processes import processes
@@ -30,6 +31,7 @@ application.command()(analyse)
 application.command()(draw)
 application.command()(processes)
 application.command()(new)
+application.command()(identify)
 application.command()(papers)
 
 

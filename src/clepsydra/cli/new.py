@@ -36,9 +36,10 @@ def new(
         ),
     ] = None,
 ) -> None:
-    """Write a commented process file to begin with, NAME.toml, in the current folder.
+    """Write a commented process file, or with --study a study file, to begin with: NAME.toml.
 
-    With --study it is a study file: controllers, scenario and ranking for a process.
+    A study file names the controllers, the scenario and the ranking for a process; --process says
+    which. The file is written in the current folder, over none that is there.
     """
     from clepsydra.base.errors import InputError
     from clepsydra.process.process_name import check_process_name

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.controllers import signals
 from clepsydra.controllers.observers.model_observer import ModelObserver
+from clepsydra.controllers.process_equations import model_parameter
 from clepsydra.linear.lie_derivatives import Constant
 from clepsydra.linear.relative_degree import VectorRelativeDegree
 from clepsydra.program.step_law import Symbols
-
-#: A number of the model may be changed by this factor at run time, so never to zero.
-_FACTOR = 10.0
 
 
 @dataclass(frozen=True)
@@ -159,12 +156,12 @@ class LinearisedProcess:
 
     def parameters(self) -> list[Signal]:
         """Return model_* with the values of the operating point, and correction_j_k."""
-        found = [_parameter(each) for each in self.constants]
+        found = [model_parameter(each) for each in self.constants]
         return found if self.observer is None else found + self.observer.parameters()
 
     def values(self) -> dict[str, float]:
         """Return the values of model_*."""
-        return {_parameter(each).name: each.value for each in self.constants}
+        return {model_parameter(each).name: each.value for each in self.constants}
 
     def evaluated(self, symbols: Symbols, measured: Sequence[ca.SX], known: ca.SX) -> Evaluated:
         """Return derivatives and effects in this sample.
@@ -179,7 +176,7 @@ class LinearisedProcess:
             Whether they may be used.
         """
         equations, observer = self.linearised.equations, self.observer
-        given = ca.vertcat(*(symbols[_parameter(each).name] for each in self.constants))
+        given = ca.vertcat(*(symbols[model_parameter(each).name] for each in self.constants))
         state = ca.SX(equations.point.state)
         estimate: list[ca.SX] = []
         if observer is None:
@@ -253,20 +250,3 @@ class LinearisedProcess:
 
 def _names_in(expressions: Sequence[ca.SX]) -> set[str]:
     return {symbol.name() for symbol in ca.symvar(ca.vertcat(*expressions))}
-
-
-def _parameter(constant: Constant) -> Signal:
-    """Return the parameter of the law that stands for a constant of the process."""
-    signal, value = constant.signal, constant.value
-    low, high = sorted((value / _FACTOR, value * _FACTOR))
-    if value == 0.0:
-        low, high = -signals.LARGEST_PARAMETER, signals.LARGEST_PARAMETER
-    return replace(
-        signal,
-        name=f"model_{signal.identifier}",
-        low=low,
-        high=high,
-        initial=value,
-        kind="real",
-        description=signal.description or signal.name,
-    )

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.user_code import line_of, run_user_code, shortened, words_of
@@ -51,6 +52,7 @@ def load_law(path: str | Path) -> StepLaw:
     clepsydra.base.errors.InputError: no-such-law.py: got 'no such file', expected a Python file \
 with a step law; check the path.
     """
+    require_type(path, (str, Path), "law", "the path of a Python file", "give it as text or Path")
     file = Path(path)
     try:
         content = file.read_bytes()

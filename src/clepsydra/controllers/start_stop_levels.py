@@ -68,8 +68,7 @@ def start_stop_law(
 
     References
     ----------
-    R. L. Sanks (editor), Pumping Station Design, 2nd edition, Butterworth-Heinemann 1998,
-    chapter 12.
+    R. L. Sanks (editor), Pumping Station Design, 2nd edition, Butterworth-Heinemann 1998.
 
     Examples
     --------

@@ -40,9 +40,9 @@ def amigo_settings(model: FirstOrderDelay, actions: RuleActions = "PI") -> PidSe
 
     References
     ----------
-    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, sections 7.3 and 7.4; and
-    Revisiting the Ziegler-Nichols step response method for PID control, Journal of Process
-    Control 14(6), 2004, 635-650, doi 10.1016/j.jprocont.2004.01.002.
+    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, chapter 7, eq. (7.5), (7.7) and
+    (7.8); Revisiting the Ziegler-Nichols step response method for PID control, Journal of
+    Process Control 14(6), 2004, 635-650, doi 10.1016/j.jprocont.2004.01.002.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def amigo_settings(model: FirstOrderDelay, actions: RuleActions = "PI") -> PidSe
 
 def design_amigo(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None = None,
     *,
     form: PidForm | None = None,
     as_published: bool = False,
@@ -88,7 +88,8 @@ def design_amigo(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
     form : PidForm, optional
         PI in ISA form if left out.
     as_published : bool

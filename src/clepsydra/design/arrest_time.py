@@ -47,8 +47,9 @@ def arrest_time_for(model: FirstOrderDelay, deviation: float, load_rate: float) 
 
     References
     ----------
-    T. Olsen and W. L. Bialkowski, Lambda tuning as a promising controller tuning method for
-    the refinery, AIChE Spring National Meeting, 2002.
+    The idea is that of T. Olsen and W. L. Bialkowski, Lambda tuning as a promising controller
+    tuning method for the refinery, AIChE Spring National Meeting, 2002; the formulas are
+    derived here from the placed poles.
 
     Examples
     --------
@@ -123,7 +124,7 @@ class _Averaging(NamedTuple):
 
 def design_arrest_time(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None = None,
     *,
     form: PidForm | None = None,
     arrest_time: float | None = None,
@@ -141,7 +142,8 @@ def design_arrest_time(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
         The outputs are levels or volumes.
     form : PidForm, optional
         PI in ISA form if left out.
@@ -178,8 +180,8 @@ def design_arrest_time(
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("equalisation-tank"))
     >>> controller = design_arrest_time(analysis.model, analysis.pairing)
-    >>> round(math.e * 2.0 / 0.12e-3), controller.notes[0][-23:]
-    (45305, 'arrested after 45200 s.')
+    >>> round(math.e * 2.0 / 0.12e-3), controller.notes[0][-22:]
+    (45305, 'arrested after 12.6 h.')
     """
     form = pi_only(form, METHOD)
     _check(arrest_time, deviation)

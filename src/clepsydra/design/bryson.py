@@ -17,8 +17,9 @@ from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.loops.control_authority import DESIGN_STEP, check_ranges, control_authority
 from clepsydra.design.request import in_shown_unit, positive_number
 from clepsydra.design.sampled.sampling_period import check_sampling_period
-from clepsydra.design.states.linear_quadratic import METHOD, LqiGains, lqi_gains
+from clepsydra.design.states.linear_quadratic import METHOD, LqiGains, bryson_weights, lqi_gains
 from clepsydra.design.states.measured_states import measurements_of_states, with_outputs
+from clepsydra.design.states.quadratic_weights import QuadraticWeights
 from clepsydra.design.states.relevant_states import without_idle_states
 from clepsydra.design.states.slowing_down import note_on_slowing, slow_down
 from clepsydra.design.states.state_controllers import lqi_controller, sensitivity_peak
@@ -123,6 +124,60 @@ def design_lqi(
     >>> round(controller.values["integral_gain_1_1"], 3)
     0.093
     """
+    return weighed_lqi(model, maximum_errors, maximum_moves, anti_windup).controller
+
+
+class WeighedLqi(NamedTuple):
+    """An LQI controller, and the weights that made it.
+
+    Parameters
+    ----------
+    controller : Controller
+    model : LinearModel
+        Whose states and inputs are weighed.
+    weights : QuadraticWeights
+    horizon : float
+        T [s]
+
+    Examples
+    --------
+    See `weighed_lqi`.
+    """
+
+    controller: Controller
+    model: LinearModel
+    weights: QuadraticWeights
+    horizon: float
+
+
+def weighed_lqi(
+    model: LinearModel,
+    maximum_errors: Mapping[str, float] | None = None,
+    maximum_moves: Mapping[str, float] | None = None,
+    anti_windup: AntiWindup = "back_calculation",
+) -> WeighedLqi:
+    """Return the controller of `design_lqi` with its weights, from where others may be tuned.
+
+    Parameters
+    ----------
+    model, maximum_errors, maximum_moves, anti_windup
+        As for `design_lqi`.
+
+    Raises
+    ------
+    NotApplicable, InputError
+        As `design_lqi`.
+
+    Examples
+    --------
+    A tenth of the range of 0 to 10 V is an acceptable error, so that the output weighs 1/V²:
+
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> found = weighed_lqi(analyse(load_process("quadruple-tank")).model)
+    >>> found.weights.states.diagonal()  # C is 50 V/m
+    array([2500., 2500.,    0.,    0.])
+    """
     period = check_sampling_period(model)
     if model.delays is not None:
         raise NotApplicable(
@@ -142,7 +197,7 @@ def design_lqi(
         gains = _gains(model, deviations.slower(factor), period)
         # The law sees measurements: F x = (F M⁻¹) y where y = M x.
         feedback = np.linalg.solve(measured.C.T, gains.feedback.T).T
-        times = _tracking_times(model, measurements, feedback, gains, deviations.horizon * factor)
+        times = tracking_times(model, measurements, feedback, gains, deviations.horizon * factor)
         controller = lqi_controller(
             NAME, model, measurements, feedback, gains.integral, times, anti_windup
         )
@@ -158,7 +213,7 @@ def design_lqi(
     controller, gains = found.design
     slowest = slowest_time_constant(gains.eigenvalues, period)
     asked = deviations.slower(found.factor)
-    return dataclasses.replace(
+    controller = dataclasses.replace(
         controller,
         design=(
             "LQI with Bryson's weights, "
@@ -168,6 +223,8 @@ def design_lqi(
         ),
         notes=(*controller.notes, *note_on_slowing(found, "the regulator")),
     )
+    weights = bryson_weights(model, *asked.sizes(), asked.horizon)
+    return WeighedLqi(controller, model, weights, asked.horizon)
 
 
 def refuse_more_inputs(model: LinearModel, method: str) -> None:
@@ -286,14 +343,33 @@ def _given(
     return {name: float((given or {}).get(name, value)) for name, value in default.items()}
 
 
-def _tracking_times(
+def tracking_times(
     model: LinearModel,
     measurements: tuple[str, ...],
     feedback: np.ndarray,
     gains: LqiGains,
     horizon: float,
 ) -> list[float]:
-    """Return proportional over integral gain of the controlled outputs, a PI's Ti."""
+    """Return proportional over integral gain of the controlled outputs, a PI's Ti [s].
+
+    Parameters
+    ----------
+    model : LinearModel
+    measurements : tuple of str
+    feedback : ndarray [m, measurements]
+        F of the measurements.
+    gains : LqiGains
+    horizon : float
+        For an input that the integrators do not move [s].
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(0.0 * one, one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> tracking_times(tank, ("level",), 6.0 * one, LqiGains(6.0 * one, 2.0 * one, one[0]), 9.0)
+    [3.0]
+    """
     columns = [measurements.index(name) for name in model.outputs]
     times = []
     for row, integral in zip(feedback, gains.integral, strict=True):

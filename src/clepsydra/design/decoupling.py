@@ -70,7 +70,7 @@ class LeadLag(NamedTuple):
 
 
 def inverted_decoupler(
-    model: LinearModel, pairing: Pairing, *, kind: DecouplerKind = "dynamic"
+    model: LinearModel, pairing: Pairing | None = None, *, kind: DecouplerKind = "dynamic"
 ) -> Decoupler:
     """Return the elements d_ij = −g_ij/g_ii of inverted decoupling for a pairing.
 
@@ -79,7 +79,8 @@ def inverted_decoupler(
     Parameters
     ----------
     model : LinearModel
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
         At least two.
     kind : {"dynamic", "static"}
         Lead-lags of first order, or gains that hold at rest only.
@@ -97,10 +98,9 @@ def inverted_decoupler(
 
     References
     ----------
-    H. L. Wade, Inverted decoupling: a neglected technique, ISA Transactions 36(1), 1997, 3-10,
-    doi 10.1016/S0019-0578(97)00008-6; J. Garrido, F. Vázquez and F. Morilla, An extended
-    approach of inverted decoupling, Journal of Process Control 21(1), 2011, 55-68,
-    doi 10.1016/j.jprocont.2010.10.004.
+    H. L. Wade, Inverted decoupling: a neglected technique, ISA Transactions 36(1), 1997, 3-10;
+    J. Garrido, F. Vázquez and F. Morilla, An extended approach of inverted decoupling, Journal
+    of Process Control, 2011.
 
     Examples
     --------

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.parameters import is_finite_number
@@ -205,6 +206,9 @@ def integral_time_from_repeats(repeats_per_minute: float) -> float:
 
 
 def _check(settings: PidSettings) -> None:
+    require_type(
+        settings, PidSettings, "settings", "PidSettings", "make them: PidSettings(gain, Ti, Td)"
+    )
     gain, integral_time, derivative_time = settings
     if not is_finite_number(gain) or gain == 0.0:
         raise InputError("gain", gain, "a number that is not zero", "give the gain of the loop")
@@ -216,8 +220,19 @@ def _check(settings: PidSettings) -> None:
         raise InputError("derivative time", derivative_time, "a time from 0 s", "give seconds")
 
 
+def has_range(signal: Signal) -> bool:
+    """Return whether a signal has the finite range that percent are of.
+
+    Examples
+    --------
+    >>> has_range(Signal("level", "m", low=0.0, high=5.0)), has_range(Signal("level", "m"))
+    (True, False)
+    """
+    return math.isfinite(signal.span) and signal.span > 0.0
+
+
 def _span(signal: Signal) -> float:
-    if not math.isfinite(signal.span) or signal.span <= 0.0:
+    if not has_range(signal):
         raise InputError(
             signal.name,
             f"a range from {signal.low:g} to {signal.high:g} {signal.unit}",

@@ -50,7 +50,7 @@ def integrating_delay(
 
     References
     ----------
-    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, section 2.7, for the model.
+    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, chapter 2, for the model.
 
     Examples
     --------

@@ -146,8 +146,8 @@ def process_noise(observed: ObservedProcess, horizon: float) -> Noise:
 
     References
     ----------
-    J. C. Doyle and G. Stein, Robustness with observers, IEEE Transactions on Automatic Control
-    24(4), 1979, 607-611, doi 10.1109/TAC.1979.1102095.
+    J. C. Doyle and G. Stein, Robustness with observers, IEEE Transactions on Automatic Control,
+    1979.
 
     Examples
     --------

@@ -47,10 +47,11 @@ def lambda_settings(model: FirstOrderDelay, closed_loop_time_constant: float) ->
 
     References
     ----------
-    T. Olsen and W. L. Bialkowski, Lambda tuning as a promising controller tuning method for
-    the refinery, AIChE Spring National Meeting, 2002; D. E. Rivera, M. Morari and S. Skogestad,
-    Industrial & Engineering Chemistry Process Design and Development 25(1), 1986, 252-265,
-    doi 10.1021/i200032a041.
+    For self-regulating elements D. E. Rivera, M. Morari and S. Skogestad, Industrial &
+    Engineering Chemistry Process Design and Development 25(1), 1986, 252-265,
+    doi 10.1021/i200032a041. For integrating ones T. Olsen and W. L. Bialkowski, Lambda tuning
+    as a promising controller tuning method for the refinery, AIChE Spring National Meeting,
+    2002; the formulas are derived here from the placed poles.
 
     Examples
     --------
@@ -68,7 +69,7 @@ def lambda_settings(model: FirstOrderDelay, closed_loop_time_constant: float) ->
 
 def design_lambda(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None = None,
     *,
     form: PidForm | None = None,
     closed_loop_time_constant: float | None = None,
@@ -88,7 +89,8 @@ def design_lambda(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
     form : PidForm, optional
         PI in ISA form if left out.
     closed_loop_time_constant : float, optional

@@ -7,8 +7,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.words import seconds
 from clepsydra.controllers.controller import Controller
+from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.bryson import acceptable_deviations, slowest_time_constant
 from clepsydra.design.kalman import input_variances, kalman_gain, process_noise
 from clepsydra.design.loops.control_authority import check_ranges
@@ -16,7 +18,11 @@ from clepsydra.design.states.estimation import Estimation, with_loads
 from clepsydra.design.states.feedback_controller import feedback_controller, states_to_feed_back
 from clepsydra.design.states.linear_quadratic import bryson_weights, check_independent, lqr_gains
 from clepsydra.design.states.observed_process import ObservedProcess
-from clepsydra.design.states.quadratic_weights import QuadraticWeights
+from clepsydra.design.states.quadratic_weights import (
+    QuadraticWeights,
+    checked_weights,
+    of_weights,
+)
 from clepsydra.design.states.slowing_down import note_on_slowing, slow_down
 from clepsydra.design.states.state_controllers import sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
@@ -64,15 +70,16 @@ def design_lqr(
     ------
     NotApplicable
         The outputs cannot be held independently, the measurements do not show what has to be
-        known, there are no stabilising gains, or no slowing down makes the loop robust.
+        known, there are no stabilising gains with any weights, or no slowing down makes the loop
+        robust.
     InputError
         The model has no operating point, a signal is unknown, a deviation is not above zero, or
-        the weights do not fit the model.
+        the weights do not fit the model, weigh no state, or have no stabilising gains.
 
     References
     ----------
     G. F. Franklin, J. D. Powell and M. Workman, Digital Control of Dynamic Systems, 3rd
-    edition, Addison-Wesley 1998, chapter 9 and section 8.4.
+    edition, Addison-Wesley 1998, chapters 8 and 9.
 
     Examples
     --------
@@ -89,16 +96,20 @@ def design_lqr(
     seen, period = observed.model, observed.period
     deviations = acceptable_deviations(seen, maximum_errors, maximum_moves, METHOD)
     errors, moves = deviations.sizes()
-    if weights is None:
-        basic = bryson_weights(seen, errors, moves, deviations.horizon)
-    else:
-        weights.check_fit(seen)
-        basic = weights
+    usual = bryson_weights(seen, errors, moves, deviations.horizon)
+    basic = usual if weights is None else _given(weights, seen)
     estimation = None if measured else _filter(observed, deviations.horizon)
 
     def designed(factor: float) -> tuple[Controller, np.ndarray]:
         asked = QuadraticWeights(basic.states, basic.inputs * factor**2)
-        found = lqr_gains(seen, asked, period, deviations.horizon, METHOD)
+        try:
+            found = lqr_gains(seen, asked, period, deviations.horizon, METHOD)
+        except NotApplicable as refusal:
+            if weights is None:
+                raise
+            # Whose fault it is tell the usual weights: where these work, it is that of those given.
+            lqr_gains(seen, usual, period, deviations.horizon, METHOD)
+            raise of_weights(refusal) from None
         slowest = slowest_time_constant(found.eigenvalues, period)
         controller = feedback_controller(NAME, observed, found.gain, moves, slowest, estimation)
         return controller, found.eigenvalues
@@ -122,6 +133,26 @@ def design_lqr(
         ),
         notes=(*controller.notes, *note_on_slowing(found, "the regulator")),
     )
+
+
+def _given(weights: QuadraticWeights, model: LinearModel) -> QuadraticWeights:
+    """Return weights that a user gave, if a regulator without integrals can come of them."""
+    checked_weights(weights, model)
+    if weights.integrals is not None:
+        raise InputError(
+            "weights, integrals",
+            "weights of integrals",
+            "weights of states and inputs alone: this regulator has no integrals",
+            "remove them, or choose LQI by given weights",
+        )
+    if not np.any(weights.states):
+        raise InputError(
+            "weights, states",
+            "no weight above 0",
+            f"a weight above 0 for one or more of {', '.join(model.states)}",
+            "add it: without one the regulator does best by doing nothing",
+        )
+    return weights
 
 
 def _filter(observed: ObservedProcess, horizon: float) -> Estimation:

@@ -20,9 +20,13 @@ from clepsydra.design.bryson import (
 from clepsydra.design.loops.control_authority import check_ranges
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.design.sampled.sampling_period import check_sampling_period
-from clepsydra.design.states.linear_quadratic import METHOD, lqi_gains_by_weights
+from clepsydra.design.states.linear_quadratic import METHOD, lqi_gains, lqi_gains_by_weights
 from clepsydra.design.states.measured_states import measurements_of_states, with_outputs
-from clepsydra.design.states.quadratic_weights import QuadraticWeights
+from clepsydra.design.states.quadratic_weights import (
+    QuadraticWeights,
+    checked_weights,
+    of_weights,
+)
 from clepsydra.design.states.state_controllers import lqi_controller, sensitivity_peak
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -56,10 +60,11 @@ def design_lqi_by_weights(
     Raises
     ------
     NotApplicable
-        The process has dead time, a state is not measured, there are no stabilising gains, or
-        the loop is unstable.
+        The process has dead time, a state is not measured, there are no stabilising gains with
+        any weights, or the loop is unstable.
     InputError
-        The weights do not fit the model, or those of the integrals are missing.
+        The weights do not fit the model, those of the integrals are missing, or these weights
+        have no stabilising gains.
 
     Examples
     --------
@@ -79,14 +84,22 @@ def design_lqi_by_weights(
         )
     refuse_more_inputs(model, METHOD)
     check_ranges(operating_point_of(model).process, model.outputs, model.inputs, METHOD)
-    weights.check_fit(model)
+    checked_weights(weights, model)
     if weights.integrals is None:
         raise InputError(
-            "weights, integrals", None, f"weights for {', '.join(model.outputs)}", "add them"
+            "weights, integrals",
+            "no integrals",
+            f"weights for the integrals of {', '.join(model.outputs)}",
+            f"add integrals, a number above 0 for each, as in {{ {model.outputs[0]} = 1e-4 }}",
         )
     measurements = measurements_of_states(model, METHOD)
-    horizon = acceptable_deviations(model, None, None, METHOD).horizon
-    gains = lqi_gains_by_weights(model, weights, period, horizon)
+    usual = acceptable_deviations(model, None, None, METHOD)
+    try:
+        gains = lqi_gains_by_weights(model, weights, period, usual.horizon)
+    except NotApplicable as refusal:
+        # Whose fault it is tell the usual weights: where these work, it is that of those given.
+        lqi_gains(model, *usual.sizes(), usual.horizon, period)
+        raise of_weights(refusal) from None
     feedback = np.linalg.solve(with_outputs(model, measurements).C.T, gains.feedback.T).T
     slowest = slowest_time_constant(gains.eigenvalues, period)
     controller = lqi_controller(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from clepsydra.base.arguments import require_type, sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
@@ -65,6 +66,13 @@ def own_controller(
     >>> controller.initial_state, controller.values
     ({'last_output_1': 3.0}, {'low_limit_1': 0.0, 'high_limit_1': 10.0})
     """
+    require_type(law, StepLaw, "law", "a StepLaw", "read it with load_law(path)")
+    for key, names in (
+        ("measurements", measurements), ("setpoints", setpoints), ("manipulated", manipulated),
+    ):  # fmt: skip
+        sequence_of(
+            names, str, f"{name}, {key}", "a list of names of signals", 'write as in ["level_1"]'
+        )
     point = operating_point_of(model)
     process, at = point.process, point.as_dict()
     known = {parameter.name: parameter.initial for parameter in law.parameters}

@@ -110,7 +110,7 @@ def default_crossover(
 
 def design_phase_margin(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None = None,
     *,
     form: PidForm | None = None,
     phase_margin: float = math.pi / 3.0,
@@ -130,7 +130,8 @@ def design_phase_margin(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
     form : PidForm, optional
         PI in ISA form if left out, and PID where the crossover asks for it.
     phase_margin : float
@@ -200,7 +201,10 @@ def design_phase_margin(
 def _check(phase_margin: float, crossover: float | None) -> None:
     if not is_finite_number(phase_margin) or not 0.0 < phase_margin < math.pi:
         raise InputError(
-            f"{METHOD}, phase_margin", phase_margin, "an angle between 0 and π rad", "use radians"
+            f"{METHOD}, phase_margin",
+            phase_margin,
+            "an angle between 0 and π rad",
+            "give it in radians, as math.radians(60)",
         )
     if crossover is not None:
         place = f"{METHOD}, crossover"

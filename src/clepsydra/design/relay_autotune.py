@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,8 +19,37 @@ CYCLES = 3
 SPREAD = 0.05
 
 
+class RelayExperiment(Protocol):
+    """The record of a relay experiment, as `loop.relay_experiment` makes it.
+
+    Examples
+    --------
+    See `ultimate_point_of_relay`.
+    """
+
+    @property
+    def time(self) -> np.ndarray:
+        """[s]"""
+
+    @property
+    def manipulated(self) -> np.ndarray:
+        """[input unit]"""
+
+    @property
+    def measured(self) -> np.ndarray:
+        """[output unit]"""
+
+    @property
+    def hysteresis(self) -> float:
+        """ε [output unit]"""
+
+
 def ultimate_point_of_relay(
-    time: ArrayLike, manipulated: ArrayLike, measured: ArrayLike, *, hysteresis: float = 0.0
+    time: ArrayLike | RelayExperiment,
+    manipulated: ArrayLike | None = None,
+    measured: ArrayLike | None = None,
+    *,
+    hysteresis: float | None = None,
 ) -> UltimatePoint:
     """Return the ultimate gain and period from the last cycles under a relay with hysteresis.
 
@@ -36,9 +66,10 @@ def ultimate_point_of_relay(
     Parameters
     ----------
     time, manipulated, measured : array_like [n]
-        Record of the experiment, the input held from each sample to the next.
-    hysteresis : float
-        ε, from the setpoint to a switching level [output unit].
+        Record of the experiment, the input held from each sample to the next. In the place of
+        the three, the record that `relay_experiment` returns.
+    hysteresis : float, optional
+        ε, from the setpoint to a switching level [output unit]; that of the record, or none.
 
     Returns
     -------
@@ -67,7 +98,21 @@ def ultimate_point_of_relay(
     >>> round(found.gain, 4), round(found.period, 4)
     (2.5465, 4.0)
     """
-    time, manipulated, measured = checked_record(time, manipulated, measured, PLACE)
+    if manipulated is None and measured is None and hasattr(time, "manipulated"):
+        record = cast(RelayExperiment, time)
+        time, manipulated, measured = record.time, record.manipulated, record.measured
+        hysteresis = record.hysteresis if hysteresis is None else hysteresis
+    if manipulated is None or measured is None:
+        raise InputError(
+            PLACE,
+            "one argument" if measured is None and manipulated is None else "two arrays",
+            "the record of relay_experiment, or time, manipulated and measured",
+            "give the record as it is, or all three arrays",
+        )
+    time, manipulated, measured = checked_record(
+        cast(ArrayLike, time), manipulated, measured, PLACE
+    )
+    hysteresis = 0.0 if hysteresis is None else hysteresis
     if not isinstance(hysteresis, (int, float)) or not 0.0 <= hysteresis < math.inf:
         raise InputError(
             f"{PLACE}, hysteresis", hysteresis, "a number from 0", "give it in the output's unit"

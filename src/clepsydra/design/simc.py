@@ -32,7 +32,7 @@ def simc_settings(model: FirstOrderDelay, closed_loop_time_constant: float) -> P
 
     References
     ----------
-    S. Skogestad, Journal of Process Control 13(4), 2003, 291-309, eq. (23) and (24),
+    S. Skogestad, Journal of Process Control 13(4), 2003, 291-309,
     doi 10.1016/S0959-1524(02)00062-8.
 
     Examples
@@ -57,8 +57,8 @@ def simc_pid_settings(model: SecondOrderDelay, closed_loop_time_constant: float)
 
     References
     ----------
-    S. Skogestad, Journal of Process Control 13(4), 2003, 291-309, eq. (23) to (25), and (36)
-    for the conversion, doi 10.1016/S0959-1524(02)00062-8.
+    S. Skogestad, Journal of Process Control 13(4), 2003, 291-309,
+    doi 10.1016/S0959-1524(02)00062-8.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def simc_pid_settings(model: SecondOrderDelay, closed_loop_time_constant: float)
 
 def design_simc(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None = None,
     *,
     form: PidForm | None = None,
     closed_loop_time_constant: float | None = None,
@@ -99,7 +99,8 @@ def design_simc(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
     form : PidForm, optional
         PI in ISA form if left out.
     closed_loop_time_constant : float, optional

@@ -59,7 +59,7 @@ def design_start_stop_levels(model: LinearModel, *, starts_per_hour: float = 10.
     References
     ----------
     ATV-DVWK-A 134, Planung und Bau von Abwasserpumpanlagen, 2000; Metcalf & Eddy, Wastewater
-    Engineering: Collection and Pumping of Wastewater, McGraw-Hill 1981, chapter 9.
+    Engineering: Collection and Pumping of Wastewater, McGraw-Hill 1981.
 
     Examples
     --------

@@ -45,7 +45,7 @@ def tyreus_luyben_settings(point: UltimatePoint, actions: RuleActions = "PI") ->
 
 def design_tyreus_luyben(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None = None,
     *,
     form: PidForm | None = None,
     as_published: bool = False,
@@ -60,7 +60,8 @@ def design_tyreus_luyben(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
     form : PidForm, optional
         PI in ISA form if left out.
     as_published : bool

@@ -31,7 +31,7 @@ def ziegler_nichols_settings(point: UltimatePoint, actions: RuleActions = "PI") 
     References
     ----------
     J. G. Ziegler and N. B. Nichols, Optimum settings for automatic controllers,
-    Transactions of the ASME 64, 1942, 759-768.
+    Transactions of the ASME 64(8), 1942, 759-765, doi 10.1115/1.4019264.
 
     Examples
     --------
@@ -61,7 +61,7 @@ def ziegler_nichols_step_settings(
     References
     ----------
     J. G. Ziegler and N. B. Nichols, Optimum settings for automatic controllers,
-    Transactions of the ASME 64, 1942, 759-768.
+    Transactions of the ASME 64(8), 1942, 759-765, doi 10.1115/1.4019264.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def ziegler_nichols_step_settings(
 
 def design_ziegler_nichols(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None = None,
     *,
     form: PidForm | None = None,
     experiment: Experiment = "ultimate_point",
@@ -92,7 +92,8 @@ def design_ziegler_nichols(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
     form : PidForm, optional
         PI in ISA form if left out.
     experiment : {"ultimate_point", "step_response"}
@@ -116,7 +117,7 @@ def design_ziegler_nichols(
     References
     ----------
     J. G. Ziegler and N. B. Nichols, Optimum settings for automatic controllers,
-    Transactions of the ASME 64, 1942, 759-768.
+    Transactions of the ASME 64(8), 1942, 759-765, doi 10.1115/1.4019264.
 
     Examples
     --------

@@ -70,9 +70,9 @@ def parameters_grid(fit: ProcessFit) -> Grid:
     >>> from clepsydra.identify.simulated_record import record_of
     >>> from clepsydra.loop.simulation import simulate
     >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
-    >>> fit = fit_process(run.process, record_of(run), ["outlet_1.area"])
+    >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
     >>> parameters_grid(fit).rows[0][:3]
-    ('outlet_1.area', '0.0710', '0.071000')
+    ('outlet_1.area', '0.0710', '0.071007')
     """
     rows = []
     for estimate, before in zip(fit.estimates, fit.before, strict=True):
@@ -91,7 +91,7 @@ def start_grid(fit: ProcessFit) -> Grid:
     >>> from clepsydra.identify.simulated_record import record_of
     >>> from clepsydra.loop.simulation import simulate
     >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
-    >>> fit = fit_process(run.process, record_of(run), ["outlet_1.area"])
+    >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
     >>> start_grid(fit).rows[0][0]
     'tank_1.level'
     """
@@ -108,7 +108,7 @@ def outputs_grid(fit: ProcessFit) -> Grid:
     >>> from clepsydra.identify.simulated_record import record_of
     >>> from clepsydra.loop.simulation import simulate
     >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
-    >>> fit = fit_process(run.process, record_of(run), ["outlet_1.area"])
+    >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
     >>> outputs_grid(fit).rows[0][0]
     'level_1'
     """

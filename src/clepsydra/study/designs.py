@@ -10,14 +10,26 @@ from clepsydra.design.amigo import design_amigo
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.arrest_time import design_arrest_time
 from clepsydra.design.bryson import design_lqi
+from clepsydra.design.extended_kalman import design_lqi_extended_kalman
+from clepsydra.design.feedback_linearisation import design_feedback_linearisation
+from clepsydra.design.fuzzy_control import design_fuzzy_pi
+from clepsydra.design.gain_scheduling import (
+    design_gain_scheduled_lqi,
+    design_gain_scheduled_pid,
+)
+from clepsydra.design.glover_mcfarlane import design_glover_mcfarlane
 from clepsydra.design.lambda_tuning import design_lambda
 from clepsydra.design.linear_quadratic_regulator import design_lqr
 from clepsydra.design.lqi_kalman import design_lqi_kalman
 from clepsydra.design.phase_margin import design_phase_margin
 from clepsydra.design.pole_placement import design_pole_placement
+from clepsydra.design.polynomial.polynomial_control import design_polynomial
+from clepsydra.design.recomputed_lqi import design_recomputed_lqi
 from clepsydra.design.simc import design_simc
+from clepsydra.design.smith_predictor import design_smith_predictor
 from clepsydra.design.start_stop_levels import design_start_stop_levels
 from clepsydra.design.tyreus_luyben import design_tyreus_luyben
+from clepsydra.design.variable_structure_pid import design_variable_structure_pid
 from clepsydra.design.ziegler_nichols import design_ziegler_nichols
 from clepsydra.linear.analysis import Analysis
 
@@ -54,6 +66,8 @@ DESIGNS: dict[str, Design] = {
     "PI, Tyreus-Luyben": lambda a: design_tyreus_luyben(a.model, a.pairing),
     "PI, SIMC, static decoupling": lambda a: design_simc(a.model, a.pairing, decoupling="static"),
     "PI, SIMC, dynamic decoupling": lambda a: design_simc(a.model, a.pairing, decoupling="dynamic"),
+    "PI, variable structure": lambda a: design_variable_structure_pid(a.model, a.pairing),
+    "PI, gain scheduling": lambda a: design_gain_scheduled_pid(a.model, a.pairing),
     "PID, SIMC": lambda a: _differentiated(design_simc(a.model, a.pairing, form=_PID), a),
     "PID, phase margin": lambda a: _differentiated(
         design_phase_margin(a.model, a.pairing, form=_PID), a
@@ -64,7 +78,16 @@ DESIGNS: dict[str, Design] = {
     ),
     "LQI, Bryson": lambda a: design_lqi(a.model),
     "LQI with Kalman filter": lambda a: design_lqi_kalman(a.model),
+    "LQI with extended Kalman filter": lambda a: design_lqi_extended_kalman(a.model),
+    "LQI, gain scheduling": lambda a: design_gain_scheduled_lqi(a.model),
+    "LQI, recomputed": lambda a: design_recomputed_lqi(a.model),
     "LQR with precompensator": lambda a: design_lqr(a.model),
+    "2DOF polynomial, LQ": lambda a: design_polynomial(a.model, a.pairing),
+    "Smith predictor, LQ": lambda a: design_smith_predictor(a.model, a.pairing),
+    "Smith predictor, PI": lambda a: design_smith_predictor(a.model, a.pairing, primary="PI"),
+    "Feedback linearisation": lambda a: design_feedback_linearisation(a.model),
+    "Glover-McFarlane on PI, SIMC": lambda a: design_glover_mcfarlane(a.model, a.pairing),
+    "Fuzzy PI": lambda a: design_fuzzy_pi(a.model, a.pairing),
     "Start/stop levels": lambda a: design_start_stop_levels(a.model),
     "State feedback, pole placement": lambda a: design_pole_placement(a.model),
 }

@@ -10,28 +10,33 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
+from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.running_averaging import AVERAGING_SCORES
+from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 from clepsydra.study.designs import DESIGNS
 from clepsydra.study.file.request import StudyRequest
+from clepsydra.study.levels_used import levels_used
 from clepsydra.study.ranking import QUIET, Trial, rank, rule_of, verdict
 from clepsydra.study.result import StudyResult
 from clepsydra.study.trial import tried
-from clepsydra.study.tuning.objective import Limits
+from clepsydra.study.tuning.objective import Limits, Objective, weighted_sum
 from clepsydra.study.tuning.result import TuningResult
-from clepsydra.study.tuning.tune import GENERATIONS, Progress
+from clepsydra.study.tuning.search import GENERATIONS, Progress
 from clepsydra.study.tuning.tuned_pid import tuned_pid
 
-#: The design whose controller a study tunes, and what the reader calls the result.
-_START, _TUNED = "PI, SIMC", "PI, SIMC, tuned"
+#: The design whose controller a study tunes, that of levels which average, and what the reader
+#: calls the result.
+_START, _AVERAGING_START, _TUNED = "PI, SIMC", "PI, arrest time", "{}, tuned"
 #: A tuned controller may have this many times the total variation of its start, or as much as
 #: leaves this share of the noise movement of a quiet one: noise makes most of the moves.
 _WEAR, _OF_QUIET = 2.0, 0.9
@@ -101,8 +106,8 @@ def run_study(
 
     Examples
     --------
-    >>> run_study("quadruple-tank").ranking[0].rank
-    1
+    >>> run_study("equalisation-tank").ranking[0].controller.name
+    'PI, arrest time, tuned'
     """
     if isinstance(process, StudyRequest):
         study = _Study(process.analysis, process.scenario, process.seed, progress, tuning_folder)
@@ -134,9 +139,11 @@ class _Study:
         self.refused: list[tuple[str, str]] = []
         self.scores: tuple[str, ...] = ()
         self.title = self.process.title
+        self.path: Path | None = None
 
     def of_request(self, request: StudyRequest) -> _Study:
         self.stem, self.scores, self.title = request.file_stem, request.scores, request.title
+        self.path = request.path
         if not request.controllers:
             return self.of_all_designs()
         for place, wanted in enumerate(request.controllers):
@@ -157,12 +164,14 @@ class _Study:
             self.tell(StudyProgress(place, count, name))
             with self._refusals(name):
                 self._add(design(self.analysis))
-        now = StudyProgress(len(DESIGNS), count, _TUNED)
+        first = _AVERAGING_START if self.process.averaging else _START
+        name = _TUNED.format(first)
+        now = StudyProgress(len(DESIGNS), count, name)
         self.tell(now)
-        with self._refusals(_TUNED):
-            start, limits = self._start()
+        with self._refusals(name):
+            start, objective, limits = self._start(first, name)
             generations = max(_FEWEST, min(GENERATIONS, round(_SIMULATED / self.scenario.samples)))
-            search = partial(tuned_pid, limits=limits, generations=generations)
+            search = partial(tuned_pid, objective=objective, limits=limits, generations=generations)
             tuning = self._tuned(now, start, search)
             self._add(tuning.controller, tuning)
         return self
@@ -197,25 +206,38 @@ class _Study:
             kept.unlink(missing_ok=True)
         return found
 
-    def _start(self) -> tuple[Controller, Limits]:
-        """Return what PI control is tuned from, with hardly more wear, and as quiet."""
-        averaging = self.process.averaging
-        if averaging:
-            raise NotApplicable(
-                _TUNED,
-                f"it lessens the error of {', '.join(averaging)}, which is there to average; "
-                "write a study file with a tuning for another aim",
-            )
-        start = next((t for t in self.trials if t.controller.name == _START), None)
+    def _start(self, first: str, tuned: str) -> tuple[Controller, Objective | None, Limits]:
+        """Return what PI control is tuned from and for, with hardly more wear, and as quiet."""
+        start = next((t for t in self.trials if t.controller.name == first), None)
         if start is None:
-            raise NotApplicable(_TUNED, f"it starts from {_START}, which does not apply")
+            raise NotApplicable(tuned, f"it starts from {first}, which does not apply")
         noise = max(start.noise_movement, 1e-9)
         more = max(1.0, min(_WEAR, _OF_QUIET * QUIET / noise))
         wear = {
             name: more * start.scores[f"total_variation[{name}]"]
             for name in start.controller.manipulated
         }
-        return start.controller, Limits(_LARGEST_PEAK, total_variation=wear)
+        limits = Limits(_LARGEST_PEAK, total_variation=wear)
+        if not self.process.averaging:
+            return start.controller, None, limits
+        limits = replace(limits, levels=levels_used(start.run, self.process.averaging))
+        return start.controller, self._averaging_objective(start, tuned), limits
+
+    def _averaging_objective(self, start: Trial, tuned: str) -> Objective:
+        """Return the mean of what ranks a process whose levels average, relative to the start."""
+        averaging = self.process.averaging
+        names = [f"{score}[{name}]" for name in averaging for score in AVERAGING_SCORES]
+        names += [f"iae[{name}]" for name in self.process.controlled if name not in averaging]
+        names = [name for name in names if start.scores.get(name, 0.0) > 0.0]
+        try:
+            RunningScores(self.process, tuple(names)).inputs_of(self.scenario)
+        except InputError as refusal:
+            raise NotApplicable(
+                tuned, f"what averaging is judged by is not known of {refusal.value}"
+            ) from None
+        if not names:
+            raise NotApplicable(tuned, f"{', '.join(averaging)} leave nothing to lessen")
+        return weighted_sum(dict.fromkeys(names, 1.0))
 
     @contextmanager
     def _refusals(self, name: str) -> Iterator[None]:
@@ -237,4 +259,5 @@ class _Study:
             warnings=self.analysis.operating_point.warnings,
             title=self.title,
             rule=rule_of(self.scores),
+            path=self.path,
         )

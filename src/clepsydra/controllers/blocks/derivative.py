@@ -44,7 +44,7 @@ def filtered_derivative(
 
     References
     ----------
-    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, section 13.3.
+    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, chapter 13.
 
     Examples
     --------

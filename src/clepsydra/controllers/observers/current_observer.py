@@ -114,7 +114,7 @@ def corrected_estimate(
 
     References
     ----------
-    K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, section 4.5.
+    K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, chapter 4.
 
     Examples
     --------

@@ -93,8 +93,7 @@ class FeedforwardBlock:
 
     References
     ----------
-    H. L. Wade, Inverted decoupling: a neglected technique, ISA Transactions 36(1), 1997, 3-10,
-    doi 10.1016/S0019-0578(97)00008-6.
+    H. L. Wade, Inverted decoupling: a neglected technique, ISA Transactions 36(1), 1997, 3-10.
 
     Examples
     --------

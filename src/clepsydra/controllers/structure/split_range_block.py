@@ -78,7 +78,7 @@ class SplitRangeBlock:
     ----------
     A. Reyes-Lúa, C. Zotică, T. Das, D. Krishnamoorthy and S. Skogestad, Changing between active
     constraint regions for optimal operation: classical advanced control versus model predictive
-    control, Computer Aided Chemical Engineering 44, 2018, 1015-1020, gives the use.
+    control, Computer Aided Chemical Engineering, 2018, gives the use.
 
     Examples
     --------

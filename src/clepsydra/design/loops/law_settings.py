@@ -33,7 +33,7 @@ def law_settings(settings: PidSettings, form: PidForm, place: str) -> dict[str, 
 
     References
     ----------
-    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, section 3.5, for the tracking
+    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, chapter 3, for the tracking
     time.
 
     Examples

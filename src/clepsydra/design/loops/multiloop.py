@@ -63,7 +63,8 @@ class MultiloopPid:
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), mapping, or None
+        The one that the relative gains suggest for None.
     form : PidForm
     method : str
         Of the design, for names and messages.
@@ -94,7 +95,7 @@ class MultiloopPid:
     def __init__(
         self,
         model: LinearModel,
-        pairing: Pairing,
+        pairing: Pairing | None,
         form: PidForm,
         method: str,
         decoupling: Decoupling | None = None,

@@ -77,7 +77,7 @@ def from_series(settings: SeriesSettings) -> PidSettings:
 
     References
     ----------
-    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, section 3.2.
+    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, chapter 3.
 
     Examples
     --------

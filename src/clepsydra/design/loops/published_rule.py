@@ -49,7 +49,7 @@ class PublishedRule(NamedTuple):
 
 def design_by_rule(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None,
     rule: PublishedRule,
     *,
     form: PidForm | None,
@@ -61,7 +61,7 @@ def design_by_rule(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), mapping, or None
     rule : PublishedRule
     form : PidForm or None
         PI in ISA form for None.

@@ -72,7 +72,7 @@ def reaction_curve(element: TransferElement, delay: float, *, method: str) -> Re
 
     References
     ----------
-    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, section 2.7.
+    K. J. Åström and T. Hägglund, Advanced PID Control, ISA 2006, chapter 2.
 
     Examples
     --------

@@ -58,7 +58,7 @@ def ultimate_point(element: TransferElement, delay: float, *, method: str) -> Ul
     References
     ----------
     J. G. Ziegler and N. B. Nichols, Optimum settings for automatic controllers,
-    Transactions of the ASME 64, 1942, 759-768.
+    Transactions of the ASME 64(8), 1942, 759-765, doi 10.1115/1.4019264.
 
     Examples
     --------

@@ -30,7 +30,7 @@ def bessel_poles(order: int, bandwidth: float, period: float) -> np.ndarray:
     W. E. Thomson, Delay networks having maximally flat frequency characteristics, Proceedings
     of the IEE 96(44), 1949, 487-490.
     G. F. Franklin, J. D. Powell and A. Emami-Naeini, Feedback Control of Dynamic Systems,
-    section 7.6.
+    chapter 7.
 
     Examples
     --------

@@ -65,7 +65,7 @@ def bryson_weights(
 
     References
     ----------
-    A. E. Bryson and Y.-C. Ho, Applied Optimal Control, Hemisphere 1975, section 5.2.
+    A. E. Bryson and Y.-C. Ho, Applied Optimal Control, Hemisphere 1975, chapter 5.
 
     Examples
     --------

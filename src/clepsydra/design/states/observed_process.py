@@ -159,7 +159,8 @@ def _chosen(model: LinearModel, measurements: Sequence[str] | None, method: str)
         ]
         return (*model.outputs, *others)
     place, known = f"{method}, measurements", [signal.name for signal in process.measurements]
-    if isinstance(measurements, str) or any(name not in known for name in measurements):
+    listed = isinstance(measurements, (list, tuple))
+    if not listed or any(name not in known for name in measurements):
         raise InputError(place, measurements, f"some of {', '.join(known)}", "correct the names")
     if len(set(measurements)) < len(measurements):
         raise InputError(place, list(measurements), "each name once", "name each once")

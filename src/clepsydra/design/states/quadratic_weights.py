@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.design.applicability import NotApplicable
 from clepsydra.linear.linear_model import LinearModel
 
 #: A weight this far below zero, as a share of the largest, is rounding and not negative.
@@ -48,10 +50,10 @@ matrix; its smallest eigenvalue is -1, raise the weights on its diagonal.
     integrals: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        _check("states", self.states, positive=False)
-        _check("inputs", self.inputs, positive=True)
-        if self.integrals is not None:
-            _check("integrals", self.integrals, positive=True)
+        for name in ("states", "inputs", "integrals"):
+            if name != "integrals" or self.integrals is not None:
+                matrix = _checked(name, getattr(self, name), positive=name != "states")
+                object.__setattr__(self, name, matrix)
 
     def check_fit(self, model: LinearModel) -> None:
         """Refuse weights of other sizes than a model's states, inputs and outputs.
@@ -73,6 +75,54 @@ matrix; its smallest eigenvalue is -1, raise the weights on its diagonal.
                     f"a matrix of {(size, size)}, for {', '.join(names)}",
                     "give one row and one column for each",
                 )
+
+
+def checked_weights(weights: object, model: LinearModel) -> QuadraticWeights:
+    """Return given weights if they are weights and fit a model.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> checked_weights([4.0, 0.25], tank)
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: weights: got 'a list', expected QuadraticWeights; make them \
+by diagonal_weights(model, {"tank.level": 1.0}, {"pump": 1.0}), or from matrices.
+    """
+    example = f'{{"{model.states[0]}": 1.0}}, {{"{model.inputs[0]}": 1.0}}'
+    require_type(
+        weights,
+        QuadraticWeights,
+        "weights",
+        "QuadraticWeights",
+        f"make them by diagonal_weights(model, {example}), or from matrices",
+    )
+    assert isinstance(weights, QuadraticWeights)
+    weights.check_fit(model)
+    return weights
+
+
+def of_weights(refusal: NotApplicable) -> InputError:
+    """Return what to tell a user whose weights a design cannot use, where others do.
+
+    Examples
+    --------
+    >>> of_weights(NotApplicable("LQR", "the loop is unstable")).value
+    'the loop is unstable'
+    """
+    return InputError(
+        "weights",
+        refusal.reason,
+        "weights that make a stable loop",
+        "weigh every state that does not settle by itself, and begin with 1 over the square of "
+        "the largest acceptable deviation for every weight",
+    )
 
 
 def diagonal_weights(
@@ -130,7 +180,7 @@ def _diagonal(
     return np.diag([float(given.get(name, 0.0)) for name in names])
 
 
-def _check(name: str, matrix: np.ndarray, *, positive: bool) -> None:
+def _checked(name: str, matrix: np.ndarray, *, positive: bool) -> np.ndarray:
     place = f"weights, {name}"
     try:
         numbers = np.asarray(matrix, float)
@@ -146,11 +196,25 @@ def _check(name: str, matrix: np.ndarray, *, positive: bool) -> None:
         raise InputError(
             place, numbers.tolist(), "a symmetric matrix", "take half of the matrix and its mirror"
         )
-    smallest = float(np.linalg.eigvalsh(numbers).min(initial=np.inf))
-    if smallest < -_ROUNDING * size or (positive and smallest <= _ROUNDING * size):
+    sizes = _sizes(numbers)
+    smallest = _smallest_eigenvalue(numbers / np.outer(sizes, sizes))
+    if smallest < -_ROUNDING or (positive and smallest <= _ROUNDING):
         raise InputError(
             place,
             numbers.tolist(),
             "a positive definite matrix" if positive else "a matrix that is not negative",
-            f"its smallest eigenvalue is {smallest:.3g}, raise the weights on its diagonal",
+            f"its smallest eigenvalue is {_smallest_eigenvalue(numbers):.3g}, raise the weights on "
+            "its diagonal",
         )
+    return numbers
+
+
+def _smallest_eigenvalue(matrix: np.ndarray) -> float:
+    return float(np.linalg.eigvalsh(matrix).min(initial=np.inf))
+
+
+def _sizes(matrix: np.ndarray) -> np.ndarray:
+    """Return the roots of the diagonal: the weights of signals of other units differ by far."""
+    diagonal = np.diag(matrix)
+    largest = float(np.abs(matrix).max(initial=0.0)) or 1.0
+    return np.asarray(np.sqrt(np.where(diagonal > 0.0, diagonal, largest)))

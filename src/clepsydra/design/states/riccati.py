@@ -74,6 +74,8 @@ def optimal_regulator(
     """
     from scipy.linalg import solve_discrete_are
 
+    if not all(np.all(np.isfinite(matrix)) for matrix in (held, moved, Q, N, R)):
+        raise NotApplicable(method, "the cost of a sample is beyond what numbers can hold")
     try:
         P = solve_discrete_are(held, moved, Q, R, s=N)
     except np.linalg.LinAlgError as error:

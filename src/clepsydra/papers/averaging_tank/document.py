@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from clepsydra.papers.averaging_tank import closed_loops, fuzzy, lqi, model, pi
+from clepsydra.papers.averaging_tank import closed_loops, fuzzy, lqi, model, operating_range, pi
 from clepsydra.papers.experiment import Document, Experiment
 
 DOCUMENT = Document(
@@ -17,5 +17,10 @@ DOCUMENT = Document(
         Experiment("pi", "Multivariable PI control and its tuning", pi.run),
         Experiment("lqi", "State and output feedback with integral action", lqi.run),
         Experiment("fuzzy", "Mamdani fuzzy control", fuzzy.run),
+        Experiment(
+            "operating-range",
+            "Large steps: wind-up or nonlinearity, and what helps",
+            operating_range.run,
+        ),
     ),
 )

@@ -16,6 +16,7 @@ from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
 from clepsydra.study.file.design_arguments import design_keys, read_arguments, with_model
 from clepsydra.study.file.design_names import DESIGN_NAMES
+from clepsydra.study.file.fuzzy_table import FUZZY_KEYS, read_fuzzy_table
 from clepsydra.study.file.law_parameters import LoopSignals
 from clepsydra.study.file.own_law_table import OWN_LAW_KEYS, read_own_law
 from clepsydra.study.file.placed import placed
@@ -24,6 +25,9 @@ from clepsydra.study.file.scheme import SCHEME_KEYS, read_scheme
 from clepsydra.study.file.start_stop_table import START_STOP_KEYS, read_start_stop
 from clepsydra.study.file.tuning_reader import TUNING_KEYS, read_tuning
 from clepsydra.study.file.tuning_request import TuningRequest
+from clepsydra.study.file.weight_bounds import WeightedStart
+from clepsydra.study.tuning.lqi_weights import WeightedDesign
+from clepsydra.study.tuning.weighted_designs import WEIGHTED_DESIGNS
 
 #: What makes a controller, and how it is tuned after that.
 _Made = tuple[Maker, TuningRequest | None]
@@ -94,6 +98,7 @@ def _controller(rows: TableReader, name: str, process: Process, folder: Path) ->
     ways = {
         "design": ("design",),
         "law": ("law",),
+        "fuzzy": ("fuzzy",),
         "start_stop": ("start_stop",),
         "loops": SCHEME_KEYS,
     }
@@ -103,7 +108,7 @@ def _controller(rows: TableReader, name: str, process: Process, folder: Path) ->
         raise InputError(
             rows.place(name),
             shown,
-            "one way to make a controller: design, loops, start_stop or law",
+            "one way to make a controller: design, loops, start_stop, law or fuzzy",
             "give each controller a name of its own" if written else _WAYS,
         )
     make, tune = _READERS[written[0]](rows, name, process, folder)
@@ -141,6 +146,13 @@ def _own_law(rows: TableReader, name: str, process: Process, folder: Path) -> _M
     return lambda analysis, model: own.controller(model), tune
 
 
+def _fuzzy(rows: TableReader, name: str, process: Process, folder: Path) -> _Made:
+    table = rows.table(name, "a table", _WAYS, (*FUZZY_KEYS, "tune"))
+    fuzzy = read_fuzzy_table(table, name, process, folder)
+    tune = _tuning(table, process)
+    return lambda analysis, model: fuzzy.controller(analysis.operating_point), tune
+
+
 def _designed(rows: TableReader, name: str, process: Process, folder: Path) -> _Made:
     """Return what makes a controller by a design with the arguments of a table."""
     table = rows.table(name, "a table", _WAYS)
@@ -165,7 +177,15 @@ def _designed(rows: TableReader, name: str, process: Process, folder: Path) -> _
             found = design(analysis.model, **given)
         return dataclasses.replace(found, name=name)
 
-    return make, _tuning(table, process)
+    weighted = WEIGHTED_DESIGNS.get(known)
+    if weighted is None:
+        return make, _tuning(table, process)
+
+    def start(controller: Controller, model: LinearModel) -> WeightedDesign:
+        designed = model.select(outputs=process.controlled)
+        return weighted(designed, **with_model(arguments, designed))._replace(controller=controller)
+
+    return make, _tuning(table, process, weighted=start)
 
 
 def _pairing(table: TableReader, analysis: Analysis) -> tuple[tuple[str, str], ...]:
@@ -184,11 +204,12 @@ def _tuning(
     table: TableReader,
     process: Process,
     loops: Mapping[str, LoopSignals] | None = None,
+    weighted: WeightedStart | None = None,
 ) -> TuningRequest | None:
     if not table.has("tune"):
         return None
     rows = table.table("tune", "a table", "write [controllers.NAME.tune]", TUNING_KEYS)
-    return read_tuning(rows, process, loops)
+    return read_tuning(rows, process, loops, weighted)
 
 
 def _checked(make: Maker, tune: TuningRequest | None) -> Maker:
@@ -210,4 +231,5 @@ _READERS: dict[str, Callable[[TableReader, str, Process, Path], _Made]] = {
     "loops": _scheme,
     "start_stop": _start_stop,
     "law": _own_law,
+    "fuzzy": _fuzzy,
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
@@ -10,10 +11,14 @@ from typing import Any, get_args
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
+from clepsydra.base.units import split_quantity
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import Decoupling
 from clepsydra.controllers.pid_form import Actions, Algorithm, DerivativeOn, PidForm
+from clepsydra.controllers.virtual_input import AlphaOn
+from clepsydra.design.operating_plan import Follows
+from clepsydra.design.smith_predictor import Primary
 from clepsydra.design.states.quadratic_weights import QuadraticWeights, diagonal_weights
 from clepsydra.design.states.relevant_states import without_idle_states
 from clepsydra.design.ziegler_nichols import Experiment
@@ -26,13 +31,16 @@ from clepsydra.study.file.placed import placed
 
 #: An argument that is known only with the model.
 OfModel = Callable[[LinearModel], Any]
+_WEIGHED = ("states", "inputs", "integrals")
+_ANGLES = ("deg", "degree", "degrees", "°", "rad", "radian", "radians")
 _COMPLEX = re.compile(r"[-+0-9.eEj ]{1,60}")
 
 
 def design_keys(design: Callable[..., Controller]) -> tuple[str, ...]:
     """Return the keys that a design has in a study file.
 
-    A form of PID controller stands there by its own keys, and the model is not asked for.
+    A form of PID controller stands there by its own keys, and the model is not asked for. What
+    only a program can give, a controller or a sampled model, has no key.
 
     Examples
     --------
@@ -41,7 +49,8 @@ def design_keys(design: Callable[..., Controller]) -> tuple[str, ...]:
     ('pairing', 'actions', 'algorithm', 'derivative_on', 'anti_windup', 'as_published')
     """
     names = list(inspect.signature(design).parameters)[1:]
-    return tuple(key for name in names for key in (_FORM if name == "form" else (name,)))
+    known = [name for name in names if name == "form" or name in READERS]
+    return tuple(key for name in known for key in (_FORM if name == "form" else (name,)))
 
 
 def read_arguments(
@@ -84,8 +93,8 @@ def read_arguments(
                 found[name] = _form(table)
         elif table.has(name):
             found[name] = READERS[name](table, name, process)
-        elif parameter.default is parameter.empty and name != "pairing":
-            raise table.refused(name, f"no {name}", "what this design is made from", f"add {name}")
+        elif parameter.default is parameter.empty:
+            READERS[name](table, name, process)  # says what is missing
     return found
 
 
@@ -134,9 +143,52 @@ def _word(table: TableReader, key: str, process: Process | None, *, words: tuple
     return table.choice(key, words, words[0])
 
 
+def _number(
+    table: TableReader, key: str, process: Process, *, expected: str, example: str, above: float
+) -> float:
+    return table.quantity(key, "1", expected, f"write as in {example}", above=above)
+
+
+def _whole(table: TableReader, key: str, process: Process) -> int:
+    written = table.raw(key)
+    if isinstance(written, bool) or not isinstance(written, int) or written < 1:
+        raise table.refused(key, shown_value(written), "a whole number from 1", "write as in 6")
+    return written
+
+
 def _per_hour(table: TableReader, key: str, process: Process) -> float:
     unit = "1" if not isinstance(table.raw(key), str) else "1/h"
     return table.quantity(key, unit, "a number of starts", 'write as in 6 or "6 1/h"', above=0.0)
+
+
+def _angle(table: TableReader, key: str, process: Process) -> float:
+    """Read an angle above zero and below half a turn [rad]."""
+    remedy = 'write as in "60 deg"'
+    written = table.raw(key)
+    parts = split_quantity(written) if isinstance(written, str) else None
+    # Any share would be taken for radians: 60 % of them are 34 deg.
+    if parts is None or parts[1] not in _ANGLES:
+        raise table.refused(key, table.written(key), "an angle in deg or rad", remedy)
+    degrees = table.quantity(key, "deg", "an angle", remedy, above=0.0)
+    if not degrees < 180.0:
+        raise table.refused(key, table.written(key), "an angle below 180 deg", remedy)
+    return math.radians(degrees)
+
+
+def _rate(table: TableReader, key: str, process: Process) -> float:
+    """Read an angular frequency above zero [rad/s]."""
+    remedy = 'write as in "0.01 rad/s"'
+    written = table.raw(key)
+    parts = split_quantity(written) if isinstance(written, str) else None
+    # Units of an angle are numbers, so that a hertz would be taken for one radian a second.
+    if parts is not None and re.search("hz|hertz", parts[1], re.IGNORECASE):
+        raise table.refused(
+            key,
+            table.written(key),
+            "an angular frequency in rad/s",
+            "multiply hertz by 2 pi, which is 6.283",
+        )
+    return table.quantity(key, "rad/s", "a frequency", remedy, above=0.0)
 
 
 def _flag(table: TableReader, key: str, process: Process) -> bool:
@@ -217,12 +269,16 @@ def _measurements(table: TableReader, key: str, process: Process) -> tuple[str, 
 def _weights(table: TableReader, key: str, process: Process) -> OfModelArgument:
     """Read the weights of squares of states, inputs and integrals [1 / SI unit squared]."""
     remedy = (
-        'write as in weights = { states = { "tank_1.level" = 4.0 }, inputs = { pump_1 = 0.2 } }'
+        f'write as in weights = {{ states = {{ "{process.state[0].name}" = 4.0 }}, '
+        f"inputs = {{ {process.inputs[0].name} = 0.2 }} }}"
     )
-    rows = table.table(key, "weights", remedy, ("states", "inputs", "integrals"))
+    expected = "weights of states and inputs, for LQI of integrals as well"
+    rows = table.table(key, expected, remedy, _WEIGHED)
     read = {
-        what: _numbers(rows.table(what, f"{what} with their weights", remedy))
-        for what in ("states", "inputs", "integrals")
+        what: _weight_numbers(
+            rows.table(what, f"{what} with their weights", remedy), what != "states"
+        )
+        for what in _WEIGHED
         if what != "integrals" or rows.has(what)
     }
 
@@ -235,9 +291,10 @@ def _weights(table: TableReader, key: str, process: Process) -> OfModelArgument:
     return OfModelArgument(weights)
 
 
-def _numbers(table: TableReader) -> dict[str, float]:
+def _weight_numbers(table: TableReader, positive: bool) -> dict[str, float]:
+    bound = {"above" if positive else "at_least": 0.0}
     return {
-        name: table.quantity(name, "1", "a weight", "give a number", at_least=0.0)
+        name: table.quantity(name, "1", "a weight", "correct the number", **bound)
         for name in table.present
     }
 
@@ -260,6 +317,49 @@ def _poles(table: TableReader, key: str, process: Process) -> list[complex]:
     return [pole.real if pole.imag == 0.0 else pole for pole in found]
 
 
+def _numbers(table: TableReader, key: str, process: Process) -> list[float]:
+    written = table.raw(key)
+    entries: list[Any] = written if isinstance(written, list) else [written]
+    if not entries or not all(
+        isinstance(entry, (int, float)) and not isinstance(entry, bool) for entry in entries
+    ):
+        raise table.refused(key, shown_value(written), "a list of numbers", "write as in [0.5]")
+    return [float(entry) for entry in entries]
+
+
+def _measurement(table: TableReader, key: str, process: Process) -> str:
+    """Read the name of a controlled measurement."""
+    name = table.text(key, "a controlled measurement", f'write as in "{process.controlled[0]}"')
+    _known(table, key, name, process.controlled, f"a controlled measurement of {process.name}")
+    return name
+
+
+def _points(table: TableReader, key: str, process: Process) -> list[float]:
+    """Read the operating points of a schedule, quantities of the measurement that it is over."""
+    over = _measurement(table, "over", process)
+    signal = process.signal(over)
+    expected, remedy = f"a list of values of {over}", f'write as in ["10 {signal.shown_unit}"]'
+    written = table.raw(key)
+    if not isinstance(written, list) or not written:
+        raise table.refused(key, shown_value(written), expected, remedy)
+    return [
+        read_value(table.with_value(key, entry), key, signal, expected, remedy) for entry in written
+    ]
+
+
+def _rates(table: TableReader, key: str, process: Process) -> float | list[float]:
+    """Read rates above zero [1/s], one for all loops or a list."""
+    written = table.raw(key)
+    if not isinstance(written, list):
+        return table.quantity(key, "1/s", "a rate", 'write as in "0.1 1/s"', above=0.0)
+    return [
+        table.with_value(key, entry).quantity(
+            key, "1/s", "a rate", 'write as in ["0.1 1/s", "0.2 1/s"]', above=0.0
+        )
+        for entry in written
+    ]
+
+
 def _known(table: TableReader, key: str, name: str, known: Iterable[str], words: str) -> None:
     names = list(known)
     if name not in names:
@@ -278,25 +378,37 @@ _FORM: dict[str, tuple[str, ...]] = {
     "anti_windup": get_args(AntiWindup),
 }
 _time = partial(_quantity, unit="s", expected="a time", example="5 min")
-_rate = partial(_quantity, unit="rad/s", expected="a frequency", example="0.01 rad/s")
 #: How each argument of a design is read.
 READERS: dict[str, Callable[[TableReader, str, Process], Any]] = {
     "pairing": _pairing,
     "closed_loop_time_constant": _time,
     "arrest_time": _time,
     "deviation": _deviation,
-    "phase_margin": partial(_quantity, unit="rad", expected="an angle", example="60 deg"),
+    "phase_margin": _angle,
     "crossover": _rate,
     "bandwidth": _rate,
     "as_published": _flag,
     "experiment": partial(_word, words=get_args(Experiment)),
     "maximum_errors": partial(_deviations, of="outputs"),
     "maximum_moves": partial(_deviations, of="inputs"),
-    "anti_windup": partial(_word, words=get_args(AntiWindup)),
+    "anti_windup": partial(_word, words=(*get_args(AntiWindup), "variable_structure")),
     "measurements": _measurements,
     "weights": _weights,
     "starts_per_hour": _per_hour,
     "decoupling": partial(_word, words=get_args(Decoupling)),
     "poles": _poles,
     "observer_poles": _poles,
+    "over": _measurement,
+    "follows": partial(_word, words=get_args(Follows)),
+    "points": _points,
+    "steps": _whole,
+    "relaxation": partial(_number, expected="a factor above 1", example="1.1", above=1.0),
+    "order": _whole,
+    "penalty": partial(_number, expected="a penalty of the input", example="1.0", above=0.0),
+    "assigned_poles": _numbers,
+    "primary": partial(_word, words=get_args(Primary)),
+    "alpha": _rates,
+    "alpha_on": partial(_word, words=get_args(AlphaOn)),
+    "despite_unstable_internal_dynamics": _flag,
+    "largest_error": partial(_number, expected="a share of the range", example="0.5", above=0.0),
 }

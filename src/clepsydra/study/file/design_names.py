@@ -54,6 +54,16 @@ DESIGN_NAMES: dict[str, NamedDesign] = {
     "lqi": _design("bryson", "lqi", "LQI from measured states, by Bryson's rule"),
     "lqi_by_weights": _design("lqi_by_weights", "lqi_by_weights", "LQI by given weights"),
     "lqi_kalman": _design("lqi_kalman", "lqi_kalman", "LQI with a Kalman filter"),
+    "lqi_extended_kalman": _design(
+        "extended_kalman", "lqi_extended_kalman", "LQI with an extended Kalman filter"
+    ),
+    "gain_scheduled_lqi": _design(
+        "gain_scheduling", "gain_scheduled_lqi", "LQI whose gains follow the operating point"
+    ),
+    "gain_scheduled_pid": _design(
+        "gain_scheduling", "gain_scheduled_pid", "PI or PID whose gains follow the operating point"
+    ),
+    "recomputed_lqi": _design("recomputed_lqi", "recomputed_lqi", "LQI recomputed in each sample"),
     "lqr": _design("linear_quadratic_regulator", "lqr", "LQR with a precompensator"),
     "start_stop_levels": _design(
         "start_stop_levels", "start_stop_levels", "pumps by start and stop levels"
@@ -61,4 +71,20 @@ DESIGN_NAMES: dict[str, NamedDesign] = {
     "pole_placement": _design(
         "pole_placement", "pole_placement", "state feedback by pole placement"
     ),
+    "glover_mcfarlane": _design(
+        "glover_mcfarlane", "glover_mcfarlane", "robust control by Glover and McFarlane"
+    ),
+    "polynomial": NamedDesign(
+        "clepsydra.design.polynomial.polynomial_control",
+        "design_polynomial",
+        "polynomial control with two degrees of freedom",
+    ),
+    "smith_predictor": _design("smith_predictor", "smith_predictor", "Smith predictor"),
+    "feedback_linearisation": _design(
+        "feedback_linearisation", "feedback_linearisation", "feedback linearisation"
+    ),
+    "variable_structure_pid": _design(
+        "variable_structure_pid", "variable_structure_pid", "PI or PID with variable structure"
+    ),
+    "fuzzy_pi": _design("fuzzy_control", "fuzzy_pi", "fuzzy PI by the standard table"),
 }

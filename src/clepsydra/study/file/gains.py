@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import convertible, from_si, split_quantity, to_si
-from clepsydra.design.gain_units import gain_from_percent
+from clepsydra.design.gain_units import gain_from_percent, has_range
 from clepsydra.process.table_reader import TableReader, shown_value
 
 #: What a gain has beside the units of its signals: nothing, 1/s (integral) or s (derivative).
@@ -65,16 +64,68 @@ def read_gain(
             raise table.refused(key, shown_value(text), f"{expected} above {above:g}", remedy)
         return number
     unit = unit_of_gain(moved, measured, time)
-    try:
-        return table.quantity(key, unit, expected, remedy, above=above)
-    except InputError as error:
-        if not math.isfinite(moved.span) or not math.isfinite(measured.span):
-            raise
-        beside = {"1": "", "1/s": " /s", "s": " s"}[time]
-        raise InputError(
-            error.place, error.value, error.expected, f'{error.remedy}, or in "1 %/%{beside}" of '
-            f"the ranges of {moved.name} and {measured.name}",
-        ) from None  # fmt: skip
+    beside = {"1": "", "1/s": "/s", "s": " s"}[time]
+    ranges = ""
+    if has_range(moved) and has_range(measured):
+        ranges = f", or in %/%{beside} of the ranges of {moved.name} and {measured.name}"
+    shown = unit_of_gain(_shown(moved), _shown(measured)) + beside
+    shown = "a number" if shown == "1" else f"in {shown}"
+    example = f"1 %/%{beside}" if ranges else f"1 {unit}"
+    check_unit(table, key, unit, f"{expected}, {shown}{ranges}", example, remedy)
+    return table.quantity(key, unit, expected, remedy, above=above)
+
+
+def _shown(signal: Signal) -> Signal:
+    """Return a signal whose unit is the one that its reader sees."""
+    return Signal(signal.name, signal.shown_unit)
+
+
+def check_unit(
+    table: TableReader, key: str, unit: str, expected: str, example: str, remedy: str
+) -> None:
+    """Refuse what is no quantity of a unit, in words about what is asked for.
+
+    Parameters
+    ----------
+    table : TableReader
+    key : str
+    unit : str
+        SI unit; "1" for a number.
+    expected : str
+        With the units that suit.
+    example : str
+        A quantity that could be written.
+    remedy : str
+        What to do where the key is missing.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> table = TableReader(parse(b"to = '3 m'", "a.toml"), (), None)
+    >>> check_unit(table, "to", "A", "a setpoint in mA", "12 mA", "add it")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: a.toml, line 1, to: got '3 m', expected a setpoint in mA; \
+'m' is no unit of it: write as in "12 mA".
+    """
+    write = f'write as in "{example}"'
+    if not table.has(key):
+        raise table.refused(key, f"no {key}", expected, f"{remedy}: {write}")
+    written = table.raw(key)
+    number = isinstance(written, (int, float)) and not isinstance(written, bool)
+    parts = split_quantity(written) if isinstance(written, str) else None
+    if not number and parts is None:
+        raise table.refused(key, table.written(key), expected, write)
+    written_unit = parts[1] if parts else ""
+    if not written_unit and unit != "1":
+        raise table.refused(key, table.written(key), expected, f"the unit is missing: {write}")
+    if written_unit and not convertible(written_unit, unit):
+        problem = f"{shown_value(written_unit)!r} is no unit of it"
+        raise table.refused(key, table.written(key), expected, f"{problem}: {write}")
 
 
 def unit_of_gain(moved: Signal, measured: Signal, time: Time = "1") -> str:
@@ -135,7 +186,27 @@ def read_value(
         percent = 100.0 * to_si(text, "1", table.place(key))
         value = signal.from_percent(percent)
         return value - signal.low if change else value
+    words, example = _of_signal(signal, change=change)
+    check_unit(table, key, signal.unit, f"{expected} {words}", example, remedy)
     return table.quantity(key, signal.unit, expected, remedy)
+
+
+def _of_signal(signal: Signal, *, change: bool) -> tuple[str, str]:
+    """Return how a value of a signal is written, and an example."""
+    unit = signal.shown_unit
+    beside = "" if unit == "1" else f" {unit}"
+    words = f"of {signal.name} in {unit}" if beside else f"of {signal.name}, a number"
+    if not has_range(signal):
+        return words, f"1{beside}"
+    low, high, middle = (
+        f"{from_si(each, signal.unit, unit):.6g}"
+        for each in (signal.low, signal.high, signal.from_percent(50.0))
+    )
+    if change:
+        middle = f"{from_si(0.1 * signal.span, signal.unit, unit):.4g}"
+    else:
+        words = f"of {signal.name} from {low} to {high}{beside}"
+    return words + ("" if signal.unit == "1" else ", or in % of its range"), f"{middle}{beside}"
 
 
 def read_rate(table: TableReader, key: str, signal: Signal, expected: str, remedy: str) -> float:
@@ -162,6 +233,11 @@ def read_rate(table: TableReader, key: str, signal: Signal, expected: str, remed
     if parts is not None and parts[1].startswith("%/") and finite:
         rate = table.quantity(key, "1/s", expected, remedy, above=0.0)
         return rate * signal.span
+    shown = "1" if signal.shown_unit == "1" else signal.shown_unit
+    words = f"{expected} of {signal.name}, in {shown}/min"
+    words += " or %/min of its range" if finite else ""
+    example = "10 %/min" if finite or shown == "%" else f"1 {shown}/min"
+    check_unit(table, key, unit, words, example, remedy)
     return table.quantity(key, unit, expected, remedy, above=0.0)
 
 
@@ -205,7 +281,7 @@ def _of_ranges(
     number, unit = parts
     rest = unit.replace(" ", "")[len(_PERCENT) :]
     for signal in (moved, measured):
-        if not (math.isfinite(signal.span) and signal.span > 0.0):
+        if not has_range(signal):
             raise table.refused(
                 key,
                 table.written(key),

@@ -8,12 +8,12 @@ from string import Template
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.gain_units import percent_gain
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.loop.default_scenario import default_scenario
-from clepsydra.loop.duration import time_text
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.study.file.design_names import DESIGN_NAMES
@@ -76,8 +76,8 @@ def new_study(process: Process, named: str, template: str) -> str:
     return Template(template).substitute(
         process=_quoted(named),
         title=_quoted(f"Controllers for {process.title}"),
-        duration=time_text(scenario.samples * scenario.sampling_period),
-        noise=time_text(max(s.start for s in scenario.segments if s.kind == "noise")),
+        duration=time_text(scenario.samples * scenario.sampling_period, 4),
+        noise=time_text(max(s.start for s in scenario.segments if s.kind == "noise"), 4),
         steps=_steps(process, scenario),
         output=process.controlled[0],
         first=first,
@@ -140,7 +140,7 @@ def _steps(process: Process, scenario: Scenario) -> str:
             "",
             f"[[scenario.{segment.kind}]]",
             f'signal = "{segment.signal}"',
-            f'at = "{time_text(segment.start)}"',
+            f'at = "{time_text(segment.start, 4)}"',
             f'by = "{_shown(segment.size, signal)}"',
         ]
     lines += ["# Or to a value: to = ..., in place of by."]
@@ -162,7 +162,7 @@ def _written_out(process: Process, designed: Controller) -> str:
                     'actions = "PI"',
                     f'action = "{"reverse" if gain > 0.0 else "direct"}"',
                     f'gain = "{abs(shown):.4g} %/%"',
-                    f'integral_time = "{time_text(designed.values[f"integral_time_{number}"])}"',
+                    f'integral_time = "{time_text(designed.values[f"integral_time_{number}"], 4)}"',
                 )
             )
         )
@@ -176,7 +176,7 @@ def _bounds(process: Process, designed: Controller) -> dict[str, str]:
     shown = abs(percent_gain(gain, process.signal(output), process.signal(moved)))
     time = designed.values["integral_time_1"]
     gains = [f"{shown * factor:.2g} %/%" for factor in (1.0 / _WIDTH, _WIDTH)]
-    times = [time_text(time * factor) for factor in (1.0 / _WIDTH, _WIDTH)]
+    times = [time_text(time * factor, 4) for factor in (1.0 / _WIDTH, _WIDTH)]
     return {"gain_bounds": json.dumps(gains), "time_bounds": json.dumps(times)}
 
 

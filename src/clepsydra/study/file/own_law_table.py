@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.own_law import load_law
@@ -110,8 +111,12 @@ def read_own_law(table: TableReader, name: str, process: Process, folder: Path) 
     written = table.text("law", expected, remedy)
     if not written.endswith(".py") or not (folder / written).is_file():
         raise table.refused("law", written[:60], f"{expected} that exists, from {folder}/", remedy)
-    with placed(table):
+    try:
         law = load_law(folder / written)
+    except InputError as error:
+        # Both matter: what names the law, and the line of the law that is wrong.
+        place = f"{table.place('law')}, {error.place}"
+        raise InputError(place, error.value, error.expected, error.remedy) from None
     known = {
         "measurements": [signal.name for signal in process.measurements],
         "setpoints": list(process.controlled),

@@ -19,6 +19,7 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.process.table_reader import TableReader
 from clepsydra.study.file.gains import check_in_range, read_gain, read_rate, read_value
 from clepsydra.study.file.law_parameters import GAINS, LAW_NAMES
+from clepsydra.study.file.law_range import check_law_range
 from clepsydra.study.file.placed import placed
 
 _FORM = {
@@ -140,7 +141,9 @@ class PidTable:
                 )
         self._sign = self._action()
         for key, parameter in keys.items():
-            self.values[parameter.name] = self._value(key, parameter)
+            value = self.values[parameter.name] = self._value(key, parameter)
+            if table.has(key):
+                check_law_range(table, key, parameter, value)
             self.places[parameter.name] = table.place(key)
         low, high = (f"setpoint_{end}_limit_{block.number}" for end in ("low", "high"))
         if low in self.values and not self.values[low] < self.values[high]:

@@ -11,9 +11,10 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
+from clepsydra.base.words import time_text
 from clepsydra.linear.analysis import Analysis
 from clepsydra.loop.default_scenario import MOST_SAMPLES, add_noise, default_scenario
-from clepsydra.loop.duration import samples_before, time_text
+from clepsydra.loop.duration import samples_before
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
@@ -85,7 +86,7 @@ def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenar
         raise table.refused(
             "duration",
             table.written("duration"),
-            f"at most {time_text(MOST_SAMPLES * period)}, {MOST_SAMPLES:,} sampling periods",
+            f"at most {time_text(MOST_SAMPLES * period, 4)}, {MOST_SAMPLES:,} sampling periods",
             "shorten it, or lengthen the sampling period of the process",
         )
     quiet = _noise_begins(table, period, samples)
@@ -125,7 +126,7 @@ def _noise_begins(table: TableReader, period: float, samples: int) -> int | None
         raise table.refused(
             "noise",
             table.written("noise"),
-            f"a time before the end of the scenario at {time_text(samples * period)}",
+            f"a time before the end of the scenario at {time_text(samples * period, 4)}",
             "lengthen the duration, or let the noise begin earlier",
         )
     return sample
@@ -182,7 +183,7 @@ def _sample(row: TableReader, period: float, samples: int) -> int:
         raise row.refused(
             "at",
             row.written("at"),
-            f"a time before the end of the steps at {time_text(samples * period)}",
+            f"a time before the end of the steps at {time_text(samples * period, 4)}",
             "lengthen the duration, or let it step earlier",
         )
     return sample

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
+from clepsydra.base.words import time_text
 from clepsydra.controllers.structure.block import Block
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.law import structure_law
@@ -12,10 +13,14 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.ratio_block import RatioBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
+from clepsydra.design.gain_units import has_range
+from clepsydra.design.loops.words import gain
+from clepsydra.design.request import in_shown_unit
 from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import StepLaw
 from clepsydra.study.file.gains import check_in_range, read_gain, read_rate, read_value
 from clepsydra.study.file.law_parameters import LoopSignals
+from clepsydra.study.file.law_range import check_law_range
 from clepsydra.study.file.pid_table import PidTable
 from clepsydra.study.file.scheme_parts import Feedforward, Loop, Ratio, SchemeParts, Split
 from clepsydra.study.file.scheme_wiring import Way, Wiring
@@ -223,11 +228,11 @@ class SchemeBlocks:
 
     def _add_term(self, term: Feedforward, moved: Signal) -> None:
         table, label = term.table, term.label
-        gain = read_gain(
+        value = read_gain(
             table, "gain", moved, term.signal,
             expected="a gain", remedy=f"give the change of {moved.name} per {term.signal.name}",
         )  # fmt: skip
-        self._put(f"feedforward_gain_{label}", gain, table, "gain")
+        self._put(f"feedforward_gain_{label}", value, table, "gain")
         if _is_dynamic(table):
             for key in ("lead", "lag"):
                 time = table.quantity(
@@ -239,6 +244,7 @@ class SchemeBlocks:
             value = read_value(
                 table, "reference", term.signal, "a value", "leave it out for the operating point"
             )
+            check_in_range(table, "reference", term.signal, value, "a reference")
             self._put(reference, value, table, "reference")
         else:
             self.at_point[reference] = term.signal.name
@@ -251,16 +257,30 @@ class SchemeBlocks:
         )
         if table is None:
             return
-        for key, name in (("low", "low_limit"), ("high", "high_limit")):
+        ends = {"low": signal.low, "high": signal.high}
+        for key in ends:
             if table.has(key):
-                value = read_value(table, key, signal, "a limit", "leave it out for the range")
-                check_in_range(table, key, signal, value, "a limit")
-                self._put(f"{name}_{number}", value, table, key)
+                ends[key] = read_value(table, key, signal, "a limit", "leave it out for the range")
+                check_in_range(table, key, signal, ends[key], "a limit")
+                self._put(f"{key}_limit_{number}", ends[key], table, key)
+        if not ends["low"] < ends["high"]:
+            key, side, other = (
+                ("low", "below", "high") if table.has("low") else ("high", "above", "low")
+            )
+            end = f"the {other} end of its range" if not table.has(other) else f"its {other} limit"
+            raise table.refused(
+                key,
+                table.written(key),
+                f"a limit of {signal.name} {side} {end}, {in_shown_unit(signal, ends[other])}",
+                "exchange the two or widen them",
+            )
         if limited:
             rate = read_rate(table, "rate_limit", signal, "a rate of change", "give the fastest")
             self._put(f"rate_limit_{number}", rate, table, "rate_limit")
 
     def _put(self, parameter: str, value: float, table: TableReader, key: str) -> None:
+        (signal,) = (each for each in self.blocks[-1].parameters() if each.name == parameter)
+        check_law_range(table, key, signal, value)
         self.values[parameter] = value
         self.places[parameter] = table.place(key)
 
@@ -275,21 +295,28 @@ def _is_dynamic(table: TableReader) -> bool:
 
 def _words(loop: Loop, block: PidBlock, values: dict[str, float]) -> str:
     """Return what a loop does as a phrase."""
-    number, form = loop.number, loop.form
-    gain = values[f"proportional_gain_{number}"]
-    said = [f"K = {gain:.3g} {_unit(block)}".rstrip()]
+    number, form, signals = loop.number, loop.form, (block.measurement, block.moved)
+    units = [signal.shown_unit for signal in signals]
+    said = []
+    for name, key, time in (
+        ("K", "proportional_gain", ""),
+        ("Ki", "integral_gain", "/s"),
+        ("Kd", "derivative_gain", " s"),
+    ):
+        value = values.get(f"{key}_{number}")
+        if value is None:
+            continue
+        if all(map(has_range, signals)):
+            said.append(f"{name} = {gain(value, *signals)}{time}")
+        else:
+            shown = value * from_si(1.0, block.moved.unit, units[1])
+            shown /= from_si(1.0, block.measurement.unit, units[0])
+            said.append(f"{name} = {shown:.3g} ({units[1]})/({units[0]}){time}")
     for name, key in (("Ti", "integral_time"), ("Td", "derivative_time")):
         if f"{key}_{number}" in values:
-            said.append(f"{name} = {values[f'{key}_{number}']:.3g} s")
+            said.append(f"{name} = {time_text(values[f'{key}_{number}'])}")
     if loop.setpoint is not None:
-        signal = loop.measurement
-        shown = from_si(loop.setpoint, signal.unit, signal.shown_unit)
-        said.append(f"setpoint {shown:.4g} {signal.shown_unit}")
+        said.append(f"setpoint {in_shown_unit(loop.measurement, loop.setpoint)}")
     return (
         f"{loop.name}: {loop.measurement.name} by {loop.output}, {form.actions}, {', '.join(said)}"
     )
-
-
-def _unit(block: PidBlock) -> str:
-    unit = block.parameters()[0].unit
-    return "" if unit == "1" else unit

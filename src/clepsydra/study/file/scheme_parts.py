@@ -20,7 +20,6 @@ PART_KEYS = ("output", "from", "to", "at_from", "at_to")
 RATIO_KEYS = ("measurement", "ratio", "lowest_ratio", "highest_ratio", "output")
 FEEDFORWARD_KEYS = ("measurement", "to", "gain", "lead", "lag", "reference")
 OUTPUT_KEYS = ("low", "high", "rate_limit")
-_NAME = 'write the name of one, as in "outflow"'
 
 
 @dataclass(frozen=True)
@@ -169,15 +168,17 @@ def read_parts(table: TableReader, process: Process) -> SchemeParts:
             for number, (name, row) in enumerate(_rows(table, "loops", LOOP_KEYS), start=1)
         ),
         selectors=tuple(
-            _selector(row, name) for name, row in _rows(table, "selectors", SELECTOR_KEYS)
+            _selector(row, name, process) for name, row in _rows(table, "selectors", SELECTOR_KEYS)
         ),
-        splits=tuple(_split(row, name) for name, row in _rows(table, "split_ranges", SPLIT_KEYS)),
+        splits=tuple(
+            _split(row, name, process) for name, row in _rows(table, "split_ranges", SPLIT_KEYS)
+        ),
         ratios=tuple(
-            Ratio(row, name, number, _measurement(row, process), _text(row, "output"))
+            Ratio(row, name, number, _measurement(row, process), _output(row, process))
             for number, (name, row) in enumerate(_rows(table, "ratios", RATIO_KEYS), start=1)
         ),
         feedforwards=tuple(
-            Feedforward(row, name, str(number), _measurement(row, process), _text(row, "to"))
+            Feedforward(row, name, str(number), _measurement(row, process), _adds_to(row, table))
             for number, (name, row) in enumerate(
                 _rows(table, "feedforward", FEEDFORWARD_KEYS), start=1
             )
@@ -220,7 +221,7 @@ def _loop(table: TableReader, name: str, number: int, process: Process) -> Loop:
         form,
         measurement,
         _setpoint(table, measurement, form),
-        _text(table, "output"),
+        _output(table, process),
     )
 
 
@@ -238,14 +239,14 @@ def _setpoint(table: TableReader, measurement: Signal, form: PidForm) -> float |
     return value
 
 
-def _selector(table: TableReader, name: str) -> Selector:
+def _selector(table: TableReader, name: str, process: Process) -> Selector:
     if not table.has("select"):
         raise table.refused("select", "no select", "low or high", 'write as in select = "low"')
     lowest = table.choice("select", ("low", "high"), "low") == "low"
-    return Selector(table, name, "low" if lowest else "high", _text(table, "output"))
+    return Selector(table, name, "low" if lowest else "high", _output(table, process))
 
 
-def _split(table: TableReader, name: str) -> Split:
+def _split(table: TableReader, name: str, process: Process) -> Split:
     remedy = (
         'write as in parts = [{ output = "inlet", from = "0 %", to = "50 %", '
         'at_from = "100 %", at_to = "0 %" }, …]'
@@ -278,7 +279,7 @@ def _split(table: TableReader, name: str) -> Split:
                     f"{other.start:g} to {other.end:g} %",
                     "let one begin where the other ends",
                 )
-        parts.append(SplitPart(row, _text(row, "output"), start, end))
+        parts.append(SplitPart(row, _output(row, process), start, end))
     return Split(table, name, tuple(parts))
 
 
@@ -308,6 +309,18 @@ def _measurement(table: TableReader, process: Process) -> Signal:
     return known[name]
 
 
-def _text(table: TableReader, key: str) -> str:
-    words = "what it moves" if key == "output" else "the loop or selector that it adds to"
-    return table.text(key, words, _NAME)
+def _output(table: TableReader, process: Process) -> str:
+    remedy = f'write the name of one, as in output = "{process.inputs[0].name}"'
+    return table.text("output", "what it moves", remedy)
+
+
+def _adds_to(table: TableReader, parts: TableReader) -> str:
+    """Return the loop, selector or ratio that a feedforward adds to."""
+    names = [
+        name
+        for key in ("loops", "selectors", "ratios")
+        if parts.has(key)
+        for name in parts.table(key, "tables with a name each", f"write {table_name(key)}").present
+    ]
+    words = f"the loop, selector or ratio that it adds to ({', '.join(names) or 'none here'})"
+    return table.text("to", words, f'write as in to = "{names[0]}"' if names else "add a loop")

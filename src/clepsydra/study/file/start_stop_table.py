@@ -8,13 +8,14 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import check_parameters
-from clepsydra.controllers.start_stop_levels import FAMILY, check_levels, start_stop_law
+from clepsydra.controllers.start_stop_levels import FAMILY, start_stop_law
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.names_among import names_among
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader, shown_value
 from clepsydra.program.step_law import StepLaw
 from clepsydra.study.file.gains import check_in_range, read_value
+from clepsydra.study.file.law_range import check_law_range
 from clepsydra.study.file.placed import placed
 
 START_STOP_KEYS = (
@@ -136,6 +137,7 @@ def read_start_stop(table: TableReader, name: str, process: Process) -> StartSto
         levels = _one_for_each(table, key, pumps, [measured] * len(pumps))
         values |= {f"{parameter}_{j}": value for j, value in enumerate(levels, start=1)}
         places |= {f"{parameter}_{j}": table.place(key) for j in range(1, len(pumps) + 1)}
+    _check_levels(table, values, len(pumps))
     for key in ("running", "stopped"):
         if table.has(key):
             moved = _one_for_each(table, key, pumps, [process.signal(pump) for pump in pumps])
@@ -144,10 +146,37 @@ def read_start_stop(table: TableReader, name: str, process: Process) -> StartSto
     values["shortest_rest"] = table.quantity(
         "shortest_rest", "s", "a time", "leave it out for none", at_least=0.0, default=0.0
     )
+    if table.has("shortest_rest"):
+        (rest,) = (each for each in law.parameters if each.name == "shortest_rest")
+        check_law_range(table, "shortest_rest", rest, values["shortest_rest"])
     with placed(table, places):
-        check_levels(values, len(pumps), name)
         check_parameters(law, values, name)
     return StartStop(name, law, values, measured.name, pumps)
+
+
+def _check_levels(table: TableReader, values: dict[str, float], pumps: int) -> None:
+    """Refuse what `start_stop_levels.check_levels` does, in the words of the file."""
+    starts, stops = table.raw("start"), table.raw("stop")
+    assert isinstance(starts, list) and isinstance(stops, list)
+    start = [values[f"start_level_{j}"] for j in range(1, pumps + 1)]
+    stop = [values[f"stop_level_{j}"] for j in range(1, pumps + 1)]
+    side = "above" if start[0] >= stop[0] else "below"
+    sign = 1.0 if side == "above" else -1.0
+    for j in range(pumps):
+        if not sign * (start[j] - stop[j]) > 0.0:
+            raise table.refused(
+                "start",
+                shown_value(starts[j]),
+                f"a start of stage {j + 1} {side} its stop at {stops[j]}",
+                "let every stage start on the same side of where it stops",
+            )
+        if j and not sign * (start[j] - start[j - 1]) > 0.0:
+            raise table.refused(
+                "start",
+                shown_value(starts[j]),
+                f"a start of stage {j + 1} {side} that of stage {j} at {starts[j - 1]}",
+                "let each stage start after the one before it",
+            )
 
 
 def _one_for_each(

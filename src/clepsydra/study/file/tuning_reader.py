@@ -6,13 +6,17 @@ import math
 from collections.abc import Mapping
 
 from clepsydra.base.suggestion import suggestion
-from clepsydra.base.units import split_quantity
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.loop.running_averaging import AVERAGING_SCORES
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader, shown_value
+from clepsydra.study.file.gains import read_value
 from clepsydra.study.file.law_parameters import LoopSignals
 from clepsydra.study.file.placed import placed
-from clepsydra.study.file.tuning_request import Bound, TuningRequest
+from clepsydra.study.file.tuning_bound import Bound
+from clepsydra.study.file.tuning_request import TuningRequest
+from clepsydra.study.file.weight_bounds import WeightedStart
+from clepsydra.study.tuning.lqi_weights import KINDS
 from clepsydra.study.tuning.objective import JUDGED, Limits, Objective
 
 TUNING_KEYS = (
@@ -23,17 +27,25 @@ TUNING_KEYS = (
     "overshoot",
     "total_variation",
 )
+_WEIGHT_REMEDY = (
+    'write as in inputs.pump = [1e-3, 1e3] or states."tank.level" = [1e-3, 1e3], in quotes where '
+    "a name has a dot"
+)
 _NAMES = 'write as in objective = "iae", ["iae[level_1]", "ise[level_2]"] or { iae = 1.0 }'
 
 
 def read_tuning(
-    table: TableReader, process: Process, loops: Mapping[str, LoopSignals] | None = None
+    table: TableReader,
+    process: Process,
+    loops: Mapping[str, LoopSignals] | None = None,
+    weighted: WeightedStart | None = None,
 ) -> TuningRequest:
     """Read what a controller is to be tuned for.
 
     Without an objective it is the largest IAE of the controlled measurements, each relative to
     the start. Without parameters the gains and integral times of all loops are tuned, each within
-    a factor of ten. Without a limit max|S| is kept at 2.
+    a factor of ten; of a design by weights the weights, within a factor of a thousand. Without a
+    limit max|S| is kept at 2.
 
     Parameters
     ----------
@@ -42,6 +54,8 @@ def read_tuning(
     process : Process
     loops : mapping, optional
         Loops of a control scheme.
+    weighted : callable, optional
+        What makes the start of a design by weights.
 
     Raises
     ------
@@ -63,7 +77,7 @@ def read_tuning(
     with placed(table):
         objective = _objective(table, process)
         limits = _limits(table, process)
-    return TuningRequest(table, objective, limits, _bounds(table), loops)
+    return TuningRequest(table, objective, limits, _bounds(table), loops, weighted)
 
 
 def _objective(table: TableReader, process: Process) -> Objective:
@@ -101,6 +115,15 @@ def _scores(table: TableReader, name: str, process: Process) -> list[str]:
         )
     if score == "total_variation":
         known = tuple(signal.name for signal in process.inputs)
+    elif score in AVERAGING_SCORES:
+        known = tuple(process.averaging)
+        if not known:
+            raise table.refused(
+                "objective",
+                name[:60],
+                f"a score that {process.name} has: it has no level that averages",
+                "choose another, or name averaging in the process file",
+            )
     else:
         known = process.controlled
     if not bracket:
@@ -121,18 +144,31 @@ def _limits(table: TableReader, process: Process) -> Limits:
         row = table.table(
             "total_variation",
             "manipulated variables with their largest total variation",
-            'write as in { pump_1 = "5 V" }',
+            f'write as in {{ {process.inputs[0].name} = "300 %" }}',
             [signal.name for signal in process.inputs],
         )
         for name in row.present:
-            unit = process.signal(name).unit
-            moved[name] = row.quantity(
-                name, unit, "a total variation", "give the sum of all moves", above=0.0
+            moved[name] = read_value(
+                row,
+                name,
+                process.signal(name),
+                "a total variation",
+                "give the sum of all moves",
+                change=True,
             )
+            if not moved[name] > 0.0:
+                raise row.refused(
+                    name, row.written(name), "a total variation above 0", "give the sum of moves"
+                )
     overshoot = math.inf
     if table.has("overshoot"):
         overshoot = 100.0 * table.quantity(
-            "overshoot", "1", "an overshoot", 'write as in "10 %" of the step', at_least=0.0
+            "overshoot",
+            "1",
+            "an overshoot",
+            'write as in "10 %" of the step',
+            at_least=0.0,
+            at_most=1.0,
         )
     return Limits(
         table.quantity(
@@ -164,7 +200,7 @@ def _bounds(table: TableReader) -> tuple[Bound, ...] | None:
     if not found:
         raise table.refused("parameters", "none", "at least one parameter", remedy)
     for bound in found:
-        _check_pair(bound, remedy)
+        _check_pair(bound, _WEIGHT_REMEDY if bound.loop in KINDS else remedy)
     return tuple(found)
 
 
@@ -173,15 +209,4 @@ def _check_pair(bound: Bound, remedy: str) -> None:
     if not isinstance(value, list) or len(value) != 2:
         raise bound.table.refused(
             bound.key, shown_value(value), "a list of a low and a high bound", remedy
-        )
-    pairs = [split_quantity(end if isinstance(end, str) else str(end)) for end in value]
-    if None in pairs:
-        return  # what is wrong is said when it is read with its unit
-    (low, low_unit), (high, high_unit) = (pair for pair in pairs if pair is not None)
-    if low_unit == high_unit and not float(low) < float(high):
-        raise bound.table.refused(
-            bound.key,
-            shown_value(value),
-            "a low bound below the high bound",
-            "exchange or correct them",
         )

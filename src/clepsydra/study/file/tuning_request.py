@@ -13,44 +13,31 @@ from clepsydra.design.applicability import NotApplicable
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.scenario import Scenario
-from clepsydra.process.table_reader import TableReader
-from clepsydra.study.file.law_parameters import LawParameters, LoopSignals, law_parameters
+from clepsydra.process.table_reader import TableReader, shown_value
+from clepsydra.study.file.law_parameters import GAINS, LawParameters, LoopSignals, law_parameters
+from clepsydra.study.file.law_range import check_law_range, in_written_unit
 from clepsydra.study.file.placed import placed
+from clepsydra.study.file.tuning_bound import Bound
+from clepsydra.study.file.weight_bounds import (
+    WeightedStart,
+    of_weights,
+    places_of,
+    weight_parameters,
+)
+from clepsydra.study.tuning.lqi_weights import WeightedDesign
 from clepsydra.study.tuning.objective import Limits, Objective
-from clepsydra.study.tuning.parameters import SearchSpace, TunedParameter, around
+from clepsydra.study.tuning.parameters import LawSpace, TunedParameter, around
 from clepsydra.study.tuning.result import TuningResult
-from clepsydra.study.tuning.tune import METHOD, Progress, tune
+from clepsydra.study.tuning.search import METHOD, Progress
+from clepsydra.study.tuning.tune import tune
+from clepsydra.study.tuning.tuned_lqi import tuned_weights, usual_wear, weight_space
 
 #: How far a parameter may move from where it starts, up and down, where no bounds are given.
 FACTOR = 10.0
+#: A start this near outside a bound stands on it, a share of the width.
+_ROUNDING = 1e-9
 #: What is tuned where nothing is named.
 TUNED = ("proportional_gain_", "integral_time_", "integral_gain_")
-
-
-@dataclass(frozen=True, eq=False)
-class Bound:
-    """The bounds of one parameter as they were written.
-
-    Parameters
-    ----------
-    table : TableReader
-        With a list of two quantities at `key`.
-    key : str
-        A parameter of the law, or a key of a loop.
-    loop : str or None
-        The loop, if it is a key of one.
-
-    Examples
-    --------
-    >>> from clepsydra.process.document import parse
-    >>> text = b'level.gain = ["0.1 %/%", "10 %/%"]'
-    >>> Bound(TableReader(parse(text, "study.toml"), ("level",), None), "gain", "level").loop
-    'level'
-    """
-
-    table: TableReader
-    key: str
-    loop: str | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,9 +51,12 @@ class TuningRequest:
     objective : Objective
     limits : Limits
     bounds : tuple of Bound or None
-        None where gains and integral times are tuned within a factor of ten.
+        None where gains and integral times are tuned within a factor of ten, or weights.
     loops : mapping or None
         Loops of a control scheme by their names; None of other laws.
+    weighted : callable or None
+        What makes the start of a design by weights, which are tuned unless `bounds` name
+        parameters of the law.
 
     Examples
     --------
@@ -78,6 +68,7 @@ class TuningRequest:
     limits: Limits
     bounds: tuple[Bound, ...] | None
     loops: Mapping[str, LoopSignals] | None = None
+    weighted: WeightedStart | None = None
 
     def check(self, controller: Controller, model: LinearModel) -> None:
         """Refuse what cannot be tuned of a controller, before anything is simulated.
@@ -90,9 +81,15 @@ class TuningRequest:
         NotApplicable
             Nothing is named, and the law has no gain and no integral time.
         """
+        start = self._weighted_start(controller, model)
+        if start is not None:
+            weights = weight_parameters(start, self.bounds)
+            with placed(self.table, places_of(self.bounds)):
+                weight_space(start, weights)
+            return
         parameters = self.parameters_of(controller, model)
         with placed(self.table, self._places(controller, model)):
-            SearchSpace(controller, parameters)
+            LawSpace(controller, parameters)
 
     def run(
         self,
@@ -106,6 +103,23 @@ class TuningRequest:
         state_file: Path | None = None,
     ) -> TuningResult:
         """Tune a controller as asked; all as for `clepsydra.study.tuning.tune.tune`."""
+        start = self._weighted_start(controller, model)
+        if start is not None:
+            limits = self.limits
+            if not self.table.has("total_variation"):
+                limits = replace(limits, total_variation=usual_wear(controller, model, scenario))
+            with placed(self.table, places_of(self.bounds)):
+                return tuned_weights(
+                    start,
+                    scenario,
+                    parameters=weight_parameters(start, self.bounds),
+                    objective=self.objective,
+                    limits=limits,
+                    seed=seed,
+                    front=front,
+                    progress=progress,
+                    state_file=state_file,
+                )
         parameters = self.parameters_of(controller, model)
         with placed(self.table, self._places(controller, model)):
             return tune(
@@ -138,6 +152,12 @@ class TuningRequest:
         parameters = self._law(controller, model)
         return tuple(_tuned(bound, controller, parameters) for bound in self.bounds)
 
+    def _weighted_start(self, controller: Controller, model: LinearModel) -> WeightedDesign | None:
+        """Return the start of the weights that are tuned; None where none are."""
+        if self.weighted is None or (self.bounds is not None and not of_weights(self.bounds)):
+            return None
+        return self.weighted(controller, model)
+
     def _law(self, controller: Controller, model: LinearModel) -> LawParameters:
         return law_parameters(controller, operating_point_of(model).process, self.loops)
 
@@ -154,20 +174,54 @@ def _tuned(bound: Bound, controller: Controller, parameters: LawParameters) -> T
     table, key = bound.table, bound.key
     name = _law_name(bound, parameters)
     written: Any = table.raw(key)
-    low, high = (
-        parameters.read(
-            table.with_value(key, end), key, name, "a bound", "give both with their units"
-        )
-        for end in written
-    )
+    ends = []
+    for end in written:
+        one = table.with_value(key, end)
+        value = parameters.read(one, key, name, "a bound", "give both with their units")
+        check_law_range(one, key, parameters.known[name], value)
+        ends.append(value)
+    low, high = ends
+    start = controller.values[name]
     # The gain of a loop is written without its sign, which its action says.
-    if bound.loop is not None and controller.values[name] < 0.0:
+    unsigned = bound.loop is not None and key in GAINS
+    if unsigned and low < 0.0:
+        raise table.refused(
+            key,
+            shown_value(written),
+            "bounds that are not negative: the action of the loop gives the gain its sign",
+            "leave the signs out",
+        )
+    if not low < high:
+        raise table.refused(
+            key,
+            shown_value(written),
+            "a low bound below the high bound",
+            "exchange or correct them",
+        )
+    if unsigned and start < 0.0:
         low, high = -high, -low
+    _check_start(table, key, ends, abs(start) if unsigned else start)
     with placed(table, {name: table.place(key)}):
         if controller.values[name] == 0.0 or low * high <= 0.0:
             return TunedParameter(name, low, high, logarithmic=False)
         # What follows the parameter, a tracking time the integral time, still does.
         return replace(around(controller, [name])[0], low=low, high=high)
+
+
+def _check_start(table: TableReader, key: str, ends: list[float], start: float) -> None:
+    """Refuse bounds that a parameter does not start within."""
+    slack = _ROUNDING * (ends[1] - ends[0])
+    if ends[0] - slack <= start <= ends[1] + slack:
+        return
+    written: Any = table.raw(key)
+    place = 0 if ends[0] else 1  # one that is not zero has a unit to tell
+    shown = in_written_unit(table.with_value(key, written[place]), key, ends[place], start)
+    raise table.refused(
+        key,
+        shown_value(written),
+        f"bounds around where it starts, {shown}",
+        "widen the bounds or start elsewhere",
+    )
 
 
 def _law_name(bound: Bound, parameters: LawParameters) -> str:

@@ -21,7 +21,7 @@ from clepsydra.program.program import Program
 from clepsydra.study.tuning.resting_states import resting_states
 
 #: Scores of which the largest over the scenarios counts, where the others add up.
-_LARGEST = ("overshoot", "highest")
+_LARGEST = ("overshoot", "highest", "outflow_rate")
 
 
 class BatchScores(NamedTuple):
@@ -58,8 +58,8 @@ class BatchEvaluation:
     scenarios : sequence of Scenario
     names : sequence of str
         Running scores, see `clepsydra.loop.running_scores.RunningScores`. Over several
-        scenarios overshoot and the highest level are the largest, the lowest level the
-        smallest; all others add up.
+        scenarios overshoot, outflow change and the highest level are the largest, the lowest
+        level the smallest; all others add up.
 
     Raises
     ------

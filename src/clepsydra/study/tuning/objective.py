@@ -5,18 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Literal
 
 import numpy as np
 
+from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.loop.running_averaging import AVERAGING_SCORES
 from clepsydra.loop.running_scores import INTEGRAL_SCORES, split_score
 
 #: Above its limit by this share, a candidate still counts as one that stands on it.
 ON_LIMIT = 1e-6
 #: Scores that a tuning can be for.
-JUDGED = (*INTEGRAL_SCORES, "overshoot", "total_variation")
+JUDGED = (*INTEGRAL_SCORES, "overshoot", "total_variation", *AVERAGING_SCORES)
 
 
 @dataclass(frozen=True)
@@ -110,7 +113,13 @@ class Objective:
         return f"{lead}{joined}{scale if self.relative else ''}"
 
 
-_TITLES = {"overshoot": "overshoot", "total_variation": "total variation"}
+_BY_NAMES = 'write as in minimax("iae[level_1]", "iae[level_2]")'
+_TITLES = {
+    "overshoot": "overshoot",
+    "total_variation": "total variation",
+    "outflow_rate": "outflow change",
+    "variance_ratio": "outflow variance",
+}
 
 
 def minimax(*scores: str, relative: bool = True) -> Objective:
@@ -121,6 +130,8 @@ def minimax(*scores: str, relative: bool = True) -> Objective:
     >>> minimax("iae[level_1]", relative=False).value(np.array([[3.0, 5.0]])).tolist()
     [5.0]
     """
+    for score in scores:
+        require_type(score, str, "tuning, objective", "the name of a score", _BY_NAMES)
     return Objective("minimax", dict.fromkeys(scores, 1.0), relative)
 
 
@@ -132,6 +143,9 @@ def weighted_sum(weights: Mapping[str, float], *, relative: bool = True) -> Obje
     >>> weighted_sum({"ise[level_1]": 1.0, "total_variation[pump_1]": 0.1}).words
     'the sum of ISE of level_1 and 0.1 × total variation of pump_1, each relative to the start'
     """
+    _check_mapping(
+        "tuning, objective", weights, "scores with their weights", '{"iae[level_1]": 1.0}'
+    )
     return Objective("weighted", dict(weights), relative)
 
 
@@ -147,6 +161,8 @@ class Limits:
         Largest overshoot of any setpoint step [% of the step]; infinite for none.
     total_variation : dict
         Manipulated variable to the largest total variation over the scenario [its unit].
+    levels : dict
+        "tank.level" to the lowest and the highest level that it may have at any time [m].
 
     Raises
     ------
@@ -165,9 +181,18 @@ number above 1; 1.4 to 2 is customary.
     maximum_sensitivity: float = math.inf
     overshoot: float = math.inf
     total_variation: dict[str, float] = field(default_factory=dict)
+    levels: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         place = "tuning, limits"
+        for name in ("maximum_sensitivity", "overshoot"):
+            require_type(
+                getattr(self, name), Real, f"{place}, {name}", "a number", "give it without quotes"
+            )
+        _check_mapping(
+            f"{place}, total_variation", self.total_variation,
+            "manipulated variables with their limits", '{"pump_1": 5.0}',
+        )  # fmt: skip
         if not self.maximum_sensitivity > 1.0:
             raise InputError(
                 f"{place}, maximum_sensitivity", self.maximum_sensitivity,
@@ -178,8 +203,27 @@ number above 1; 1.4 to 2 is customary.
                 f"{place}, overshoot", self.overshoot, "0 % or more", "correct the limit"
             )
         for name, limit in self.total_variation.items():
-            if not limit > 0.0:
+            if not isinstance(limit, Real) or not limit > 0.0:
                 raise InputError(
                     f"{place}, total_variation, {name}", limit, "a number above 0",
-                    "correct the limit",
+                    f"give it in the unit of {name}",
                 )  # fmt: skip
+        _check_mapping(
+            f"{place}, levels", self.levels, "levels with their lowest and highest value",
+            '{"tank_1.level": (0.1, 0.9)}',
+        )  # fmt: skip
+        for name, ends in self.levels.items():
+            pair = isinstance(ends, tuple | list) and len(ends) == 2
+            if not pair or not all(map(is_finite_number, ends)) or not ends[0] < ends[1]:
+                raise InputError(
+                    f"{place}, levels, {name}", ends if pair else "no pair of numbers",
+                    "a lowest level below a highest one", "give both in m",
+                )  # fmt: skip
+
+
+def _check_mapping(place: str, value: object, expected: str, example: str) -> None:
+    remedy = f"write as in {example}"
+    require_type(value, Mapping, place, expected, remedy)
+    assert isinstance(value, Mapping)
+    for name in value:
+        require_type(name, str, place, expected, remedy)

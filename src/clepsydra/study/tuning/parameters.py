@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from clepsydra.base.arguments import require_type, sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.process.process import Process
+from clepsydra.study.tuning.parameter_words import ParameterWords
 
 #: A start this near outside a bound stands on it, a share of the width.
 _ROUNDING = 1e-9
@@ -54,6 +57,7 @@ a low bound below the high bound; exchange or widen them.
     followers: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        require_type(self.name, str, "tuning, name", "the name of a parameter", "give it as text")
         place = f"tuning, {self.name}"
         for bound in (self.low, self.high):
             if not is_finite_number(bound):
@@ -96,7 +100,7 @@ a low bound below the high bound; exchange or widen them.
 
 
 @dataclass(frozen=True)
-class SearchSpace:
+class LawSpace:
     """The unit cube of the tuned parameters of one controller.
 
     Parameters
@@ -118,7 +122,7 @@ class SearchSpace:
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))
     >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> space = SearchSpace(controller, (TunedParameter("proportional_gain_1", 0.3, 30.0),))
+    >>> space = LawSpace(controller, (TunedParameter("proportional_gain_1", 0.3, 30.0),))
     >>> space.start.round(6), space.values_at(np.array([0.25]))["proportional_gain_1"].round(6)
     (array([0.5]), array([0.948683]))
     """
@@ -150,19 +154,17 @@ class SearchSpace:
                         f"bounds for {name} within {own.low:g} to {own.high:g} {own.unit}",
                         "narrow the bounds",
                     )  # fmt: skip
-            start = self.controller.values[parameter.name]
-            if not -_ROUNDING <= parameter.share(start) <= 1.0 + _ROUNDING:
-                raise InputError(
-                    place, f"a start at {start:g}",
-                    f"a start within its bounds {parameter.low:g} to {parameter.high:g}",
-                    "widen the bounds or start elsewhere",
-                )  # fmt: skip
+            check_start(parameter, self.controller.values[parameter.name])
 
     @property
     def start(self) -> np.ndarray:
         """Where the controller's own values stand in the cube [p]."""
         values = self.controller.values
         return np.clip([p.share(values[p.name]) for p in self.parameters], 0.0, 1.0)
+
+    def numbers_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the tuned parameters by name [n], at points [n, p]."""
+        return self.values_at(points)
 
     def values_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """Return the values of tuned parameters and followers by name [n], at points [n, p].
@@ -181,6 +183,33 @@ class SearchSpace:
         """Return all parameter values of the law at one point [p]."""
         found = {name: float(value[0]) for name, value in self.values_at(point).items()}
         return {**self.controller.values, **found}
+
+    def identity(self) -> dict[str, object]:
+        """Return what tells this space from any other, for JSON."""
+        return {"parameters": [asdict(parameter) for parameter in self.parameters]}
+
+    def words(self, process: Process) -> ParameterWords:
+        """Return the tuned parameters in words."""
+        return ParameterWords(self.controller, process)
+
+
+def check_start(parameter: TunedParameter, start: float) -> None:
+    """Refuse a start outside of a parameter's bounds.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> check_start(TunedParameter("integral_time_1", 4.0, 400.0), 40.0)
+    """
+    if not -_ROUNDING <= parameter.share(start) <= 1.0 + _ROUNDING:
+        raise InputError(
+            f"tuning, {parameter.name}", f"a start at {start:g}",
+            f"a start within its bounds {parameter.low:g} to {parameter.high:g}",
+            "widen the bounds or start elsewhere",
+        )  # fmt: skip
 
 
 def around(
@@ -202,7 +231,7 @@ def around(
     Raises
     ------
     InputError
-        A name is none of the law's, or its value is zero.
+        A name is none of the law's, or its value is zero; or the factor is not above 1.
 
     Examples
     --------
@@ -215,6 +244,13 @@ def around(
     >>> round(time.low, 3), round(time.high, 1), time.followers
     (3.203, 320.3, ('tracking_time_1',))
     """
+    require_type(controller, Controller, "controller", "a Controller", "design one, or make one")
+    names = sequence_of(
+        names, str, "tuning, parameters", "a list of names of parameters",
+        f'write as in ["{next(iter(controller.values), "proportional_gain_1")}"]',
+    )  # fmt: skip
+    if not is_finite_number(factor) or not factor > 1.0:
+        raise InputError("tuning, factor", factor, "a number above 1", "10 is customary")
     law = {p.name: p for p in controller.law.parameters}
     found = []
     for name in names:

@@ -27,7 +27,7 @@ class ParetoFront:
     objective : ndarray [points]
         Falling.
     values : dict
-        Tuned parameter to its values [points], in the law's unit.
+        Tuned number to its values [points], a parameter of the law in the law's unit.
 
     Examples
     --------
@@ -72,9 +72,9 @@ def pareto_front(problem: TuningProblem, bounds: Sequence[float]) -> ParetoFront
             # Best first: of those below the bound the best, or else the most robust there is.
             refine(problem, points[below[0] if len(below) else -1], bound)
     points, objective, sensitivity = (found[::-1] for found in _not_beaten(problem))
-    values = problem.space.values_at(points)
+    numbers = problem.space.numbers_at(points)
     return ParetoFront(
-        sensitivity, objective, {p.name: values[p.name] for p in problem.space.parameters}
+        sensitivity, objective, {p.name: numbers[p.name] for p in problem.space.parameters}
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import NamedTuple
@@ -14,11 +15,12 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.sampled.sampled_loop import SampledLoops
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.running_scores import split_score
 from clepsydra.loop.scenario import Scenario
 from clepsydra.study.tuning.batch import BatchEvaluation
 from clepsydra.study.tuning.memory import Memory
 from clepsydra.study.tuning.objective import ON_LIMIT, Limits, Objective
-from clepsydra.study.tuning.parameters import SearchSpace
+from clepsydra.study.tuning.search_space import SearchSpace
 
 
 class Evaluation(NamedTuple):
@@ -117,6 +119,8 @@ class TuningProblem:
                 )  # fmt: skip
             self.limited |= {f"overshoot[{name}]": limits.overshoot for name in sorted(stepped)}
         self.limited |= {f"total_variation[{u}]": v for u, v in limits.total_variation.items()}
+        for name, (low, high) in limits.levels.items():
+            self.limited |= {f"lowest[{name}]": low, f"highest[{name}]": high}
         self.names = tuple(dict.fromkeys([*names, *self.limited]))
         self.batch = BatchEvaluation(space.controller, model, scenarios, self.names)
         self._loops = SampledLoops(space.controller, model)
@@ -170,7 +174,7 @@ class TuningProblem:
         status = rows[:, -1].astype(int) & ~self._usual
         objective[status != 0] = np.inf
         objective[~np.isfinite(objective)] = np.inf
-        margins = [(limit - scores[name]) / (limit or 1.0) for name, limit in self.limited.items()]
+        margins = [_margin(name, scores[name], limit) for name, limit in self.limited.items()]
         return Evaluation(objective, parts, np.reshape(margins, (len(margins), len(rows))).T)
 
     def _rows(self, points: np.ndarray) -> np.ndarray:
@@ -182,20 +186,32 @@ class TuningProblem:
             if key not in self.memory.rows
         }
         if missing:
-            found = self.batch.run(self.space.values_at(np.array(list(missing.values()))))
-            columns = [*(found.scores[name] for name in self.names), found.status]
-            for key, row in zip(missing, np.stack(columns, axis=1).tolist(), strict=True):
+            rows = self._simulated(np.array(list(missing.values())))
+            for key, row in zip(missing, rows.tolist(), strict=True):
                 self.memory.rows[key] = row
         self._asked.update(keys)
         self.on_progress()
         return np.array([self.memory.rows[key] for key in keys])
+
+    def _simulated(self, points: np.ndarray) -> np.ndarray:
+        """Return scores and status of candidates [n, scores + 1]; infinite without a law."""
+        values = self.space.values_at(points)
+        usable = np.all([np.isfinite(column) for column in values.values()], axis=0)
+        own = self.space.controller.values
+        found = self.batch.run(
+            {name: np.where(usable, column, own[name]) for name, column in values.items()}
+        )
+        scores = [np.where(usable, found.scores[name], np.inf) for name in self.names]
+        return np.stack([*scores, found.status], axis=1)
 
     def sensitivity(self, point: np.ndarray) -> float:
         """Return max|S| of all loops together at one point [p]; infinite if unstable."""
         key = point.tobytes()
         if key not in self.memory.sensitivities:
             values = self.space.controller_values(point)
-            self.memory.sensitivities[key] = self._loops.at(values).maximum_sensitivity
+            usable = all(map(math.isfinite, values.values()))
+            peak = self._loops.at(values).maximum_sensitivity if usable else math.inf
+            self.memory.sensitivities[key] = peak
         return self.memory.sensitivities[key]
 
     def consider(self, points: np.ndarray, found: Evaluation) -> None:
@@ -219,7 +235,7 @@ class TuningProblem:
             "program": repr(self.batch.program),
             "values": controller.values,
             "state": controller.initial_state,
-            "parameters": [asdict(parameter) for parameter in self.space.parameters],
+            **self.space.identity(),
             "objective": asdict(self.objective),
             "limits": asdict(self.limits),
             "segments": [[asdict(part) for part in scenario.segments] for scenario in scenarios],
@@ -233,3 +249,9 @@ class TuningProblem:
         for array in arrays:
             digest.update(np.ascontiguousarray(array, dtype=float).tobytes())
         return digest.hexdigest()
+
+
+def _margin(name: str, scores: np.ndarray, limit: float) -> np.ndarray:
+    """Return the room to a limit, as a share of it [n]."""
+    room = scores - limit if split_score(name)[0] == "lowest" else limit - scores
+    return np.asarray(room / (abs(limit) or 1.0))

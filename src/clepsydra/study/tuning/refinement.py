@@ -16,6 +16,8 @@ _DIFFERENCE = 1e-6
 #: Points that a local search may take: three times what one without kinks needs.
 _POINTS = 60
 _ACCURACY = 1e-9
+#: What a point without a finite score counts as, a multiple of where the search began.
+_WALL = 1e3
 
 
 class _Local(NamedTuple):
@@ -97,6 +99,7 @@ class _Neighbourhood:
     def __init__(self, problem: TuningProblem, sensitivity_limit: float) -> None:
         self._problem, self._limit = problem, sensitivity_limit
         self._known: dict[bytes, _Local] = {}
+        self._first: np.ndarray | None = None
 
     def at(self, point: np.ndarray) -> _Local:
         point = np.clip(point, 0.0, 1.0)
@@ -120,6 +123,18 @@ class _Neighbourhood:
             columns.append(np.reshape(room, (-1, 1)))
         margins = np.hstack(columns)
         parts = found.parts
+        if self._first is None:
+            self._first = parts[0]
+        broken = ~np.all(np.isfinite(parts), axis=1)
+        if broken[0]:
+            # A line search turns back from a wall.
+            wall = _WALL * float(np.max(self._first)) if self._known else np.inf
+            count, room, width = parts.shape[1], margins.shape[1], len(point)
+            flat = np.zeros((count, width)), np.zeros((room, width))
+            return _Local(np.full(count, wall), flat[0], -np.ones(room), flat[1])
+        # Into where there is nothing, no slope is told.
+        parts = np.where(broken[:, None], parts[0], parts)
+        margins = np.where(broken[:, None], margins[0], margins)
         return _Local(
             parts[0],
             ((parts[1:] - parts[0]) / steps[:, None]).T,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -34,6 +34,8 @@ class TuningResult:
     seed : int
     interrupted : bool
         Whether it was stopped before its end; the controller is then the best so far.
+    tuned : dict
+        What was tuned to the value found: parameters of the law, or design numbers.
 
     Examples
     --------
@@ -53,3 +55,4 @@ class TuningResult:
     front: ParetoFront
     seed: int
     interrupted: bool
+    tuned: dict[str, float] = field(default_factory=dict)

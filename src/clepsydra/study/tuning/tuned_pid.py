@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from clepsydra.base.arguments import require_type
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.scenario import Scenario
-from clepsydra.study.tuning.objective import Limits, minimax
+from clepsydra.study.tuning.objective import Limits, Objective, minimax
 from clepsydra.study.tuning.parameters import around
 from clepsydra.study.tuning.result import TuningResult
-from clepsydra.study.tuning.tune import GENERATIONS, METHOD, Progress, tune
+from clepsydra.study.tuning.search import GENERATIONS, METHOD, Progress
+from clepsydra.study.tuning.tune import tune
 
 #: How far gains and integral times may move from the rule's, up and down.
 _FACTOR = 10.0
@@ -25,22 +27,24 @@ def tuned_pid(
     model: LinearModel,
     scenario: Scenario,
     *,
+    objective: Objective | None = None,
     limits: Limits | None = None,
     generations: int = GENERATIONS,
     seed: int = 1,
     front: Sequence[float] = (),
     progress: Callable[[Progress], None] | None = None,
-    state_file: Path | None = None,
+    state_file: str | Path | None = None,
 ) -> TuningResult:
     """Tune the gains and integral times of a multiloop PI or PID controller.
 
-    Each may become ten times as large or as small. The largest IAE of the controlled variables,
-    each relative to the start, is minimised over the scenario.
+    Each may become ten times as large or as small.
 
     Parameters
     ----------
     controller : Controller
         Designed by a rule.
+    objective : Objective, optional
+        The largest IAE of the controlled variables, each relative to the start, if omitted.
     limits : Limits, optional
         max|S| at most 2 if omitted.
     model, scenario, generations, seed, front, progress, state_file
@@ -65,6 +69,7 @@ def tuned_pid(
     >>> round(found.objective, 3), found.maximum_sensitivity < 2.0
     (0.497, True)
     """
+    require_type(controller, Controller, "controller", "a Controller", "design one, or make one")
     names = [
         name
         for name, value in controller.values.items()
@@ -72,13 +77,15 @@ def tuned_pid(
     ]
     if not names:
         raise NotApplicable(METHOD, f"{controller.name} has no gain and no integral time to tune")
+    if objective is None:
+        objective = minimax(*(f"iae[{name}]" for name in dict.fromkeys(controller.setpoints)))
     return tune(
         controller,
         model,
         scenario,
         around(controller, names, _FACTOR),
-        minimax(*(f"iae[{name}]" for name in dict.fromkeys(controller.setpoints))),
-        limits=limits or Limits(SENSITIVITY_LIMIT),
+        objective,
+        limits=Limits(SENSITIVITY_LIMIT) if limits is None else limits,
         generations=generations,
         seed=seed,
         front=front,

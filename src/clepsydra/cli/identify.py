@@ -1,0 +1,97 @@
+"""``clepsydra identify``: a model from a record."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from clepsydra.cli.options import JsonOption
+
+
+def identify(
+    data: Annotated[
+        Path,
+        typer.Argument(
+            metavar="DATA.csv",
+            help="A record, sampled regularly; its head names time and signals with their units.",
+        ),
+    ],
+    manipulated: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="The column that is moved by hand or by a controller."),
+    ] = None,
+    measured: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="The column that follows it."),
+    ] = None,
+    process: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PROCESS",
+            help="Fit parameters of this process instead: of the catalogue, or a process file.",
+        ),
+    ] = None,
+    parameters: Annotated[
+        str | None,
+        typer.Option(metavar="NAME,NAME", help="Those to fit, as in outlet_1.area,pump_1.gain."),
+    ] = None,
+    write: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.toml", help="Write the process file with the fitted parameters."
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+    folder: Annotated[
+        Path, typer.Option("--output", "-o", metavar="FOLDER", help="Where the page is written.")
+    ] = Path(),
+) -> None:
+    """Identify a model from a record: ARX, FOPDT, SOPDT, IPDT, or parameters of a process."""
+    from clepsydra.base.errors import InputError
+    from clepsydra.cli.output import check_folder, output_file, print_json
+    from clepsydra.identify.identification import Identification, identify_model
+    from clepsydra.identify.process_file import write_fitted_process
+    from clepsydra.identify.process_fit import ProcessFit, fit_process
+    from clepsydra.identify.record_csv import read_record
+    from clepsydra.process.reader import load_process
+    from clepsydra.report.identification_page import write_identification_page
+
+    check_folder(folder)
+    page = output_file(folder / f"{data.stem}-identification.html")
+    for option, given in (("--parameters", parameters), ("--write", write)):
+        if given is not None and process is None:
+            raise InputError(
+                option, str(given), "a process that has them", "name it, as in --process tank.toml"
+            )
+    for option, name in (("--manipulated", manipulated), ("--measured", measured)):
+        if name is not None and process is not None:
+            raise InputError(
+                option, name, "no such option with --process",
+                "leave it out: every input and measurement of the process that is recorded counts",
+            )  # fmt: skip
+    if write is not None and write.suffix.lower() != ".toml":
+        raise InputError("--write", str(write), "a file that ends in .toml", "rename it")
+    found: Identification | ProcessFit
+    if process is None:
+        found = identify_model(read_record(data), manipulated, measured)
+    else:
+        plant = load_process(process)
+        names = [name.strip() for name in (parameters or "").split(",") if name.strip()]
+        found = fit_process(plant, read_record(data, plant), names)
+    write_identification_page(found, page)
+    written = {"page": str(page)}
+    if write is not None and isinstance(found, ProcessFit):
+        write_fitted_process(found, write)
+        written["process file"] = str(write)
+    if as_json:
+        print_json({**found.as_dict(), **written})
+        return
+    from rich.console import Console
+
+    from clepsydra.report.identification_screen import identification_screen
+
+    Console(width=100).print(identification_screen(found))
+    for what, where in written.items():
+        typer.echo(f"{what.capitalize()}: {where}")

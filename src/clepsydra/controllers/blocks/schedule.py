@@ -1,0 +1,178 @@
+"""Parameters that follow a scheduling variable: tables, interpolated linearly."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.validity import is_number, is_time_step
+from clepsydra.program.step_law import Symbols
+
+#: Fewer points make no table, more make one that nobody checks.
+FEWEST_POINTS, MOST_POINTS = 2, 15
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Which input of a law its parameters follow, and over how many points.
+
+    The input passes a filter of first order, and each parameter stands on the straight line
+    between its values at the two points around it; beyond the first and the last point it keeps
+    theirs. Where the input is no number, or its sensor has failed, the parameters stay.
+
+    Parameters
+    ----------
+    variable : str
+        The input of the law: measurement_1, or setpoint_1.
+    signal : Signal
+        What it shows; lends unit and range.
+    points : int
+        2 to 15.
+
+    Raises
+    ------
+    InputError
+        The input is neither a measurement nor a setpoint, or the points are too few or too many.
+
+    Examples
+    --------
+    >>> schedule = Schedule("measurement_1", Signal("level_1", "V"), 2)
+    >>> [parameter.name for parameter in schedule.parameters()]
+    ['schedule_point_1', 'schedule_point_2', 'schedule_filter_time']
+    """
+
+    variable: str
+    signal: Signal
+    points: int
+
+    def __post_init__(self) -> None:
+        if not self.variable.startswith(("measurement_", "setpoint_")):
+            raise InputError(
+                "schedule, variable",
+                self.variable,
+                "a measurement or a setpoint of the law",
+                "write as in measurement_1",
+            )
+        if not FEWEST_POINTS <= self.points <= MOST_POINTS:
+            raise InputError(
+                "schedule, points",
+                self.points,
+                f"{FEWEST_POINTS} to {MOST_POINTS} points",
+                "choose fewer or more points",
+            )
+
+    def parameters(self) -> list[Signal]:
+        """Return schedule_point_k and schedule_filter_time."""
+        return [
+            *(
+                signals.gain(
+                    f"schedule_point_{k}",
+                    self.signal.unit,
+                    float(k),
+                    f"{self.signal.name} at point {k} of the schedule",
+                )
+                for k in range(1, self.points + 1)
+            ),
+            signals.duration("schedule_filter_time", f"time constant in which {self._follows}"),
+        ]
+
+    @property
+    def _follows(self) -> str:
+        return f"the scheduling variable follows {self._shown}"
+
+    @property
+    def _shown(self) -> str:
+        name = self.signal.name
+        return f"the setpoint of {name}" if self.variable.startswith("setpoint_") else name
+
+    def table(self, parameter: Signal) -> list[Signal]:
+        """Return the parameters that stand for one that is scheduled: its values at the points.
+
+        Examples
+        --------
+        >>> schedule = Schedule("setpoint_1", Signal("level_1", "V"), 3)
+        >>> [each.name for each in schedule.table(Signal("proportional_gain_1", "V/V"))]
+        ['proportional_gain_1_at_1', 'proportional_gain_1_at_2', 'proportional_gain_1_at_3']
+        """
+        return [
+            replace(
+                parameter,
+                name=f"{parameter.name}_at_{k}",
+                description=f"{parameter.description}, at point {k} of the schedule",
+            )
+            for k in range(1, self.points + 1)
+        ]
+
+    def state(self) -> list[Signal]:
+        """Return scheduling_variable."""
+        return [signals.like(self.signal, "scheduling_variable", f"{self._shown}, filtered")]
+
+    def followed(self, symbols: Symbols) -> ca.SX:
+        """Return the scheduling variable of this sample.
+
+        Parameters
+        ----------
+        symbols : mapping
+            The input, its sensor, scheduling_variable, schedule_filter_time and time_step.
+
+        Examples
+        --------
+        >>> schedule = Schedule("setpoint_1", Signal("level_1", "V"), 2)
+        >>> numbers = dict(setpoint_1=8.0, scheduling_variable=4.0, schedule_filter_time=3.0,
+        ...                time_step=1.0)
+        >>> float(schedule.followed({name: ca.DM(value) for name, value in numbers.items()}))
+        5.0
+        """
+        raw, last = symbols[self.variable], symbols["scheduling_variable"]
+        time_step = symbols["time_step"]
+        usable = ca.logic_and(is_number(raw), is_time_step(time_step))
+        sensor = self.variable.replace("measurement_", "sensor_")
+        if sensor != self.variable:
+            usable = ca.logic_and(usable, symbols[sensor])
+        step = ca.if_else(usable, time_step, 1)
+        filter_time = ca.fmax(symbols["schedule_filter_time"], 0)
+        moved = last + (raw - last) * (step / (filter_time + step))
+        taken = ca.logic_and(usable, is_number(moved))
+        return ca.if_else(taken, moved, last)
+
+    def interpolated(self, symbols: Symbols, at: ca.SX, names: Sequence[str]) -> dict[str, ca.SX]:
+        """Return the scheduled parameters at a value of the scheduling variable.
+
+        At a point of the schedule it is the value of the table in every digit. Points that do
+        not rise are passed over, so that nothing is divided by zero.
+
+        Parameters
+        ----------
+        symbols : mapping
+            schedule_point_k and the tables.
+        at : casadi.SX
+        names : sequence of str
+            Of the scheduled parameters.
+
+        Examples
+        --------
+        >>> schedule = Schedule("setpoint_1", Signal("level_1", "V"), 2)
+        >>> numbers = dict(schedule_point_1=2.0, schedule_point_2=6.0, gain_at_1=10.0,
+        ...                gain_at_2=20.0)
+        >>> symbols = {name: ca.DM(value) for name, value in numbers.items()}
+        >>> float(schedule.interpolated(symbols, ca.DM(3.0), ["gain"])["gain"])
+        12.5
+        """
+        points = [symbols[f"schedule_point_{k}"] for k in range(1, self.points + 1)]
+        found = {name: symbols[f"{name}_at_1"] for name in names}
+        for k, (low, high) in enumerate(itertools.pairwise(points), start=1):
+            rises = high > low
+            share = (at - low) / ca.if_else(rises, high - low, 1)
+            within = ca.logic_and(rises, at > low)
+            beyond = at >= high
+            for name in names:
+                first, last = symbols[f"{name}_at_{k}"], symbols[f"{name}_at_{k + 1}"]
+                here = ca.if_else(beyond, last, first + share * (last - first))
+                found[name] = ca.if_else(within, here, found[name])
+        return found

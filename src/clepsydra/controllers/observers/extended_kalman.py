@@ -1,0 +1,285 @@
+"""The extended Kalman filter: an estimate by the process's own equations, and its covariance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.sampled_matrices import (
+    from_upper_triangle,
+    sampled_expressions,
+    upper_triangle,
+)
+from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
+from clepsydra.controllers.observers.measured_state import KnownState
+from clepsydra.controllers.process_equations import NEARLY_EMPTY, ProcessEquations, model_parameter
+from clepsydra.linear.lie_derivatives import Constant
+from clepsydra.program.counted_loop import counted_loop
+from clepsydra.program.step_law import Symbols
+
+#: More states make a law that nobody can read or check on a plant.
+MOST_STATES = 12
+
+
+@dataclass(frozen=True, eq=False)
+class ExtendedKalman:
+    """x̂ and its covariance P, corrected by each measurement, and moved on by ẋ = f(x, u).
+
+    In a sample, for one measurement after the other, with h_k and its slope H at the estimate
+    so far and the variance V_k of its noise::
+
+        s = H P Hᵀ + V_k,   x̂ ← x̂ + P Hᵀ (y_k − h_k(x̂))/s,   P ← P − P Hᵀ H P/s
+
+    so that nothing but a positive number is divided by. Then x̂ moves on by the classical
+    Runge-Kutta method under the inputs that were really given out, and
+
+        P⁺ = Φ P Φᵀ + Δt/2 (S + Φ S Φᵀ),   Φ = e^(A(x̂) Δt),   S = B Q_u Bᵀ + E Q_d Eᵀ,
+
+    with the intensities Q_u, Q_d of the noise of inputs and loads. The estimate stays within
+    the ranges of the states; the slope of an outlet is taken at 2 % of the height at least,
+    since it grows without bound as the tank empties. Where measurements fail, they do not
+    correct, and P stops growing when an estimate is as unsure as the range of its state.
+
+    Parameters
+    ----------
+    equations : ProcessEquations
+    measurements : tuple of str [p]
+        With the controlled outputs among them.
+    loads : tuple of str
+        Disturbances that make noise.
+    substeps, doublings : int
+        Steps of the Runge-Kutta method in a sample, and doublings of the power series of Φ.
+
+    Raises
+    ------
+    InputError
+        There are too many states, or a controlled output is not among the measurements.
+
+    References
+    ----------
+    A. H. Jazwinski, Stochastic Processes and Filtering Theory, Academic Press 1970, chapter 8.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> equations = process_equations(analyse(load_process("three-tanks")).model)
+    >>> observer = ExtendedKalman(equations, ("level_3",), (), 1, 0)
+    >>> [signal.name for signal in observer.memory()][:4]
+    ['estimate_1', 'estimate_2', 'estimate_3', 'covariance_1_1']
+    """
+
+    equations: ProcessEquations
+    measurements: tuple[str, ...]
+    loads: tuple[str, ...]
+    substeps: int
+    doublings: int
+
+    def __post_init__(self) -> None:
+        if len(self.equations.states) > MOST_STATES:
+            raise InputError(
+                "extended Kalman filter, states",
+                len(self.equations.states),
+                f"at most {MOST_STATES}",
+                "use a linear Kalman filter",
+            )
+        missing = [name for name in self.equations.outputs if name not in self.measurements]
+        if missing:
+            raise InputError(
+                "extended Kalman filter, measurements",
+                list(self.measurements),
+                "the controlled measurements among them",
+                f"add {', '.join(missing)}",
+            )
+
+    @cached_property
+    def _readings(self) -> list[ca.SX]:
+        return [self.equations.reading(name) for name in self.measurements]
+
+    @cached_property
+    def _slopes(self) -> list[ca.SX]:
+        return [ca.jacobian(reading, self.equations.state) for reading in self._readings]
+
+    @cached_property
+    def _linear(self) -> list[ca.SX]:
+        """A, B and, where loads make noise, E."""
+        found = [self.equations.A, self.equations.B]
+        return [*found, self.equations.by_constant(self.loads)] if self.loads else found
+
+    @property
+    def constants(self) -> tuple[Constant, ...]:
+        """Of everything that it computes with."""
+        equations = self.equations
+        expressions = [equations.rates, *self._readings, *self._slopes, *self._linear]
+        return equations.used_in(expressions)
+
+    def parameters(self) -> list[Signal]:
+        """Return sensor_noise_k, input_noise_i and load_noise_l."""
+        process = self.equations.point.process
+        found = []
+        for k, name in enumerate(self.measurements, start=1):
+            unit = process.signal(name).unit
+            found.append(_positive(f"sensor_noise_{k}", unit, f"standard deviation of {name}"))
+        for what, names in (("input", self.equations.inputs), ("load", self.loads)):
+            for i, name in enumerate(names, start=1):
+                unit = process.signal(name).unit
+                unit = "s^0.5" if unit == "1" else f"{unit} s^0.5"
+                words = f"white noise of {name}: what it adds up to in a second, root mean square"
+                found.append(_positive(f"{what}_noise_{i}", unit, words))
+        return found
+
+    def memory(self) -> list[Signal]:
+        """Return estimate_j, and covariance_j_k on and above the diagonal."""
+        found = self.equations.signals_of_states()
+        estimates = [
+            signals.like(signal, f"estimate_{j}", f"expected {signal.name}")
+            for j, signal in enumerate(found, start=1)
+        ]
+        covariances = [
+            Signal(
+                f"covariance_{j + 1}_{k + 1}",
+                _product(first.unit, second.unit),
+                description=f"covariance of {first.name} and {second.name} as expected",
+            )
+            for j, first in enumerate(found)
+            for k, second in enumerate(found)
+            if k >= j
+        ]
+        return [*estimates, *covariances]
+
+    def known(self, symbols: Symbols, measured: Sequence[ca.SX], usable: ca.SX) -> KnownState:
+        """Return the estimate corrected by the measurements of this sample."""
+        n = len(self.equations.states)
+        pairs = [(j, k) for j in range(1, n + 1) for k in range(j, n + 1)]
+        P = from_upper_triangle([symbols[f"covariance_{j}_{k}"] for j, k in pairs], n)
+        x = [symbols[f"estimate_{j}"] for j in range(1, n + 1)]
+        nothing = [ca.SX(0)] * len(self.equations.inputs)
+        named = {}
+        for k, value in enumerate(measured):
+            number = k + 1
+            reading, slope = self.equations.evaluated(
+                [self._readings[k], self._slopes[k]], x, nothing, symbols
+            )
+            spread = P @ slope.T
+            noise = symbols[f"sensor_noise_{number}"]
+            total = (slope @ spread)[0] + noise * noise
+            sure = ca.logic_and(usable, ca.logic_and(total > 0, is_number(total)))
+            share = ca.densify(spread) / ca.if_else(sure, total, 1)
+            surprise = ca.if_else(sure, value - reading, 0)
+            named[f"surprise_{number}"] = surprise
+            corrected = [was + share[j] * surprise for j, was in enumerate(x)]
+            x = self.equations.bounded(corrected)
+            less = [
+                P[i, j] - ca.if_else(sure, share[i] * spread[j], 0)
+                for i in range(n)
+                for j in range(i, n)
+            ]
+            P = from_upper_triangle(less, n)
+        named |= {f"state_{j}": value for j, value in enumerate(x, start=1)}
+        return KnownState(x, lambda applied: self._following(symbols, x, P, applied), named)
+
+    def _following(
+        self, symbols: Symbols, x: Sequence[ca.SX], P: ca.SX, applied: Sequence[ca.SX]
+    ) -> dict[str, ca.SX]:
+        """Return what is expected in the next sample."""
+        good = is_time_step(symbols["time_step"])
+        time = ca.if_else(good, symbols["time_step"], 1)
+        ends = self.equations.bounded(self._moved(symbols, x, time, applied))
+        following = self._spread(symbols, x, P, time, applied)
+        n = len(x)
+        diagonal = [following[j, j] for j in range(n)]
+        spans = [signal.span for signal in self.equations.signals_of_states()]
+        # Never surer than not at all, nor less sure than of a state that may be anything.
+        sound = [
+            ca.logic_and(value >= 0, value <= min(span * span, 1e300))
+            for value, span in zip(diagonal, spans, strict=True)
+        ]
+        estimates = [is_number(end) for end in ends]
+        moves = ca.logic_and(good, all_of(estimates))
+        spreads = ca.logic_and(moves, all_of([*sound, *map(is_number, upper_triangle(following))]))
+        named = {}
+        for j, end in enumerate(ends, start=1):
+            kept = symbols[f"estimate_{j}"]
+            named[f"estimate_{j}"] = ca.if_else(moves, end, kept)
+        for j in range(1, n + 1):
+            for k in range(j, n + 1):
+                name = f"covariance_{j}_{k}"
+                named[name] = ca.if_else(spreads, following[j - 1, k - 1], symbols[name])
+        return named
+
+    def _moved(
+        self, symbols: Symbols, x: Sequence[ca.SX], time: ca.SX, applied: Sequence[ca.SX]
+    ) -> list[ca.SX]:
+        """Return the state after a sample, by steps of the classical Runge-Kutta method."""
+        equations, n = self.equations, len(x)
+        used = equations.used_in([equations.rates])
+        given = [symbols[model_parameter(each).name] for each in used]
+        state = ca.SX.sym("state", n)
+        fixed = ca.SX.sym("fixed", len(applied) + len(given) + 1)
+        moved, constants, step = ca.vertsplit(
+            fixed, [0, len(applied), fixed.numel() - 1, fixed.numel()]
+        )
+        arguments = [equations.state, equations.moved, ca.vertcat(*(each.symbol for each in used))]
+        function = ca.Function("rates", arguments, [ca.densify(equations.rates)])
+
+        def rates(at: ca.SX) -> ca.SX:
+            return function(at, moved, constants)
+
+        half = 0.5 * step
+        first = rates(state)
+        second = rates(state + half * first)
+        third = rates(state + half * second)
+        fourth = rates(state + step * third)
+        end = state + step * ((first + 2 * (second + third) + fourth) / 6)
+        invariants = ca.vertcat(*applied, *given, time * (1.0 / self.substeps))
+        body = ca.Function("runge_kutta_step", [ca.SX(0, 1), state, fixed], [end])
+        if self.substeps == 1:
+            return ca.vertsplit(body(ca.SX(0, 1), ca.vertcat(*x), invariants))
+        ends = counted_loop(
+            "prediction", self.substeps, body, carried=ca.vertcat(*x), invariants=invariants
+        )
+        return ca.vertsplit(ends)
+
+    def _spread(
+        self,
+        symbols: Symbols,
+        x: Sequence[ca.SX],
+        P: ca.SX,
+        time: ca.SX,
+        applied: Sequence[ca.SX],
+    ) -> ca.SX:
+        """Return P of the next sample."""
+        here = self.equations.bounded(x, NEARLY_EMPTY)
+        A, B, *E = self.equations.evaluated(self._linear, here, applied, symbols)
+        held = sampled_expressions(A, ca.SX(A.shape[0], 1), None, time, self.doublings).held
+        intensity = _intensity(symbols, "input_noise", B)
+        if E:
+            intensity = intensity + _intensity(symbols, "load_noise", E[0])
+        noise = (0.5 * time) * (intensity + held @ intensity @ held.T)
+        return held @ P @ held.T + noise
+
+
+def _intensity(symbols: Symbols, name: str, effect: ca.SX) -> ca.SX:
+    size = [symbols[f"{name}_{i}"] for i in range(1, effect.shape[1] + 1)]
+    scaled = effect @ ca.diag(ca.vertcat(*size))
+    return scaled @ scaled.T
+
+
+def _positive(name: str, unit: str, description: str) -> Signal:
+    return Signal(
+        name, unit, low=1e-12, high=signals.LARGEST_PARAMETER, initial=1.0, description=description
+    )
+
+
+def _product(first: str, second: str) -> str:
+    units = [f"({unit})" if "/" in unit else unit for unit in (first, second) if unit != "1"]
+    if len(units) == 2 and first == second:
+        return f"{units[0]}^2"
+    return " ".join(units) or "1"

@@ -1,0 +1,242 @@
+"""The equations of a process as a step law computes with them, however its inputs act."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers import signals
+from clepsydra.linear.lie_derivatives import Constant
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.program.step_law import Symbols
+
+#: A number of the model may be changed by this factor at run time, so never to zero.
+_FACTOR = 10.0
+#: An outlet's slope grows without bound as its tank empties: below this share of the height the
+#: linear model is that of this share.
+NEARLY_EMPTY = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class ProcessEquations:
+    """ẋ = f(x, u) and y = h(x) with the linear model at any x and u, as expressions.
+
+    Of the states it has those that act on the controlled outputs, at once or through others.
+
+    Parameters
+    ----------
+    point : OperatingPoint
+    outputs, inputs, states : tuple of str
+    state, moved : casadi.SX [n], [m]
+        The symbols of x and u.
+    constants : tuple of Constant
+        Parameters, disturbances and the inputs that are left alone.
+    rates : casadi.SX [n]
+        f
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> equations = process_equations(analyse(load_process("averaging-tank")).model)
+    >>> equations.states
+    ('tank.level', 'tank.impurity')
+    """
+
+    point: OperatingPoint
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    states: tuple[str, ...]
+    state: ca.SX
+    moved: ca.SX
+    constants: tuple[Constant, ...]
+    rates: ca.SX
+
+    @cached_property
+    def A(self) -> ca.SX:
+        """∂f/∂x [n, n]."""
+        return ca.jacobian(self.rates, self.state)
+
+    @cached_property
+    def B(self) -> ca.SX:
+        """∂f/∂u [n, m]."""
+        return ca.jacobian(self.rates, self.moved)
+
+    def by_constant(self, names: Sequence[str]) -> ca.SX:
+        """Return ∂f/∂c of some constants [n, k]."""
+        known = {each.signal.name: each.symbol for each in self.constants}
+        return ca.jacobian(self.rates, ca.vertcat(*(known[name] for name in names)))
+
+    def reading(self, measurement: str) -> ca.SX:
+        """Return h of any measurement of the process [measurement unit].
+
+        A state that does not act on the controlled outputs stands at the operating point.
+        """
+        process = self.point.process
+        place = [signal.name for signal in process.measurements].index(measurement)
+        symbols = {each.signal.name: each.symbol for each in self.constants}
+        parameters = ca.vertcat(*(symbols[signal.name] for signal in process.parameters))
+        return process.measure(self._whole_state, parameters)[place]
+
+    @property
+    def _whole_state(self) -> ca.SX:
+        own = dict(zip(self.states, ca.vertsplit(self.state), strict=True))
+        at = self.point.as_dict()
+        return ca.vertcat(*(own.get(s.name, at[s.name]) for s in self.point.process.state))
+
+    def signals_of_states(self) -> list[Signal]:
+        """Return the signals of the states."""
+        return [self.point.process.signal(name) for name in self.states]
+
+    def bounded(self, state: Sequence[ca.SX], floor: float = 0.0) -> list[ca.SX]:
+        """Return the state within the ranges of its signals, levels above a share of theirs."""
+        found = []
+        for signal, value in zip(self.signals_of_states(), state, strict=True):
+            low, high = signal.low, signal.high
+            if signal.name in self.point.process.levels and np.isfinite(signal.span):
+                low = low + floor * signal.span
+            if np.isfinite(low):
+                value = ca.fmax(value, low)
+            found.append(ca.fmin(value, high) if np.isfinite(high) else value)
+        return found
+
+    def used_in(self, expressions: Sequence[ca.SX]) -> tuple[Constant, ...]:
+        """Return the constants on which expressions depend."""
+        used = {symbol.name() for symbol in ca.symvar(ca.vertcat(*map(ca.vec, expressions)))}
+        return tuple(each for each in self.constants if each.symbol.name() in used)
+
+    def evaluated(
+        self,
+        expressions: Sequence[ca.SX],
+        state: Sequence[ca.SX],
+        moved: Sequence[ca.SX],
+        symbols: Symbols,
+    ) -> list[ca.SX]:
+        """Return expressions in a state, with the constants as parameters of a law (`model_*`)."""
+        used = self.used_in(expressions)
+        arguments = [self.state, self.moved, ca.vertcat(*(each.symbol for each in used))]
+        function = ca.Function("at", arguments, list(expressions))
+        given = [symbols[model_parameter(each).name] for each in used]
+        found = function(ca.vertcat(*state), ca.vertcat(*moved), ca.vertcat(*given))
+        return list(found) if isinstance(found, (tuple, list)) else [found]
+
+    def values(
+        self, expressions: Sequence[ca.SX]
+    ) -> Callable[[np.ndarray, np.ndarray], list[np.ndarray]]:
+        """Return a function of x and u that gives the values of expressions."""
+        constants = ca.vertcat(*(each.symbol for each in self.constants))
+        dense = [ca.densify(each) for each in expressions]
+        function = ca.Function("values", [self.state, self.moved, constants], dense)
+        given = [each.value for each in self.constants]
+
+        def at(state: np.ndarray, moved: np.ndarray) -> list[np.ndarray]:
+            found = function(state, moved, given)
+            every = found if isinstance(found, (tuple, list)) else [found]
+            return [np.array(each, float) for each in every]
+
+        return at
+
+
+def process_equations(model: LinearModel) -> ProcessEquations:
+    """Return the equations of a process, with the states that act on the model's outputs.
+
+    Switches stand as at first.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point: it says which outputs and inputs are meant.
+
+    Raises
+    ------
+    InputError
+        The model has no operating point, or the process has dead time.
+
+    Examples
+    --------
+    The standby pump acts on the level too, though it is left alone:
+
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> process_equations(analyse(load_process("wet-well")).model).states
+    ('well.level', 'duty.actual', 'standby.actual')
+    """
+    point = operating_point_of(model)
+    process, at = point.process, point.as_dict()
+    if process.motion.delays:
+        raise InputError(
+            f"{process.name}, transport delays",
+            ", ".join(delay.name for delay in process.motion.delays),
+            "a process without dead time",
+            "control it by a method that holds for dead time",
+        )
+    whole = {signal.name: ca.SX.sym(signal.identifier) for signal in process.state}
+    moved = ca.SX.sym("u", len(model.inputs))
+    places = {name: place for place, name in enumerate(model.inputs)}
+    alone = [signal for signal in process.inputs if signal.name not in places]
+    held = [(signal, at[signal.name]) for signal in (*process.disturbances, *alone)]
+    held += [(parameter, parameter.initial) for parameter in process.parameters]
+    constants = tuple(
+        Constant(signal, ca.SX.sym(signal.identifier), value) for signal, value in held
+    )
+    symbols = {each.signal.name: each.symbol for each in constants}
+    symbols |= {name: moved[place] for name, place in places.items()}
+    groups = (process.inputs, process.disturbances, process.parameters)
+    u, d, p = (ca.vertcat(*(symbols[signal.name] for signal in group)) for group in groups)
+    x = ca.vertcat(*whole.values())
+    rates, readings = process.dynamics(x, u, d, p), process.measure(x, p)
+    known = [signal.name for signal in process.measurements]
+    shown = ca.vertcat(*(readings[known.index(name)] for name in model.outputs))
+    kept = _acting(rates, shown, x)
+    names = tuple(process.state[place].name for place in kept)
+    return ProcessEquations(
+        point=point,
+        outputs=model.outputs,
+        inputs=model.inputs,
+        states=names,
+        state=ca.vertcat(*(whole[name] for name in names)),
+        moved=moved,
+        constants=constants,
+        rates=rates[kept],
+    )
+
+
+def model_parameter(constant: Constant) -> Signal:
+    """Return the parameter of a law that stands for a constant of the process.
+
+    Examples
+    --------
+    >>> area = Constant(Signal("tank.area", "m^2"), ca.SX.sym("area"), 0.5)
+    >>> model_parameter(area).name, model_parameter(area).high
+    ('model_tank_area', 5.0)
+    """
+    signal, value = constant.signal, constant.value
+    low, high = sorted((value / _FACTOR, value * _FACTOR))
+    if value == 0.0:
+        low, high = -signals.LARGEST_PARAMETER, signals.LARGEST_PARAMETER
+    return replace(
+        signal,
+        name=f"model_{signal.identifier}",
+        low=low,
+        high=high,
+        initial=value,
+        kind="real",
+        description=signal.description or signal.name,
+    )
+
+
+def _acting(rates: ca.SX, shown: ca.SX, state: ca.SX) -> list[int]:
+    """Return the places of the states that act on what is shown, at once or through others."""
+    acts = np.array(ca.DM(ca.jacobian_sparsity(rates, state), 1)) != 0.0
+    found = np.any(np.array(ca.DM(ca.jacobian_sparsity(shown, state), 1)) != 0.0, axis=0)
+    for _ in range(state.numel()):
+        found = found | np.any(acts[found], axis=0)
+    return [int(place) for place in np.flatnonzero(found)]

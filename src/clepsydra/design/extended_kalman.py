@@ -1,0 +1,508 @@
+"""LQI with an extended Kalman filter: states estimated by the process's own equations."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.words import seconds
+from clepsydra.controllers.blocks.anti_windup import AntiWindup
+from clepsydra.controllers.blocks.sampled_matrices import doublings_for
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.nonlinear_lqi import FAMILY, nonlinear_lqi_law
+from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
+from clepsydra.controllers.observers.measured_state import StateSource
+from clepsydra.controllers.process_equations import (
+    NEARLY_EMPTY,
+    ProcessEquations,
+    model_parameter,
+    process_equations,
+)
+from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.bryson import (
+    acceptable_deviations,
+    refuse_more_inputs,
+    slowest_time_constant,
+)
+from clepsydra.design.kalman import Noise, input_variances, kalman_gain, process_noise
+from clepsydra.design.loops.control_authority import check_ranges
+from clepsydra.design.sampled.sampled_process import held_over
+from clepsydra.design.states.estimation import Estimation
+from clepsydra.design.states.linear_quadratic import (
+    LqiGains,
+    bryson_weights,
+    lqi_gains_by_weights,
+)
+from clepsydra.design.states.observed_process import ObservedProcess, observed_process
+from clepsydra.design.states.slowing_down import note_on_slowing, slow_down
+from clepsydra.design.states.state_controllers import lqi_controller, sensitivity_peak
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import linearise, operating_point_of
+
+NAME = "LQI with extended Kalman filter"
+#: A step of the Runge-Kutta method spans at most this share of the fastest time constant.
+_FINE = 0.5
+#: More steps in a sample take too long on a controller.
+MOST_SUBSTEPS = 500
+#: Shares of the ranges at which the fastest rate is looked for.
+_SHARES = (NEARLY_EMPTY, 0.1, 0.3, 1.0)
+
+
+class FoundFilter(NamedTuple):
+    """An extended Kalman filter, its numbers, and the linear filter that it is at rest.
+
+    Parameters
+    ----------
+    observer : ExtendedKalman
+    values : dict
+        Of its parameters but the constants of the process.
+    state : dict
+        Its memory at rest at the operating point.
+    estimation : Estimation
+        The stationary filter at the operating point.
+    words : str
+        Where its noise comes from.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> found = extended_kalman(model, process_equations(model), None, 30.0, "by hand")
+    >>> round(found.values["sensor_noise_1"], 6)  # [V]
+    0.05
+    """
+
+    observer: ExtendedKalman
+    values: dict[str, float]
+    state: dict[str, float]
+    estimation: Estimation
+    words: str
+
+
+def design_lqi_extended_kalman(
+    model: LinearModel,
+    *,
+    measurements: Sequence[str] | None = None,
+    maximum_errors: Mapping[str, float] | None = None,
+    maximum_moves: Mapping[str, float] | None = None,
+    anti_windup: AntiWindup = "back_calculation",
+) -> Controller:
+    """Design LQI control of states that an extended Kalman filter estimates.
+
+    The regulator is that of `design.bryson.design_lqi` for the operating point. The filter runs
+    the equations of the process, so that its estimate holds away from the operating point too,
+    and computes its gain as it goes. Its noise is that of `design.kalman.process_noise`. At rest
+    at the operating point it is the Kalman filter there; the regulator is slowed down by one
+    factor until the sensitivity peak of that sampled loop is 2.
+
+    Parameters
+    ----------
+    model, measurements, maximum_errors, maximum_moves, anti_windup
+        As for `design.lqi_kalman.design_lqi_kalman`.
+
+    Returns
+    -------
+    Controller
+
+    Raises
+    ------
+    NotApplicable
+        The process has dead time, the measurements do not show what has to be known, there are
+        no stabilising gains, or no slowing down makes the loop robust.
+    InputError
+        The model has no operating point, a signal is unknown, a deviation is not above zero, or
+        the anti-windup is unknown.
+
+    References
+    ----------
+    A. H. Jazwinski, Stochastic Processes and Filtering Theory, Academic Press 1970, chapter 8.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> controller = design_lqi_extended_kalman(analyse(load_process("quadruple-tank")).model)
+    >>> controller.measurements
+    ('level_1', 'level_2')
+    """
+    process = operating_point_of(model).process
+    refuse_dead_time(model, NAME)
+    refuse_more_inputs(model, NAME)
+    check_ranges(process, model.outputs, model.inputs, NAME)
+    equations = process_equations(model)
+    acting = acting_model(model, equations)
+    period = process.sampling_period
+    deviations = acceptable_deviations(acting, maximum_errors, maximum_moves, NAME)
+    found_filter = extended_kalman(model, equations, measurements, deviations.horizon, NAME)
+
+    def designed(factor: float) -> tuple[Controller, LqiGains]:
+        asked = deviations.slower(factor)
+        weights = bryson_weights(acting, *asked.sizes(), asked.horizon)
+        gains = lqi_gains_by_weights(acting, weights, period, asked.horizon, NAME)
+        linear = lqi_controller(
+            NAME,
+            acting,
+            found_filter.observer.measurements,
+            gains.feedback,
+            gains.integral,
+            [asked.horizon] * len(model.inputs),
+            anti_windup,
+            found_filter.estimation,
+        )
+        return linear, gains
+
+    found = slow_down(designed, lambda design: sensitivity_peak(design[0], model), NAME)
+    _, gains = found.design
+    asked = deviations.slower(found.factor)
+    law = nonlinear_lqi_law(found_filter.observer, anti_windup)
+    values = found_filter.values | constant_values(found_filter.observer)
+    values |= gain_values(gains) | output_values(
+        equations, [asked.horizon] * len(model.inputs), anti_windup
+    )
+    check_designed(law, values, NAME)
+    slowest = [
+        slowest_time_constant(each, period)
+        for each in (gains.eigenvalues, found_filter.estimation.error_poles)
+    ]
+    return Controller(
+        name=NAME,
+        family=FAMILY,
+        design=(
+            f"LQI with Bryson's weights, {asked.in_words(process)}, an error lasting at most "
+            f"{seconds(asked.horizon)}; extended Kalman filter for {', '.join(equations.states)}, "
+            f"{found_filter.words}; at the operating point slowest time constants "
+            f"{seconds(slowest[0])} of the regulator and {seconds(slowest[1])} of the filter, "
+            f"sensitivity peak {found.peak:.2f}."
+        ),
+        law=law,
+        values=values,
+        initial_state=output_state(equations) | found_filter.state,
+        measurements=found_filter.observer.measurements,
+        setpoints=model.outputs,
+        manipulated=model.inputs,
+        notes=(*notes_on_filter(found_filter), *note_on_slowing(found, "the regulator")),
+    )
+
+
+def extended_kalman(
+    model: LinearModel,
+    equations: ProcessEquations,
+    measurements: Sequence[str] | None,
+    horizon: float,
+    method: str,
+) -> FoundFilter:
+    """Return an extended Kalman filter with the noise of `design.kalman.process_noise`.
+
+    Parameters
+    ----------
+    model : LinearModel
+    equations : ProcessEquations
+        Of the model.
+    measurements : sequence of str or None
+        As for `design.states.observed_process.observed_process`.
+    horizon : float
+        About the time that a response takes [s].
+    method : str
+        For the message.
+
+    Raises
+    ------
+    NotApplicable
+        The measurements do not show a state that does not come to rest by itself, there are too
+        many states, or the process is too fast for its sampling period.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("three-tanks")).model
+    >>> found = extended_kalman(model, process_equations(model), ["level_3"], 60.0, "by hand")
+    >>> len(found.state)  # three estimates and six covariances
+    9
+    """
+    observed = observed_process(model, measurements, method)
+    process, at = equations.point.process, equations.point.as_dict()
+    noise = process_noise(observed, horizon)
+    steps = {
+        name: abs(size)
+        for element in process.elements
+        for name, size in element.load_steps().items()
+        if name in model.disturbances and size != 0.0
+    }
+    loads = [name for name in steps if equations.by_constant([name]).nnz()]
+    acting = acting_model(model, equations)
+    substeps, doublings = steps_in_a_sample(equations, method)
+    try:
+        observer = ExtendedKalman(
+            equations, observed.measurements, tuple(loads), substeps, doublings
+        )
+    except InputError as refusal:
+        raise NotApplicable(
+            method, f"{refusal.value} states would have to be estimated; {refusal.remedy}"
+        ) from None
+    root = math.sqrt(horizon)
+    moves = np.sqrt(input_variances(observed)) * root
+    sizes = np.array([steps[name] * root for name in loads])
+    values = {f"input_noise_{i}": float(value) for i, value in enumerate(moves, start=1)}
+    values |= {f"load_noise_{i}": float(value) for i, value in enumerate(sizes, start=1)}
+    deviations = np.sqrt(np.diag(noise.measurement))
+    values |= {f"sensor_noise_{k}": float(value) for k, value in enumerate(deviations, start=1)}
+    estimation, covariance = _stationary(observed, acting, equations, moves, sizes, loads, noise)
+    states = equations.states
+    memory = {f"estimate_{j}": at[name] for j, name in enumerate(states, start=1)}
+    memory |= {
+        f"covariance_{j + 1}_{k + 1}": float(covariance[j, k])
+        for j in range(len(states))
+        for k in range(j, len(states))
+    }
+    return FoundFilter(observer, values, memory, estimation, noise.words)
+
+
+def refuse_dead_time(model: LinearModel, method: str) -> None:
+    """Refuse a process with dead time: its equations have no state for what is on its way.
+
+    Raises
+    ------
+    NotApplicable
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> refuse_dead_time(analyse(load_process("quadruple-tank")).model, NAME)
+    """
+    if operating_point_of(model).process.motion.delays:
+        raise NotApplicable(
+            method,
+            "the process has dead time, and its equations have no states for what is on its way; "
+            "LQI with a Kalman filter has them",
+        )
+
+
+def acting_model(model: LinearModel, equations: ProcessEquations) -> LinearModel:
+    """Return the linear model at the operating point with the states of the equations.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("wet-well")).model
+    >>> acting_model(model, process_equations(model)).states
+    ('well.level', 'duty.actual', 'standby.actual')
+    """
+    whole = linearise(operating_point_of(model)).select(model.outputs, model.inputs)
+    kept = [whole.states.index(name) for name in equations.states]
+    return dataclasses.replace(
+        whole,
+        A=whole.A[np.ix_(kept, kept)],
+        B=whole.B[kept],
+        E=whole.E[kept],
+        C=whole.C[:, kept],
+        states=equations.states,
+    )
+
+
+def fastest_rate(equations: ProcessEquations) -> float:
+    """Return the fastest rate of the equations over the ranges of states and inputs [1/s].
+
+    The Perron root of |∂f/∂x|: no units of the states, however chosen, give the matrix a smaller
+    norm, and it bounds every eigenvalue.
+
+    References
+    ----------
+    R. A. Horn and C. R. Johnson, Matrix Analysis, 2nd ed., Cambridge University Press 2013,
+    section 8.1.
+
+    Examples
+    --------
+    At 1 m³/s through a tank with a fiftieth of 4 m³:
+
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> round(fastest_rate(process_equations(analyse(load_process("averaging-tank")).model)), 3)
+    12.5
+    """
+    point = equations.point
+    process, at = point.process, point.as_dict()
+    states = equations.signals_of_states()
+    inputs = [process.signal(name) for name in equations.inputs]
+    corners = [[at[signal.name] for signal in inputs]]
+    if all(math.isfinite(signal.span) for signal in inputs):
+        corners += [[s.low for s in inputs], [s.high for s in inputs]]
+    rest = np.array([at[signal.name] for signal in states])
+    places = [rest]
+    for share in _SHARES:
+        placed = [
+            signal.low + share * signal.span if math.isfinite(signal.span) else value
+            for signal, value in zip(states, rest, strict=True)
+        ]
+        places.append(np.array(placed))
+        # One tank nearly empty beside others that are not.
+        for j, value in enumerate(placed):
+            alone = rest.copy()
+            alone[j] = value
+            places.append(alone)
+    largest = 0.0
+    values = equations.values([equations.A])
+    for place in places:
+        for moved in corners:
+            (A,) = values(place, np.array(moved))
+            if np.all(np.isfinite(A)):
+                root = float(np.max(np.abs(np.linalg.eigvals(np.abs(A))), initial=0.0))
+                largest = max(largest, root)
+    return largest
+
+
+def steps_in_a_sample(equations: ProcessEquations, method: str) -> tuple[int, int]:
+    """Return the steps of the Runge-Kutta method in a sample, and the doublings of a series.
+
+    Raises
+    ------
+    NotApplicable
+        The process is too fast for its sampling period.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> steps_in_a_sample(process_equations(analyse(load_process("averaging-tank")).model), "LQI")
+    (3, 3)
+    """
+    period = equations.point.process.sampling_period
+    covered = fastest_rate(equations) * period
+    substeps, doublings = max(1, math.ceil(covered / _FINE)), doublings_for(covered)
+    if substeps > MOST_SUBSTEPS:
+        raise NotApplicable(
+            method,
+            f"its equations would need {substeps} steps in a sample of {period:g} s, and a "
+            f"controller takes at most {MOST_SUBSTEPS}; sample faster",
+        )
+    return substeps, doublings
+
+
+def constant_values(source: StateSource) -> dict[str, float]:
+    """Return the values of model_* that a source of the state computes with.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.observers.measured_state import MeasuredState
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> len(constant_values(MeasuredState(process_equations(model))))
+    4
+    """
+    return {model_parameter(each).name: each.value for each in source.constants}
+
+
+def gain_values(gains: LqiGains) -> dict[str, float]:
+    """Return feedback_i_j and integral_gain_i_j.
+
+    Examples
+    --------
+    >>> gain_values(LqiGains(np.array([[2.0]]), np.array([[0.5]]), np.array([0.5])))
+    {'feedback_1_1': 2.0, 'integral_gain_1_1': 0.5}
+    """
+    return {
+        f"{what}_{i}_{j}": float(value)
+        for what, rows in (("feedback", gains.feedback), ("integral_gain", gains.integral))
+        for i, row in enumerate(rows, start=1)
+        for j, value in enumerate(row, start=1)
+    }
+
+
+def output_values(
+    equations: ProcessEquations, tracking_times: Sequence[float], anti_windup: AntiWindup
+) -> dict[str, float]:
+    """Return reference_state_j, bias_i, limits and tracking times.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> equations = process_equations(analyse(load_process("quadruple-tank")).model)
+    >>> output_values(equations, [30.0, 30.0], "none")["bias_1"]
+    3.0
+    """
+    process, at = equations.point.process, equations.point.as_dict()
+    values = {f"reference_state_{j}": at[name] for j, name in enumerate(equations.states, 1)}
+    for i, name in enumerate(equations.inputs, start=1):
+        signal = process.signal(name)
+        values |= {
+            f"bias_{i}": at[name],
+            f"low_limit_{i}": signal.low,
+            f"high_limit_{i}": signal.high,
+        }
+        if anti_windup == "back_calculation":
+            values[f"tracking_time_{i}"] = float(tracking_times[i - 1])
+    return values
+
+
+def output_state(equations: ProcessEquations) -> dict[str, float]:
+    """Return integral_i and last_output_i at rest.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> output_state(process_equations(analyse(load_process("wet-well")).model))["integral_1"]
+    0.0
+    """
+    at = equations.point.as_dict()
+    state: dict[str, float] = {}
+    for i, name in enumerate(equations.inputs, start=1):
+        state |= {f"integral_{i}": 0.0, f"last_output_{i}": at[name]}
+    return state
+
+
+def notes_on_filter(found: FoundFilter) -> tuple[str, ...]:
+    """Return what the reader has to know of an extended Kalman filter.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> found = extended_kalman(model, process_equations(model), None, 30.0, "by hand")
+    >>> notes_on_filter(found)[1]
+    'It runs the equations of the process in every sample, in 1 step, with the numbers model_*.'
+    """
+    names = found.observer.measurements
+    sensors = "1 sensor" if len(names) == 1 else f"{len(names)} sensors"
+    which = "it" if len(names) == 1 else "any of them"
+    steps = found.observer.substeps
+    return (
+        f"Needs {sensors}: {', '.join(names)}; a fault of {which} holds every output.",
+        "It runs the equations of the process in every sample, in "
+        f"{steps} step{'' if steps == 1 else 's'}, with the numbers model_*.",
+    )
+
+
+def _stationary(
+    observed: ObservedProcess,
+    acting: LinearModel,
+    equations: ProcessEquations,
+    moves: np.ndarray,
+    sizes: np.ndarray,
+    loads: Sequence[str],
+    noise: Noise,
+) -> tuple[Estimation, np.ndarray]:
+    """Return the filter to which the recursion comes at rest at the operating point, and P."""
+    held, moved = held_over(acting.A, acting.B, observed.period)
+    rows = [acting.disturbances.index(name) for name in loads]
+    S = (acting.B * moves**2) @ acting.B.T + (acting.E[:, rows] * sizes**2) @ acting.E[:, rows].T
+    W = 0.5 * observed.period * (S + held @ S @ held.T)
+    at = np.array([equations.point.as_dict()[name] for name in equations.states])
+    inputs = np.array([equations.point.as_dict()[name] for name in equations.inputs])
+    readings = ca.vertcat(*(equations.reading(name) for name in observed.measurements))
+    (shown,) = equations.values([ca.jacobian(readings, equations.state)])(at, inputs)
+    found = kalman_gain(held, shown, noise._replace(process=W))
+    signals = tuple(equations.signals_of_states())
+    return Estimation(signals, held, moved, shown, found.gain), found.covariance

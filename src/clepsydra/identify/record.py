@@ -1,0 +1,168 @@
+"""A record: what signals of a plant did, sample by sample."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.base.suggestion import suggestion
+from clepsydra.base.words import time_text
+
+#: Fewer rows are no record.
+FEWEST_ROWS = 30
+#: Steps of time may differ from their mean by this share: clocks of loggers jitter.
+_JITTER = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """Signals over time, sampled regularly.
+
+    Parameters
+    ----------
+    place : str
+        Where it was read from, for messages.
+    signals : tuple of Signal
+        In the order of the columns.
+    values : mapping
+        Signal to its values [samples], SI. An input is held from its sample to the next.
+    period : float
+        Sampling period [s].
+    start : float
+        Time of the first sample [s].
+
+    Raises
+    ------
+    InputError
+        There are fewer than 30 samples.
+
+    Examples
+    --------
+    >>> pump = Signal("pump", "V")
+    >>> record = Record("by hand", (pump,), {"pump": np.arange(40.0)}, period=2.0)
+    >>> record.samples, float(record.time[-1]), record.held_back
+    (40, 78.0, 27)
+    """
+
+    place: str
+    signals: tuple[Signal, ...]
+    values: Mapping[str, np.ndarray]
+    period: float
+    start: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.samples < FEWEST_ROWS:
+            raise InputError(
+                self.place, f"{self.samples} samples",
+                f"at least {FEWEST_ROWS}, of which the last third is held back to validate",
+                "record for longer, or sample faster",
+            )  # fmt: skip
+
+    @property
+    def samples(self) -> int:
+        """How many."""
+        return len(self.values[self.signals[0].name])
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time of each sample [s]."""
+        return self.start + self.period * np.arange(self.samples)
+
+    @property
+    def held_back(self) -> int:
+        """The first sample that no fit sees: the last third validates."""
+        return -(-2 * self.samples // 3)
+
+    def signal(self, name: str, place: str) -> Signal:
+        """Return one of the signals.
+
+        Raises
+        ------
+        InputError
+            There is none of that name.
+        """
+        known = {signal.name: signal for signal in self.signals}
+        if name not in known:
+            raise InputError(
+                place, name[:60], f"a column of {self.place} ({', '.join(known)})",
+                suggestion(name, known, "choose one of them"),
+            )  # fmt: skip
+        return known[name]
+
+    def column(self, name: str) -> str:
+        """Return the place of a column, for messages."""
+        return f"{self.place}, column '{name}'"
+
+    def moving(self, name: str) -> np.ndarray:
+        """Return the values of a signal that moves before the held-back third.
+
+        Raises
+        ------
+        InputError
+            It stands still.
+        """
+        values = np.asarray(self.values[name], float)
+        fitted = values[: self.held_back]
+        if np.ptp(fitted) <= 1e-12 * np.max(np.abs(fitted)):
+            raise InputError(
+                self.column(name),
+                f"{fitted[0]:g} in all of the first {self.held_back} rows",
+                "a signal that moves in the first two thirds of the record, which are fitted",
+                "record steps of the input in both directions, and some before they end",
+            )
+        return values
+
+
+def sampling_period(time: np.ndarray, place_of: Callable[[int], str]) -> float:
+    """Return the period of times that follow each other regularly [s].
+
+    Parameters
+    ----------
+    time : ndarray [samples]
+        [s]
+    place_of : callable
+        Number of a sample to its place, for messages.
+
+    Raises
+    ------
+    InputError
+        Time stands or goes back, rows are missing, or the steps differ by more than 5 %.
+
+    Examples
+    --------
+    >>> sampling_period(np.array([0.0, 0.5, 1.0, 1.5]), str)
+    0.5
+    >>> sampling_period(np.array([0.0, 1.0, 2.0, 5.0, 6.0]), "run.csv, line {}".format)
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: run.csv, line 3: got '3 s after the row before', expected a \
+row each 1 s; fill in the missing rows, or cut the record at the gap.
+    """
+    steps = np.diff(time)
+    back = np.flatnonzero(steps <= 0.0)
+    if back.size:
+        place = place_of(int(back[0]) + 1)
+        raise InputError(
+            place, time_text(float(time[back[0] + 1]), 6), "a time after that of the row before",
+            "sort the rows by time, with one row for each time",
+        )  # fmt: skip
+    usual = float(np.median(steps))
+    # What was rounded when it was written moves each of two times by half a digit.
+    wrong = np.flatnonzero(np.abs(steps - usual) > _JITTER * usual)
+    if wrong.size:
+        first = int(wrong[0])
+        shown = f"{time_text(float(steps[first]), 4)} after the row before"
+        gap = steps[first] > 1.5 * usual
+        raise InputError(
+            place_of(first + 1),
+            shown,
+            f"a row each {time_text(usual, 4)}",
+            "fill in the missing rows, or cut the record at the gap"
+            if gap
+            else "sample regularly, or interpolate the record to a regular grid",
+        )
+    return float(time[-1] - time[0]) / len(steps)

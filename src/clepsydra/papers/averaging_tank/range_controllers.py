@@ -1,0 +1,215 @@
+"""The document's PI and LQI by hand: fixed, scheduled, recomputed, with and without windup."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+
+from clepsydra.controllers.at_rest import state_at_rest
+from clepsydra.controllers.blocks.anti_windup import AntiWindup
+from clepsydra.controllers.blocks.schedule import Schedule
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.gain_scheduling import scheduled_law, scheduled_lqi_law
+from clepsydra.controllers.observers.measured_state import MeasuredState
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.process_equations import process_equations
+from clepsydra.design.extended_kalman import acting_model
+from clepsydra.design.recomputed_lqi import recomputed_lqi_controller, stationary_lqi
+from clepsydra.design.states.state_controllers import lqi_controller
+from clepsydra.engine.kernel import Kernel
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.loop.closed_loop import closed_loop
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.scenario import Scenario
+from clepsydra.papers.averaging_tank.lqi import COLUMNS, Weights
+from clepsydra.papers.averaging_tank.model import KMOL
+from clepsydra.papers.averaging_tank.pi import BY_HAND, pi_controller
+from clepsydra.papers.averaging_tank.step_run import model_of
+from clepsydra.papers.averaging_tank.symbols import Variant
+
+#: The loops of the document, and what its conclusion asks for.
+_LAWS = ("PI", "LQI", "PI, scheduled", "LQI, scheduled", "LQI, recomputed")
+KINDS = tuple(f"{law}{ending}" for law in _LAWS for ending in ("", ", anti-windup"))
+#: Volumes of the schedule [m³].
+VOLUMES = (0.5, 1.0, 2.0, 3.0, 4.0)
+#: T = V/f_in at the equilibrium: in this time the recomputed model follows the inputs, ours [s].
+_FOLLOWS = 10.0
+_MEASURED = ("concentration", "volume")
+
+
+@cache
+def controller_of(constant: Variant, kind: str, period: float) -> Controller:
+    """Return one of `KINDS` for a sampling period [s].
+
+    Examples
+    --------
+    >>> controller = controller_of("outflow", "PI, scheduled", 0.01)
+    >>> [controller.values[f"proportional_gain_1_at_{k}"] for k in (1, 2, 3)]
+    [12.5, 25.0, 50.0]
+    """
+    law = kind.removesuffix(", anti-windup")
+    winding: AntiWindup = "back_calculation" if kind.endswith("anti-windup") else "none"
+    model = model_of(constant, period)
+    if law.startswith("PI"):
+        plain = pi_controller(BY_HAND[constant], model, PidForm(anti_windup=winding))
+        if winding == "back_calculation":
+            plain = _tracking(plain, BY_HAND[constant].time_c, BY_HAND[constant].time_v)
+        return plain if law == "PI" else _scheduled_pi(plain, model, period)
+    weights = COLUMNS[0 if constant == "outflow" else 2]
+    if law == "LQI":
+        return lqi_controller(kind, model, _MEASURED, *gains_at(weights, 2.0), [1.0, 1.0], winding)
+    if law == "LQI, scheduled":
+        return _scheduled_lqi(weights, model, period, winding)
+    return _recomputed_lqi(weights, model, period, winding)
+
+
+class Bench:
+    """The closed loop of a controller on the tank, compiled once for many steps.
+
+    Examples
+    --------
+    >>> from clepsydra.papers.averaging_tank.step_run import step_scenario
+    >>> bench = bench_of("outflow", "LQI", 0.1)
+    >>> found = bench.run(step_scenario(bench.loop.model, (0.0, 0.1), 30.0))
+    >>> round(float(found["volume"][-1]), 3)
+    2.1
+    """
+
+    def __init__(self, controller: Controller, model: LinearModel) -> None:
+        self.loop = Loop(controller, model)
+        self._kernel: Kernel | None = None
+
+    def run(self, scenario: Scenario) -> dict[str, np.ndarray]:
+        """Return time, setpoints, measurements and inputs of a scenario by name."""
+        loop, given = self.loop, self.loop.inputs_of(scenario)
+        if self._kernel is None:
+            constant = {name: v for name, v in loop.at_rest().items() if name not in given}
+            program = closed_loop(
+                loop.process, loop.controller, substeps=loop.substeps, constant=constant
+            )
+            self._kernel = Kernel(program)
+        result = self._kernel.run(
+            scenario.samples, inputs=given, state=loop.initial_state(),
+            parameters=loop.law_parameters(),
+        )  # fmt: skip
+        names = (*_MEASURED, *(signal.name for signal in loop.process.inputs))
+        found = {name: np.asarray(result.output(name)[0]) for name in names}
+        targets = {f"{name}.setpoint": given[f"{name}.setpoint"] for name in _MEASURED}
+        return {**found, **targets, "time": scenario.time}
+
+
+@cache
+def bench_of(constant: Variant, kind: str, period: float) -> Bench:
+    """Return the bench of one of `KINDS` for a sampling period [s]."""
+    return Bench(controller_of(constant, kind, period), model_of(constant, period))
+
+
+@cache
+def gains_at(weights: Weights, volume: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return F and Fi at a volume [m³], from the Riccati equation of (87), C in mol/m³.
+
+    Examples
+    --------
+    At the equilibrium they are those of (97b):
+
+    >>> feedback, integral = gains_at(COLUMNS[0], 2.0)
+    >>> feedback.round(4).tolist()
+    [[0.0, 3.0536], [13.8661, 0.0]]
+    """
+    from scipy.linalg import solve_continuous_are
+
+    flow = 0.2
+    sign = 1.0 if weights.constant == "outflow" else -1.0
+    A, B = np.diag([-flow / volume, 0.0]), np.array([[0.0, flow / volume], [sign, 0.0]])
+    whole = np.block([[A, np.zeros((2, 2))], [np.eye(2), np.zeros((2, 2))]])
+    moved = np.vstack([B, np.zeros((2, 2))])
+    R = np.diag(weights.inputs)
+    cost = solve_continuous_are(whole, moved, np.diag(weights.states), R)
+    found = np.linalg.solve(R, moved.T @ cost) + 0.0
+    found[np.abs(found) < 1e-9] = 0.0
+    scale = np.array([[1.0], [KMOL]]) / np.array([KMOL, 1.0])
+    return scale * found[:, :2], scale * found[:, 2:]
+
+
+def _tracking(plain: Controller, first: float, second: float) -> Controller:
+    times = {"tracking_time_1": first, "tracking_time_2": second}
+    return dataclasses.replace(plain, values={**plain.values, **times})
+
+
+def _scheduled_pi(plain: Controller, model: LinearModel, period: float) -> Controller:
+    """Return PI control whose gain of C is in proportion to the volume, as its element 1/V asks."""
+    process = operating_point_of(model).process
+    schedule = Schedule("measurement_2", process.signal("volume"), len(VOLUMES))
+    law = scheduled_law(plain.law, schedule, ["proportional_gain_1"])
+    values = {name: value for name, value in plain.values.items() if name != "proportional_gain_1"}
+    gain = plain.values["proportional_gain_1"]
+    for k, volume in enumerate(VOLUMES, start=1):
+        values |= {
+            f"schedule_point_{k}": volume,
+            f"proportional_gain_1_at_{k}": gain * volume / 2.0,
+        }
+    values["schedule_filter_time"] = period
+    return dataclasses.replace(
+        plain, name="PI, scheduled", law=law, values=values,
+        initial_state=state_at_rest(law, values, _rest(plain, model)),
+    )  # fmt: skip
+
+
+def _scheduled_lqi(
+    weights: Weights, model: LinearModel, period: float, winding: AntiWindup
+) -> Controller:
+    plain = lqi_controller(
+        "LQI, scheduled", model, _MEASURED, *gains_at(weights, 2.0), [1.0, 1.0], winding
+    )
+    process = operating_point_of(model).process
+    law = scheduled_lqi_law(
+        [process.signal(name) for name in _MEASURED],
+        [process.signal(name) for name in plain.manipulated],
+        [1, 2],
+        Schedule("measurement_2", process.signal("volume"), len(VOLUMES)),
+        winding,
+    )
+    known = {parameter.name for parameter in law.parameters}
+    values = {name: value for name, value in plain.values.items() if name in known}
+    for k, volume in enumerate(VOLUMES, start=1):
+        values[f"schedule_point_{k}"] = volume
+        for what, rows in zip(
+            ("feedback", "integral_gain"), gains_at(weights, volume), strict=True
+        ):
+            values |= {
+                f"{what}_{i + 1}_{j + 1}_at_{k}": float(rows[i, j])
+                for i in range(2)
+                for j in range(2)
+            }
+        if winding == "back_calculation":
+            values |= {f"tracking_time_{i}_at_{k}": 1.0 for i in (1, 2)}
+    values["schedule_filter_time"] = period
+    return dataclasses.replace(
+        plain, law=law, values=values,
+        initial_state=state_at_rest(law, values, _rest(plain, model)),
+    )  # fmt: skip
+
+
+def _recomputed_lqi(
+    weights: Weights, model: LinearModel, period: float, winding: AntiWindup
+) -> Controller:
+    """Return LQI with the document's weights as largest deviations: q is 1/ȳ² and 1/(ȳ T)²."""
+    equations = process_equations(model)
+    q = np.array(weights.states)
+    errors = q[:2] ** -0.5 * np.array([KMOL, 1.0])
+    horizons = np.sqrt(q[:2] / q[2:])
+    moves = np.array(weights.inputs) ** -0.5 * np.array([1.0, KMOL])
+    found = stationary_lqi(acting_model(model, equations), errors, moves, horizons, period)
+    return recomputed_lqi_controller(
+        equations, MeasuredState(equations), None, found, _FOLLOWS, [1.0, 1.0], winding
+    )
+
+
+def _rest(plain: Controller, model: LinearModel) -> dict[str, float]:
+    at = operating_point_of(model).as_dict()
+    rest = {f"setpoint_{j}": at[name] for j, name in enumerate(plain.setpoints, start=1)}
+    rest |= {f"measurement_{j}": at[name] for j, name in enumerate(plain.measurements, start=1)}
+    return rest | {f"tracking_{i}": at[name] for i, name in enumerate(plain.manipulated, start=1)}

@@ -1,0 +1,137 @@
+"""Which sampling period, actuators and transport delay the document's designs bear."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.design.sampled.sampled_loop import SampledLoops
+from clepsydra.design.states.state_controllers import lqi_controller
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.papers.averaging_tank.lqi import COLUMNS, gains
+from clepsydra.papers.averaging_tank.model import KMOL
+from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL, pi_controller
+from clepsydra.papers.averaging_tank.step_run import model_of
+from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.papers.comparison import claimed
+from clepsydra.papers.row import Row
+from clepsydra.process.reader import load_process
+
+#: A usual cycle of a programmable logic controller [s].
+CYCLE = 0.01
+_LONGEST, _SHORTEST, _HALVINGS = 10.0, 1e-5, 16
+_VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
+_TUNINGS = ("by hand", "optimal")
+
+
+def sampling_rows() -> list[Row]:
+    """Return the rows on the sampling period, and on actuators and transport delay."""
+    rows = []
+    for constant in _VARIANTS:
+        for law in ("PI", "LQI"):
+            for tuned in _TUNINGS:
+                longest = longest_period(constant, law, tuned)
+                rows.append(
+                    claimed(
+                        "section 5", f"{law} {tuned}, f_{constant[:-4]} constant, sampling",
+                        "an average PLC is sufficient hardware", longest > CYCLE,
+                        f"stable up to {1e3 * longest:.3g} ms",
+                        reason="Longest sampling period at which the linear model under the "
+                        f"sampled law is stable, beside a usual cycle of {1e3 * CYCLE:g} ms. The "
+                        "document says of the hardware what it can compute, not how often.",
+                    )
+                )  # fmt: skip
+    for law in ("PI", "LQI"):
+        controller = _controller("outflow", law, "by hand", CYCLE)
+        without = peak(controller, model_of("outflow", CYCLE))
+        renamed = tuple(
+            {"inflow.impurity": "supply.impurity"}.get(name, name)
+            for name in controller.manipulated
+        )
+        found = peak(dataclasses.replace(controller, manipulated=renamed), with_actuators())
+        rows.append(
+            claimed(
+                "section 5", f"{law} by hand, actuators and transport delay",
+                "should be considered in the model", found > max(2.0, 1.5 * without),
+                f"largest |S| {_words(found)} after {_words(without)}",
+                reason="A pump of 0.5 s and a pipe of 0.5 s, both ours, sampled at "
+                f"{1e3 * CYCLE:g} ms, with f_out constant: a design that leaves them out has to "
+                "bear them. The optimal constants are unstable at this period without them too.",
+            )
+        )  # fmt: skip
+    return rows
+
+
+@cache
+def with_actuators() -> LinearModel:
+    """Return the linear model of the tank behind a pump with a lag and a pipe.
+
+    Examples
+    --------
+    >>> with_actuators().inputs
+    ('inflow', 'supply.impurity')
+    """
+    return analyse(load_process(str(Path(__file__).with_name("with_actuators.toml")))).model
+
+
+def longest_period(constant: Variant, law: str, tuned: str) -> float:
+    """Return up to which sampling period a design's loop is stable [s], by halving the interval.
+
+    Examples
+    --------
+    PI control of V, an integrator, is stable while Kp Δt²/Ti − 2 Kp Δt + 4 > 0, up to
+    (2 − √3) s with Kp = 8 1/s and Ti = 2 s:
+
+    >>> abs(longest_period("outflow", "PI", "by hand") - (2 - 3**0.5)) < 1e-4
+    True
+    """
+    low, high = math.log(_SHORTEST), math.log(_LONGEST)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if _is_stable(constant, law, tuned, math.exp(middle)):
+            low = middle
+        else:
+            high = middle
+    return math.exp(low)
+
+
+def peak(controller: Controller, model: LinearModel) -> float:
+    """Return the largest |S| of the sampled loop; infinite where it is unstable."""
+    return SampledLoops(controller, model).at(controller.values).maximum_sensitivity
+
+
+def _is_stable(constant: Variant, law: str, tuned: str, period: float) -> bool:
+    model = _sampled(model_of(constant), period)
+    controller = _controller(constant, law, tuned, CYCLE)
+    return SampledLoops(controller, model).at(controller.values).is_stable
+
+
+@cache
+def _controller(constant: Variant, law: str, tuned: str, period: float) -> Controller:
+    model = model_of(constant, period)
+    if law == "PI":
+        constants = (BY_HAND if tuned == "by hand" else OPTIMAL)[constant]
+        return pi_controller(constants, model)
+    place = 2 * _VARIANTS.index(constant) + _TUNINGS.index(tuned)
+    to_input, from_output = np.array([1.0, KMOL]), np.array([KMOL, 1.0])
+    scaled = gains(COLUMNS[place]).reshape(2, 2, 2) * to_input[:, None, None] / from_output
+    measured = ("concentration", "volume")
+    return lqi_controller("LQI", model, measured, scaled[:, 0], scaled[:, 1], [1.0, 1.0], "none")
+
+
+def _sampled(model: LinearModel, period: float) -> LinearModel:
+    """Return the model sampled with another period [s]."""
+    point = operating_point_of(model)
+    process = dataclasses.replace(point.process, sampling_period=period)
+    return dataclasses.replace(model, point=dataclasses.replace(point, process=process))
+
+
+def _words(peak: float) -> str:
+    return f"{peak:.2f}" if math.isfinite(peak) else "infinite, unstable"

@@ -1,0 +1,33 @@
+"""One pair of bounds of a tuning, as it was written in a study file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from clepsydra.process.table_reader import TableReader
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """The bounds of one parameter, or one weight, as they were written.
+
+    Parameters
+    ----------
+    table : TableReader
+        With a list of two quantities at `key`.
+    key : str
+        A parameter of the law, a key of a loop, or what a weight is of.
+    loop : str or None
+        The loop, if it is a key of one; of a weight its kind, "inputs".
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> text = b'level.gain = ["0.1 %/%", "10 %/%"]'
+    >>> Bound(TableReader(parse(text, "study.toml"), ("level",), None), "gain", "level").loop
+    'level'
+    """
+
+    table: TableReader
+    key: str
+    loop: str | None

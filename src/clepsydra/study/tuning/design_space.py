@@ -1,0 +1,153 @@
+"""A search space of numbers that a design makes a step law's parameters from: weights, say."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
+from clepsydra.controllers.controller import Controller
+from clepsydra.design.applicability import NotApplicable
+from clepsydra.process.process import Process
+from clepsydra.study.tuning.parameters import TunedParameter, check_start
+from clepsydra.study.tuning.search_space import NumberWords
+
+
+class NumberDesign(Protocol):
+    """A design by some numbers.
+
+    Examples
+    --------
+    See `clepsydra.study.tuning.lqi_weights.LqiWeights`.
+    """
+
+    @property
+    def numbers(self) -> Mapping[str, float]:
+        """The numbers at the start by name."""
+
+    def values(self, numbers: Mapping[str, float]) -> dict[str, float]:
+        """Return the law's parameters that these numbers make.
+
+        Raises
+        ------
+        NotApplicable
+            They make none.
+        """
+
+    def words(self, process: Process) -> NumberWords:
+        """Return the numbers in words."""
+
+
+@dataclass(frozen=True, eq=False)
+class DesignSpace:
+    """The unit cube of tuned design numbers; the law's parameters follow by the design.
+
+    Parameters
+    ----------
+    controller : Controller
+        Made with the numbers of the start.
+    parameters : tuple of TunedParameter
+        Numbers of the design; the others stay as they are.
+    design : NumberDesign
+
+    Raises
+    ------
+    InputError
+        There is no parameter, one is named twice or is none of the design, or the start lies
+        outside of the bounds.
+
+    Examples
+    --------
+    See `clepsydra.study.tuning.tuned_lqi.tuned_lqi`.
+    """
+
+    controller: Controller
+    parameters: tuple[TunedParameter, ...]
+    design: NumberDesign
+    _made: dict[bytes, dict[str, float]] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        known = self.design.numbers
+        if not self.parameters:
+            raise InputError("tuning, parameters", "none", "at least one", "name what to tune")
+        named: list[str] = []
+        for parameter in self.parameters:
+            for name in (parameter.name, *parameter.followers):
+                if name not in known:
+                    raise InputError(
+                        "tuning, parameters", name, f"one of {', '.join(known)}",
+                        suggestion(name, known, "choose one of them"),
+                    )  # fmt: skip
+                if name in named:
+                    raise InputError("tuning, parameters", name, "each name once", "drop one")
+                named.append(name)
+            check_start(parameter, known[parameter.name])
+
+    @property
+    def start(self) -> np.ndarray:
+        """Where the numbers of the start stand in the cube [p]."""
+        known = self.design.numbers
+        return np.clip([p.share(known[p.name]) for p in self.parameters], 0.0, 1.0)
+
+    def numbers_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the tuned numbers by name [n], at points [n, p]."""
+        points = np.atleast_2d(points)
+        at_start = np.all(points == self.start, axis=1)
+        return {
+            name: np.where(at_start, self.design.numbers[name], parameter.value(column))
+            for parameter, column in zip(self.parameters, points.T, strict=True)
+            for name in (parameter.name, *parameter.followers)
+        }
+
+    def values_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the law's parameters that the design makes by name [n], at points [n, p].
+
+        Not a number where the design does not apply.
+        """
+        made = [self._values(point) for point in np.atleast_2d(points)]
+        return {
+            name: np.array([values.get(name, np.nan) for values in made]) for name in self._names
+        }
+
+    def controller_values(self, point: np.ndarray) -> dict[str, float]:
+        """Return all parameter values of the law at one point [p]."""
+        values = self._values(point)
+        return {
+            **self.controller.values,
+            **{name: values.get(name, np.nan) for name in self._names},
+        }
+
+    def identity(self) -> dict[str, object]:
+        """Return what tells this space from any other, for JSON."""
+        return {
+            "parameters": [asdict(parameter) for parameter in self.parameters],
+            "numbers": dict(self.design.numbers),
+        }
+
+    def words(self, process: Process) -> NumberWords:
+        """Return the numbers in words."""
+        return self.design.words(process)
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        """The law's parameters that the design makes."""
+        return tuple(self._values(self.start))
+
+    def _values(self, point: np.ndarray) -> dict[str, float]:
+        """Return what the design makes at a point; nothing where it does not apply."""
+        key = point.tobytes()
+        if key not in self._made:
+            numbers = {**self.design.numbers}
+            numbers |= {name: float(value[0]) for name, value in self.numbers_at(point).items()}
+            try:
+                made = self.design.values(numbers)
+            except NotApplicable:
+                made = {}
+            if np.array_equal(point, self.start):
+                made = {name: self.controller.values[name] for name in made}
+            self._made[key] = made
+        return self._made[key]

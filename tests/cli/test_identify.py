@@ -1,0 +1,174 @@
+"""``clepsydra identify``: what it prints and writes, and what it refuses."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from clepsydra.identify.identification import identify_model
+from clepsydra.identify.record_csv import read_record
+from clepsydra.loop.simulation import simulate
+from clepsydra.loop.trajectory_file import write_trajectories
+from clepsydra.process.reader import load_process
+
+STEPS = ["3.5 V @ 1 min", "2.6 V @ 6 min", "3.2 V @ 11 min"]
+RUN = "run.csv"
+
+
+@pytest.fixture
+def identified(command):
+    """Return a function: arguments of the verb → (exit status, standard output, errors)."""
+    return lambda *arguments: command("identify", *arguments)
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory):
+    """Write once what clepsydra simulate --format csv writes."""
+    path = tmp_path_factory.mktemp("simulated") / RUN
+    write_trajectories(simulate("quadruple-tank", {"pump_1": STEPS}, duration="16 min"), path)
+    return path
+
+
+@pytest.fixture
+def run_csv(simulated, tmp_path):
+    """Put a copy of it into the folder where the command runs."""
+    return shutil.copy(simulated, tmp_path / RUN)
+
+
+@pytest.fixture
+def tank(tmp_path):
+    """Write a record with two columns and noise; it begins within the fixture's folder."""
+    u = 3.0 + np.repeat([0.0, 0.5, -0.5, 0.3, -0.3, 0.4], 40)
+    y, level = np.empty(len(u)), 12.0
+    for k in range(len(u)):
+        y[k] = level
+        level += 0.04 * (4.0 * u[max(k - 3, 0)] - level)
+    y += np.random.default_rng(1).normal(0.0, 0.05, len(u))
+    lines = [f"{2 * k},{a:.3f},{b:.4f}" for k, (a, b) in enumerate(zip(u, y, strict=True))]
+    path = tmp_path / "tank.csv"
+    path.write_text("time [s],pump [V],level [cm]\n" + "\n".join(lines) + "\n")
+    return path
+
+
+def test_help_loads_nothing_numeric():
+    code = (
+        "import sys\n"
+        "from clepsydra.cli import main\n"
+        "try:\n    main(['identify', '--help'])\n"
+        "except SystemExit:\n    print(*sorted(sys.modules), file=sys.stderr)\n"
+    )
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=60
+    )
+    loaded = {name.partition(".")[0] for name in done.stderr.split()}
+    assert "typer" in loaded
+    assert not loaded & {"numpy", "casadi", "scipy", "matplotlib", "pandas", "pyarrow", "pint"}
+    for option in ("--manipulated", "--measured", "--process", "--parameters", "--write"):
+        assert option in done.stdout
+
+
+def test_two_columns_need_no_option(identified, tank):
+    """A lag of 50 s: 1 − 0.04 a sample of 2 s; a gain of 4 cm/V; three samples late."""
+    status, output, _ = identified("tank.csv")
+    assert status == 0
+    assert all(len(line) <= 100 for line in output.splitlines())
+    words = " ".join(output.split())
+    assert "Use FOPDT: static gain 4" in words and "SIMC on FOPDT: PI with a gain of" in words
+    page = (tank.parent / "tank-identification.html").read_text("utf-8")
+    assert page.rstrip().endswith("</html>") and "Use FOPDT" in page
+    best = identify_model(read_record(tank)).best
+    truth = [0.04, -2.0 / np.log(0.96), 6.0]
+    for estimate, value in zip(best.estimates, truth, strict=True):
+        assert abs(estimate.value - value) < estimate.high - estimate.low
+
+
+def test_json_is_what_the_function_returns(identified, tank):
+    status, output, _ = identified("tank.csv", "--json")
+    assert status == 0
+    found = json.loads(output)
+    expected = json.loads(json.dumps(identify_model(read_record("tank.csv")).as_dict()))
+    assert found.pop("page") == "tank-identification.html"
+    assert {k: v for k, v in found.items() if k != "models"} == {
+        k: v for k, v in expected.items() if k != "models"
+    }
+    assert [m["estimates"][0] for m in found["models"]] == [
+        m["estimates"][0] for m in expected["models"]
+    ]
+
+
+def test_a_simulation_is_read_back_and_the_fitted_file_used(command, identified, run_csv, tmp_path):
+    """From simulate by identify to a process file that has what was simulated."""
+    wrong = tmp_path / "wrong.toml"
+    assert command("new", "wrong", "--from", "quadruple-tank")[0] == 0
+    wrong.write_text(wrong.read_text().replace('"0.071 cm^2"', '"0.080 cm^2"', 1))
+    status, output, _ = identified(
+        RUN, "--process", "wrong.toml", "--parameters", "outlet_1.area, pump_1.gain",
+        "--write", "fitted.toml",
+    )  # fmt: skip
+    assert status == 0
+    assert "explains 100.0 %" in " ".join(output.split())
+    found = load_process(tmp_path / "fitted.toml")
+    assert found.signal("outlet_1.area").initial == pytest.approx(7.1e-6, rel=1e-5)
+    assert found.signal("pump_1.gain").initial == pytest.approx(3.33e-6, rel=1e-5)
+    assert load_process(wrong).signal("outlet_1.area").initial == pytest.approx(8e-6)
+    assert command("analyse", "fitted.toml", "--json")[0] == 0
+
+
+def test_one_column_of_a_simulation(identified, run_csv):
+    status, output, _ = identified(
+        RUN, "--manipulated", "pump_1", "--measured", "level_1", "--json"
+    )
+    found = json.loads(output)
+    assert status == 0 and found["use"] in ("FOPDT", "SOPDT")
+    assert (found["manipulated"], found["measured"]) == ("pump_1", "level_1")
+
+
+BAD = {
+    "many columns": ([RUN], "expected to be told which of them is manipulated"),
+    "no such column": (
+        [RUN, "--manipulated", "pmup_1", "--measured", "level_1"], "perhaps 'pump_1' was meant",
+    ),
+    "parameters alone": (
+        [RUN, "--parameters", "outlet_1.area"], "--parameters: got 'outlet_1.area', expected a proc"
+    ),
+    "write alone": ([RUN, "--write", "a.toml"], "--write: got 'a.toml'"),
+    "no parameters": ([RUN, "--process", "quadruple-tank"], "parameters: got 'none'"),
+    "no such parameter": (
+        [RUN, "--process", "quadruple-tank", "--parameters", "outlet_1.hole"], "perhaps 'outlet_1",
+    ),
+    "a column of a process": (
+        [RUN, "--process", "quadruple-tank", "--parameters", "pump_1.gain", "--measured", "x"],
+        "no such option with --process",
+    ),
+    "no toml": (
+        [RUN, "--process", "quadruple-tank", "--parameters", "pump_1.gain", "--write", "a.csv"],
+        "a file that ends in .toml",
+    ),
+    "no file": (["nothing.csv"], "nothing.csv: got 'no such file or directory'"),
+    "no folder": ([RUN, "-o", "nowhere"], "--output: got 'nowhere'"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_one_message(case, identified, run_csv, tmp_path):
+    before = sorted(path.name for path in tmp_path.iterdir())
+    arguments, expected = BAD[case]
+    status, output, errors = identified(*arguments)
+    assert (status, output) == (2, "")
+    assert errors.startswith("clepsydra: ") and errors.count("\n") == 1
+    assert expected in errors
+    assert sorted(path.name for path in tmp_path.iterdir()) == before
+
+
+def test_a_bad_cell_is_named(identified, tank):
+    lines = tank.read_text().splitlines()
+    lines[9] = "16,-,12.1"
+    tank.write_text("\n".join(lines))
+    status, _, errors = identified("tank.csv")
+    assert status == 2
+    assert "tank.csv, line 10, column 'pump': got '-', expected a number" in errors

@@ -1,0 +1,174 @@
+"""Recomputed LQI: its matrices, its gains at a frozen state, and its guards."""
+
+import casadi as ca
+import numpy as np
+import pytest
+from scan_rig import ScannedLaw, at_rest
+from scipy.linalg import expm, solve_discrete_are
+
+from clepsydra.controllers.blocks.sampled_matrices import (
+    doublings_for,
+    from_upper_triangle,
+    riccati_step,
+    sampled_expressions,
+    upper_triangle,
+)
+from clepsydra.design.recomputed_lqi import design_recomputed_lqi
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.derivatives import Derivatives
+from clepsydra.process.reader import load_process
+
+RANDOM = np.random.default_rng(5)
+
+
+def as_numbers(expression):
+    return np.array(ca.evalf(ca.densify(expression)))
+
+
+@pytest.mark.parametrize("period", [0.01, 0.7, 6.0])
+def test_held_model_and_cost_are_those_of_the_exponential(period):
+    """Beside Van Loan's block exponential, with a stiff, coupled and oscillating matrix."""
+    A = np.array([[-1.5, 0.4, 0.0], [-0.4, -0.1, 0.2], [0.0, 0.3, -3.0]])
+    B, S = RANDOM.normal(size=(3, 2)), RANDOM.normal(size=(5, 5))
+    S = S @ S.T
+    doublings = doublings_for(float(np.linalg.norm(A, 1)) * period)
+    found = sampled_expressions(ca.SX(A), ca.SX(B), ca.SX(S), ca.SX(period), doublings)
+    both = np.zeros((5, 5))
+    both[:3, :3], both[:3, 3:] = A, B
+    held = expm(both * period)
+    times = np.linspace(0.0, period, 2001)
+    weights = np.full(2001, 2.0) * period / 6000.0
+    weights[1::2] *= 2.0
+    weights[[0, -1]] = period / 6000.0
+    cost = sum(
+        weight * expm(both.T * time) @ S @ expm(both * time)
+        for weight, time in zip(weights, times, strict=True)
+    )
+    assert as_numbers(found.held) == pytest.approx(held[:3, :3], rel=1e-9, abs=1e-11)
+    assert as_numbers(found.moved) == pytest.approx(held[:3, 3:], rel=1e-9, abs=1e-11)
+    assert as_numbers(found.cost) == pytest.approx(cost, rel=1e-8, abs=1e-9 * np.abs(cost).max())
+
+
+def test_steps_of_the_difference_equation_come_to_the_algebraic_one():
+    held = RANDOM.normal(size=(4, 4))
+    held *= 1.05 / np.max(np.abs(np.linalg.eigvals(held)))
+    moved = RANDOM.normal(size=(4, 3))
+    W = RANDOM.normal(size=(7, 7))
+    W = W @ W.T
+    entries = ca.SX.sym("p", 10)
+    step = riccati_step(
+        ca.SX(held), ca.SX(moved), ca.SX(W), from_upper_triangle(ca.vertsplit(entries), 4)
+    )
+    function = ca.Function("step", [entries], [ca.vertcat(*upper_triangle(step.cost)), step.gain])
+    P, gain = np.zeros(10), None
+    for _ in range(400):
+        P, gain = (np.array(each) for each in function(P))
+    Q, N, R = W[:4, :4], W[:4, 4:], W[4:, 4:]
+    exact = solve_discrete_are(held, moved, Q, R, s=N)
+    K = np.linalg.solve(R + moved.T @ exact @ moved, moved.T @ exact @ held + N.T)
+    assert P.ravel() == pytest.approx(exact[np.triu_indices(4)], rel=1e-9)
+    assert gain == pytest.approx(K, rel=1e-9)
+
+
+def test_a_cost_that_is_not_definite_is_told():
+    one = ca.SX(1)
+    step = riccati_step(one, one, ca.SX.eye(2), ca.SX(-2))
+    assert not bool(ca.evalf(step.definite)) and np.isfinite(as_numbers(step.gain)).all()
+
+
+def test_at_rest_nothing_moves():
+    model = analyse(load_process("quadruple-tank")).model
+    controller = design_recomputed_lqi(model)
+    law = ScannedLaw(controller, 1.0)
+    for _ in range(50):
+        outputs = law.scan(**at_rest(controller, model))
+    assert outputs["manipulated_1"] == pytest.approx(3.0, abs=1e-9)
+    for name, value in controller.initial_state.items():
+        assert law.state[name] == pytest.approx(value, rel=1e-7, abs=1e-9), name
+
+
+@pytest.mark.parametrize("levels", [(8.0, 3.0, 1.0, 4.0), (2.0, 9.0, 5.0, 0.5)])
+def test_at_a_frozen_state_the_gains_come_to_those_of_the_stationary_regulator(levels):
+    """By hand the pumps stand at 4 and 1 V; the levels [V] are anything."""
+    process = load_process("quadruple-tank")
+    model = analyse(process).model
+    controller = design_recomputed_lqi(model)
+    law = ScannedLaw(controller, 1.0)
+    hand = {"mode_1": 0, "mode_2": 0, "manual_1": 4.0, "manual_2": 1.0}
+    shown = {f"measurement_{k}": value for k, value in enumerate(levels, start=1)}
+    for _ in range(6000):
+        law.scan(**hand, **shown, setpoint_1=6.0, setpoint_2=6.0)
+    at = np.array([levels[controller.measurements.index(f"level_{k}")] for k in range(1, 5)]) / 50
+    local = Derivatives(process).at(at, np.array([4.0, 1.0]), model.point.disturbances)
+    A, B, C = local.rates_by_state, local.rates_by_input, local.measured_by_state[:2]
+    errors, moves, horizon = (
+        np.array([controller.values[f"largest_error_{k}"] for k in (1, 2)]),
+        np.array([controller.values[f"largest_move_{k}"] for k in (1, 2)]),
+        controller.values["horizon_1"],
+    )
+    both = np.zeros((6, 6))
+    both[:4, :4], both[:4, 4:] = A, B
+    S = np.diag([0.0] * 4 + list(moves**-2.0))
+    S[:4, :4] = C.T @ np.diag(errors**-2.0) @ C
+    block = expm(np.block([[-both.T, S], [np.zeros((6, 6)), both]]))
+    whole = block[6:, 6:]
+    W = whole.T @ block[:6, 6:]
+    held = np.block([[whole[:4, :4], np.zeros((4, 2))], [C, np.eye(2)]])
+    moved = np.vstack([whole[:4, 4:], np.zeros((2, 2))])
+    Q = np.diag([0.0] * 4 + list((errors * horizon) ** -2.0))
+    Q[:4, :4] = W[:4, :4]
+    N = np.vstack([W[:4, 4:], np.zeros((2, 2))])
+    P = solve_discrete_are(held, moved, Q, W[4:, 4:], s=N)
+    K = np.linalg.solve(W[4:, 4:] + moved.T @ P @ moved, moved.T @ P @ held + N.T)
+    found = np.array([[law.state[f"feedback_{i}_{j}"] for j in range(1, 5)] for i in (1, 2)])
+    summed = np.array([[law.state[f"integral_gain_{i}_{j}"] for j in (1, 2)] for i in (1, 2)])
+    assert found == pytest.approx(K[:, :4], rel=1e-9, abs=1e-9 * np.abs(K[:, :4]).max())
+    assert summed == pytest.approx(K[:, 4:], rel=1e-9, abs=1e-9 * np.abs(K[:, 4:]).max())
+    # And they are others than at the operating point.
+    before = np.array([[controller.initial_state[f"feedback_{i}_{j}"] for j in range(1, 5)]
+                       for i in (1, 2)])  # fmt: skip
+    assert np.max(np.abs(found - before)) > 0.02 * np.abs(before).max()
+
+
+def test_gains_that_change_move_no_output():
+    """At errors of zero and levels that stand, the gains converge and the pumps stand still."""
+    model = analyse(load_process("quadruple-tank")).model
+    controller = design_recomputed_lqi(model)
+    law = ScannedLaw(controller, 1.0)
+    shown = {"measurement_1": 8.0, "measurement_2": 3.0, "measurement_3": 1.0, "measurement_4": 4.0}
+    first = law.scan(**shown, setpoint_1=8.0, setpoint_2=3.0)
+    gains = []
+    for _ in range(300):
+        outputs = law.scan(**shown)
+        gains.append(law.state["feedback_1_1"])
+        for i in (1, 2):
+            assert outputs[f"manipulated_{i}"] == pytest.approx(first[f"manipulated_{i}"], abs=1e-9)
+    assert max(gains) - min(gains) > 1e-3 * abs(gains[0])
+
+
+@pytest.mark.parametrize("fault", [
+    {"sensor_3": 0.0}, {"measurement_2": np.nan}, {"setpoint_1": np.inf}, {"time_step": 0.0},
+])  # fmt: skip
+def test_a_fault_leaves_gains_and_cost(fault):
+    model = analyse(load_process("quadruple-tank")).model
+    controller = design_recomputed_lqi(model)
+    law = ScannedLaw(controller, 1.0)
+    law.scan(**at_rest(controller, model) | {"measurement_1": 8.0})
+    before = dict(law.state)
+    law.scan(**fault)
+    for name, value in before.items():
+        if name.startswith(("cost_", "feedback_", "integral_gain_")):
+            assert law.state[name] == value
+    assert law.named["gains_recomputed"] == 0.0
+
+
+def test_lost_definiteness_leaves_gains_and_cost():
+    model = analyse(load_process("averaging-tank")).model
+    controller = design_recomputed_lqi(model)
+    law = ScannedLaw(controller, 0.1)
+    law.state |= {name: -1e6 for name in law.state if name in ("cost_1_1", "cost_2_2")}
+    before = dict(law.state)
+    law.scan(**at_rest(controller, model))
+    for name, value in before.items():
+        if name.startswith(("cost_", "feedback_")):
+            assert law.state[name] == value

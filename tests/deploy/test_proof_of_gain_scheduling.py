@@ -1,0 +1,84 @@
+"""Scheduled, recomputed and observed LQI: engine, C and Structured Text equal in every bit."""
+
+import numpy as np
+import pytest
+from deployed import all_bits, run_both
+from test_proof import simulated
+from test_proof_of_structures import scans as wild_scans
+
+from clepsydra.design.extended_kalman import design_lqi_extended_kalman
+from clepsydra.design.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid
+from clepsydra.design.recomputed_lqi import design_recomputed_lqi
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
+
+
+def designed(kind, analysis):
+    if kind == "scheduled PI":
+        return design_gain_scheduled_pid(
+            analysis.model, analysis.pairing, over="volume", points=[1.0, 2.0, 3.0]
+        )
+    if kind == "scheduled LQI":
+        return design_gain_scheduled_lqi(
+            analysis.model, over="level_1", points=[3.0, 6.0, 8.0], follows="setpoint"
+        )
+    if kind == "recomputed LQI":
+        return design_recomputed_lqi(analysis.model)
+    if kind == "recomputed and estimated LQI":
+        return design_recomputed_lqi(analysis.model, measurements=["level_1", "level_2"], steps=2)
+    return design_lqi_extended_kalman(analysis.model)
+
+
+def scans(program, period, seed):
+    """A plant of the process's own ranges that goes wrong in every way that inputs can express."""
+    inputs = wild_scans(program, seed)
+    for signal in program.inputs:
+        if signal.name == "time_step":
+            inputs[signal.name] = inputs[signal.name] * period
+        elif np.isfinite(signal.span) and signal.kind == "real":
+            # What is drawn between 0 and 10 falls into the range of the signal.
+            inputs[signal.name] = signal.low + signal.span * inputs[signal.name] / 10.0
+    return inputs
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "scheduled PI of averaging-tank",
+        "scheduled LQI of quadruple-tank",
+        "recomputed LQI of averaging-tank",
+        "recomputed and estimated LQI of quadruple-tank",
+        "observed LQI of three-tanks",
+        "observed LQI of wet-well",
+    ],
+)
+def test_engine_c_and_structured_text_are_equal_in_every_bit(name, tmp_path):
+    kind, process = name.split(" of ")
+    analysis = analyse(load_process(process))
+    program = designed(kind, analysis).program()
+    inputs = scans(program, analysis.operating_point.process.sampling_period, seed=len(name))
+    engine = simulated(program, inputs)
+    in_c, in_text = run_both(program, tmp_path, inputs)
+    assert np.isfinite(engine).all()
+    assert np.array_equal(all_bits(engine), all_bits(in_c))
+    assert np.array_equal(all_bits(engine), all_bits(in_text))
+    # Each status bit was set and clear, and each state moved: no part of the law lay idle.
+    names = [signal.name for signal in program.outputs]
+    for column, output in enumerate(names):
+        if output.startswith("status"):
+            word = engine[:, column].astype(int)
+            for bit in (1, 2, 16, 32, 64):
+                assert np.any(word & bit) and not np.all(word & bit), (output, bit)
+        else:
+            assert len(np.unique(engine[:, column])) > 100, output
+    moved = [
+        len(np.unique(engine[:, column])) > 20
+        for column, entry in enumerate(program.state, start=len(names))
+        if entry.name.startswith(("integral_", "feedback_", "cost_", "scheduling_variable"))
+    ]
+    assert moved and all(moved)
+    estimates = [entry.name.startswith(("estimate_", "covariance_")) for entry in program.state]
+    if any(estimates):
+        columns = np.flatnonzero(estimates) + len(names)
+        # The standby pump of the wet well stands still.
+        assert np.mean([len(np.unique(engine[:, column])) > 20 for column in columns]) > 0.5

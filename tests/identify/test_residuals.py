@@ -1,0 +1,92 @@
+"""Noise models, tests of residuals and widened intervals against explicit matrices."""
+
+import numpy as np
+import pytest
+from scipy.linalg import solve_toeplitz, toeplitz
+from scipy.signal import lfilter
+from scipy.stats import linregress
+
+from clepsydra.base.errors import InputError
+from clepsydra.identify.noise_model import NoiseModel, noise_model
+from clepsydra.identify.residual_tests import residual_tests
+from clepsydra.identify.uncertainty import uncertainty
+
+SHAPE = np.stack([np.ones(400), np.sin(np.arange(400) / 30.0)], axis=1)
+
+
+def coloured(seed, c=0.8):
+    white = np.random.default_rng(seed).normal(0.0, 1.0, 400)
+    return lfilter([1.0], [1.0, -c], white)
+
+
+def test_levinson_and_durbin_solve_the_yule_walker_equations():
+    residuals = coloured(3)
+    model = noise_model(residuals)
+    order = len(model.coefficients) - 1
+    r = np.array([residuals[k:] @ residuals[: 400 - k] for k in range(order + 1)]) / 400
+    assert model.coefficients[1:] == pytest.approx(-solve_toeplitz(r[:-1], r[1:]), rel=1e-9)
+    assert model.variance == pytest.approx(r @ model.coefficients, rel=1e-9)
+
+
+def test_white_residuals_need_no_noise_model():
+    """Schwarz's criterion takes an order above zero for few of them."""
+    records = [np.random.default_rng(seed).normal(0.0, 1.0, 400) for seed in range(50)]
+    assert sum(len(noise_model(white).coefficients) > 1 for white in records) <= 5
+
+
+def test_widened_covariance_is_that_of_the_whole_noise_covariance():
+    """(J'J)⁻¹ J'ΩJ (J'J)⁻¹ with Ω written out, r(k) = 0.8^k / (1 − 0.64)."""
+    noise = NoiseModel(np.array([1.0, -0.8]), 1.0)
+    residuals = coloured(5)
+    Ω = toeplitz(0.8 ** np.arange(400) / (1.0 - 0.64))
+    inverse = np.linalg.inv(SHAPE.T @ SHAPE)
+    expected = inverse @ SHAPE.T @ Ω @ SHAPE @ inverse * 400 / 398
+    found = uncertainty(SHAPE, residuals, [noise])
+    # The filter starts from rest, which leaves out a few samples of 400.
+    assert found.deviations == pytest.approx(np.sqrt(np.diag(expected)), rel=0.02)
+    assert 2.0 < found.widening < 3.1  # √((1 + 0.8)/(1 − 0.8)) = 3 for a constant
+
+
+def test_no_interval_gets_narrower_by_its_colour():
+    residuals = lfilter([1.0], [1.0, 0.8], np.random.default_rng(2).normal(0.0, 1.0, 400))
+    white = uncertainty(SHAPE, residuals)
+    found = uncertainty(SHAPE, residuals, [noise_model(residuals)])
+    assert found.deviations == pytest.approx(white.deviations, rel=1e-9)
+
+
+def test_intervals_of_a_line_are_those_of_linear_regression():
+    x = np.arange(30.0)
+    y = 2.0 + 0.5 * x + np.random.default_rng(6).normal(0.0, 1.0, 30)
+    line = linregress(x, y)
+    J = np.stack([np.ones(30), x], axis=1)
+    left = y - line.intercept - line.slope * x
+    found = uncertainty(J, left)
+    assert found.deviations == pytest.approx([line.intercept_stderr, line.stderr], rel=1e-9)
+    assert found.reach_of(np.array([0.0, 1.0])) == pytest.approx(found.reach[1], rel=1e-12)
+
+
+def test_columns_that_depend_on_each_other_are_refused():
+    J = np.stack([np.ones(30), np.full(30, 2.0)], axis=1)
+    with pytest.raises(InputError, match="tells 2 parameters apart"):
+        uncertainty(J, np.ones(30))
+
+
+def test_the_tests_tell_slow_noise_from_missing_dynamics():
+    u = np.repeat(np.random.default_rng(4).choice([-1.0, 1.0], 50), 8)[:, None]
+    slow = residual_tests(coloured(7), SHAPE, u)
+    assert not slow.white and slow.independent and "disturbances are slow" in slow.words
+    white = np.random.default_rng(8).normal(0.0, 1.0, 400)
+    missed = lfilter([0.0, 0.5], [1.0, -0.8], u[:, 0])
+    short = residual_tests(white + missed, SHAPE, u)
+    assert not short.independent and "the process does more" in short.words
+    good = residual_tests(white, SHAPE, u)
+    assert good.white and good.independent and good.noise is None
+
+
+def test_coloured_noise_alone_raises_no_alarm_about_the_input():
+    """Whitened, the second test speaks falsely about as often as it says."""
+    u = np.repeat(np.random.default_rng(4).choice([-1.0, 1.0], 50), 8)[:, None]
+    alarms = sum(
+        residual_tests(coloured(seed), SHAPE, u).independence < 0.05 for seed in range(200)
+    )
+    assert 1 <= alarms <= 22  # binomial 99.9 % bounds of 5 % of 200

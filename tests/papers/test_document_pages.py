@@ -1,0 +1,71 @@
+"""The pages of the documents agree with one another and lie whole in their folder.
+
+That the counts of a page are those of the audit is tested where the audit of its document runs.
+"""
+
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from clepsydra.papers.documents import PACKAGES, load_document
+
+FOLDER = Path(__file__).parents[2] / "docs" / "papers"
+SENTENCE = re.compile(
+    r"Of (\d+) printed numbers and formulas (\d+) are reproduced, (\d+) are misprints, and "
+    r"(\d+) cannot be reproduced; of (\d+) claims (\d+) hold\."
+)
+LARGEST_PICTURE = 100_000  # bytes
+
+
+def page(key):
+    return (FOLDER / f"{key}.md").read_text("utf-8")
+
+
+def counts(key):
+    """Rows and the five verdicts, as the page of a document prints them."""
+    (found,) = SENTENCE.findall(page(key))
+    numbers, reproduced, misprints, others, claims, hold = map(int, found)
+    assert numbers == reproduced + misprints + others
+    return numbers + claims, reproduced, misprints, others, hold, claims - hold
+
+
+def overview():
+    """Key to the numbers of its line in the table of all documents."""
+    lines = re.findall(r"^\| \[[^]]+\]\(([a-z-]+)\.md\) \|(.+)\|$", page("README"), re.MULTILINE)
+    return {
+        key: tuple(map(int, re.findall(r"\| *(\d+) *(?=\|)", f"|{row}|"))) for key, row in lines
+    }
+
+
+def test_every_document_has_its_line_in_the_table_and_its_counts_there():
+    assert overview() == {key: counts(key) for key in PACKAGES}
+
+
+def test_the_sum_below_the_table_is_that_of_its_lines():
+    sums = tuple(map(sum, zip(*overview().values(), strict=True)))
+    (line,) = re.findall(r"^\| all \|(.+)$", page("README"), re.MULTILINE)
+    assert tuple(map(int, re.findall(r"\d+", line))) == sums
+
+
+@pytest.mark.parametrize("key", PACKAGES)
+def test_a_page_names_its_document_and_its_command(key):
+    text, document = page(key), load_document(key)
+    assert document.title.casefold() in text.casefold()
+    assert f"`clepsydra papers {key}`" in text
+
+
+@pytest.mark.parametrize("key", ["README", *PACKAGES])
+def test_what_a_page_points_to_is_there_and_every_picture_is_shown(key):
+    links = re.findall(r"\]\(([^)#]+)\)", page(key))
+    for link in links:
+        assert link.startswith("http") or (FOLDER / link).is_file(), link
+    shown = {link for link in links if link.endswith(".svg")}
+    assert shown == {path.name for path in FOLDER.glob(f"{key}-*.svg")}
+
+
+@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.svg")), ids=lambda path: path.stem)
+def test_a_picture_is_small_and_whole(path):
+    assert path.stat().st_size < LARGEST_PICTURE
+    assert ElementTree.fromstring(path.read_bytes()).tag.endswith("svg")

@@ -1,0 +1,120 @@
+"""The page and the screen of an identification: what they say is what was found."""
+
+import html
+import io
+import re
+import xml.etree.ElementTree as tree
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from clepsydra.base.signal import Signal
+from clepsydra.identify.estimate import Estimate
+from clepsydra.identify.identification import identify_model
+from clepsydra.identify.process_fit import fit_process
+from clepsydra.identify.simulated_record import record_of
+from clepsydra.loop.simulation import simulate
+from clepsydra.report.identification_page import identification_text
+from clepsydra.report.identification_picture import (
+    ComparedSignal,
+    comparison_svg,
+    correlations_svg,
+)
+from clepsydra.report.identification_screen import identification_screen
+from clepsydra.report.identification_tables import estimate_cells
+
+STEPS = ["3.5 V @ 1 min", "2.6 V @ 6 min", "3.2 V @ 11 min", "2.9 V @ 15 min"]
+
+
+@pytest.fixture(scope="module")
+def run():
+    return simulate("quadruple-tank", {"pump_1": STEPS}, duration="18 min")
+
+
+@pytest.fixture(scope="module")
+def models(run):
+    return identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
+
+
+@pytest.fixture(scope="module")
+def parameters(run):
+    record = record_of(run, {f"level_{k}": 0.02 for k in (1, 2, 3, 4)})
+    return fit_process(run.process, record, ["outlet_1.area", "splitter_1.tank_1"])
+
+
+def words_of(page):
+    return " ".join(html.unescape(re.sub(r"<[^>]*>", " ", page)).split())
+
+
+@pytest.mark.parametrize("kind", ["models", "parameters"])
+def test_the_page_is_whole_and_says_the_verdict(kind, request):
+    found = request.getfixturevalue(kind)
+    page = identification_text(found)
+    assert page == identification_text(found)
+    words = words_of(page)
+    assert found.verdict in words
+    assert page.count("<svg") == 2 and page.rstrip().endswith("</html>")
+    assert "http" not in page.replace("http://www.w3.org/2000/svg", "").replace("doi", "")
+    for svg in re.findall(r"<svg.*?</svg>", page, flags=re.DOTALL):
+        tree.fromstring(svg)
+
+
+def test_every_estimate_stands_on_the_page(models, parameters):
+    words = words_of(identification_text(models))
+    for model in models.models:
+        for estimate in model.estimates:
+            value, interval, _ = estimate_cells(estimate)
+            assert f"{model.name}, {estimate.signal.description}" in words
+            assert value in words and interval in words
+    words = words_of(identification_text(parameters))
+    for estimate in (*parameters.estimates, *parameters.start):
+        assert estimate.signal.name in words and estimate_cells(estimate)[1] in words
+
+
+@pytest.mark.parametrize("kind", ["models", "parameters"])
+def test_the_screen_fits_a_hundred_columns(kind, request):
+    found = request.getfixturevalue(kind)
+    console = Console(width=100, record=True, file=io.StringIO())
+    console.print(identification_screen(found))
+    lines = console.export_text().splitlines()
+    assert max(map(len, lines)) <= 100
+    assert found.verdict in " ".join(" ".join(lines).split())
+    assert "Next:" in lines[-1]
+
+
+def test_a_name_from_a_file_is_escaped():
+    signal = Signal("<b>level", "m")
+    picture = comparison_svg(
+        np.arange(9.0), 6, [ComparedSignal(signal, np.arange(9.0), (("x & y", np.zeros(9)),))],
+        "a < b", "p",
+    )  # fmt: skip
+    tree.fromstring(picture)
+    assert "&lt;b&gt;level" in picture and "x &amp; y" in picture
+
+
+def test_a_model_that_runs_away_does_not_press_the_others_flat():
+    time, level = np.arange(60.0), np.sin(np.arange(60.0))
+    good = comparison_svg(time, 40, [ComparedSignal(Signal("y"), level, (("a", level),))], "t", "p")
+    away = (("a", level), ("b", 1e12 * time), ("c", np.full(60, np.nan)))
+    both = comparison_svg(time, 40, [ComparedSignal(Signal("y"), level, away)], "t", "p")
+    tree.fromstring(both)
+
+    def numbers(svg):
+        return re.findall(r">([−0-9.]+)</text>", svg)
+
+    assert numbers(good) == numbers(both)
+
+
+def test_correlations_are_those_of_the_definition():
+    """The bar of lag 3 of a signal that repeats after three samples is the longest."""
+    residuals = np.tile([1.0, 0.0, -1.0], 40)
+    picture = correlations_svg(residuals, [("pump", residuals)], "p")
+    bars = re.findall(r'M([\d.]+) ([\d.]+)L\1 ([\d.]+)" fill="none" stroke="#D55E00"', picture)
+    heights = [float(start) - float(stop) for _, start, stop in bars]
+    assert max(heights) == heights[2] == pytest.approx(117 / 120 * 46.0, abs=0.2)
+
+
+def test_an_interval_that_says_nothing_is_not_printed():
+    lag = Signal("time_constant", "s", low=0.0)
+    assert estimate_cells(Estimate(lag, 2.0, 1e-9, 1e12)) == ("2.00", "not told", "s")
