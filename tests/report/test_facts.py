@@ -198,7 +198,7 @@ def test_decoupling_is_said_of_every_output():
     found = {part.title: dict(part.facts) for part in scheme_blocks(controller, process)}
     words = found["Decoupling of pump_2 (sum 2)"]["from pump_1"]
     assert words.startswith(f"{controller.values['feedforward_gain_2_1']:.4f}".replace("-", "−"))
-    assert "V/V × (pump_1 − 3.000 V), through (1 + " in words
+    assert "V/V × (pump_1 − 3.000 V), through 1/(1 + " in words  # there is no lead
     assert found["Output pump_1"]["output limits"] == "0 to 10.00 V"
 
 

@@ -163,7 +163,7 @@ def test_many_events_are_counted(trips):
 def counts_last(run):
     from clepsydra.base.words import time_text
 
-    return time_text(run.happenings[-1].time)
+    return time_text(run.happenings[-1].time, 4)
 
 
 @pytest.mark.parametrize(

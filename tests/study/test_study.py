@@ -312,5 +312,5 @@ def test_the_rule_that_is_told_is_the_one_that_ranked(tmp_path):
         ["Overshoot of level_1"],
     )
     page = report_text(result)
-    assert "mean of Overshoot of level_1, each" in page and "Calm or quick" in page
+    assert "mean of overshoot of level_1, each" in page and "Calm or quick" in page
     assert "mean of setpoint error and load error" not in page
