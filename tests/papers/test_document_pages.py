@@ -49,6 +49,19 @@ def test_the_sum_below_the_table_is_that_of_its_lines():
     assert tuple(map(int, re.findall(r"\d+", line))) == sums
 
 
+def test_the_first_page_of_the_project_has_the_sums():
+    text = (FOLDER.parents[1] / "README.md").read_text("utf-8")
+    (found,) = SENTENCE.findall(text)
+    rows, reproduced, misprints, others, hold, fail = map(
+        sum, zip(*overview().values(), strict=True)
+    )
+    assert rows == reproduced + misprints + others + hold + fail
+    numbers = rows - hold - fail
+    assert tuple(map(int, found)) == (
+        numbers, reproduced, misprints, others, hold + fail, hold,
+    )  # fmt: skip
+
+
 @pytest.mark.parametrize("key", PACKAGES)
 def test_a_page_names_its_document_and_its_command(key):
     text, document = page(key), load_document(key)

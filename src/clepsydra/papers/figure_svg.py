@@ -66,7 +66,7 @@ def _legend_rows(panel: Panel, width: float) -> list[list[tuple[Curve, float]]]:
     place = 0.0
     for curve in _named(panel):
         length = 27.0 + LETTER * SIZE * len(curve.label)
-        if rows[-1] and place + length > width + 30.0:
+        if rows[-1] and place + length > width + _RIGHT:
             rows.append([])
             place = 0.0
         rows[-1].append((curve, place))

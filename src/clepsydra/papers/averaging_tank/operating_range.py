@@ -156,7 +156,7 @@ def _declines() -> list[Row]:
                     f"{_times(linear)} on the linear model under the same limits",
                     reason=f"The same step, {step.words}: if the linear model with the limits of "
                     "the inputs declines as much, it is saturation and wind-up, not nonlinearity. "
-                    f"With anti-windup the tank itself comes to {_times(without)}.",
+                    f"With anti-windup the tank itself is at {_times(without)}.",
                 )
             )  # fmt: skip
     return rows
