@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from clepsydra.papers.averaging_tank import closed_loops, fuzzy, lqi, model, operating_range, pi
+from clepsydra.papers.averaging_tank import (
+    closed_loops,
+    fuzzy,
+    lqi,
+    model,
+    operating_range,
+    pi,
+    pid_types,
+)
 from clepsydra.papers.experiment import Document, Experiment
 
 DOCUMENT = Document(
@@ -15,6 +23,7 @@ DOCUMENT = Document(
             "closed-loops", "Pairing, decoupler and closed loops in symbols", closed_loops.run
         ),
         Experiment("pi", "Multivariable PI control and its tuning", pi.run),
+        Experiment("pid-types", "P, PI and PID, each tuned over each index", pid_types.run),
         Experiment("lqi", "State and output feedback with integral action", lqi.run),
         Experiment("fuzzy", "Mamdani fuzzy control", fuzzy.run),
         Experiment(

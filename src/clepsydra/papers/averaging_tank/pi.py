@@ -86,7 +86,7 @@ def run() -> Findings:
 def pi_controller(
     constants: Constants, model: LinearModel, form: PidForm | None = None, *, free: bool = False
 ) -> Controller:
-    """Return PI control of C by C_in and of V by a flow, on deviations as in (35).
+    """Return PI (or P, PID) control of C by C_in and of V by a flow, on deviations as in (35).
 
     Parameters
     ----------
@@ -106,9 +106,8 @@ def pi_controller(
     sign = 1.0 if constants.constant == "outflow" else -1.0
     flow = "inflow" if constants.constant == "outflow" else "outflow"
     law = multiloop_pid_law(2, form or PidForm(anti_windup="none"))
-    values = {parameter.name: parameter.initial for parameter in law.parameters}
     # Concentrations in mol: the gain of C has no unit of amount.
-    values |= {
+    given = {
         "proportional_gain_1": constants.gain_c,
         "integral_time_1": constants.time_c,
         "proportional_gain_2": sign * constants.gain_v,
@@ -120,6 +119,7 @@ def pi_controller(
         "low_limit_2": 0.0,
         "high_limit_2": 1.0,
     }
+    values = {each.name: given.get(each.name, each.initial) for each in law.parameters}
     at = operating_point_of(model).as_dict()
     names = ("concentration", "volume"), ("inflow.impurity", flow)
     inputs = {f"setpoint_{i}": at[name] for i, name in enumerate(names[0], start=1)}
@@ -185,7 +185,7 @@ def _error_of(constants: Constants) -> float:
 def tuned(variant: Variant, index: str) -> Constants:
     """Return the constants that minimise the larger index of C and V, from those by hand."""
     start = BY_HAND[variant]
-    model = _without_limit(model_of(variant, _TUNING_PERIOD))
+    model = without_limit(model_of(variant, _TUNING_PERIOD))
     controller = pi_controller(start, model, free=True)
     names = ("proportional_gain_1", "integral_time_1", "proportional_gain_2", "integral_time_2")
     lows, highs = (0.5, 1e-3, 0.05, 1e-2), (500.0, 1e3, 80.0, 1e4)
@@ -209,7 +209,7 @@ def tuned(variant: Variant, index: str) -> Constants:
     return Constants(variant, f"tuned for {index}", found[0], found[1], abs(found[2]), found[3])
 
 
-def _without_limit(model: LinearModel) -> LinearModel:
+def without_limit(model: LinearModel) -> LinearModel:
     """Return a model whose C_in has no limits."""
     point = operating_point_of(model)
     inputs = tuple(
