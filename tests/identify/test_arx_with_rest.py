@@ -53,3 +53,10 @@ def test_a_single_pulse_of_two_samples_is_refused():
     u = np.zeros(60)
     with pytest.raises(InputError, match="tells its parameters apart"):
         fit_arx_with_rest(u, np.sin(np.arange(60.0)), 1.0)
+
+
+def test_an_output_that_moves_once_and_then_stands_still_is_fitted():
+    """Past its first rows nothing is left to choose a model by."""
+    signal, output = np.eye(40)[10], np.eye(40)[10]
+    fit = fit_arx_with_rest(signal, output, 1.0)
+    assert np.all(np.isfinite(fit.residuals))

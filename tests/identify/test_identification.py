@@ -193,3 +193,11 @@ def test_an_input_that_moves_only_when_nobody_fits_is_refused():
     u[250:] = 4.0
     with pytest.raises(InputError, match="first two thirds"):
         identify_model(record(FOPDT, 0.04, [25.0], 5.3, u=u))
+
+
+def test_an_integrating_arx_has_no_gain_to_tell():
+    """A level that rises by itself, whatever the pump did once."""
+    ramp = Record(
+        "tank.csv", (PUMP, LEVEL), {"pump": np.eye(60)[10], "level": np.arange(60.0)}, PERIOD
+    )
+    assert identify_model(ramp).verdict.startswith("Use ARX. It explains 100.0 %")

@@ -50,11 +50,17 @@ def test_any_other_is_not(computed):
 
 
 @pytest.mark.parametrize(
-    ("printed", "computed"), [("64.93", 64.9351), ("-2.6", -2.699), ("0", 0.9)]
+    ("printed", "computed"), [("64.93", 64.9351), ("-2.6", -2.699), ("1", 1.9)]
 )
 def test_a_number_may_be_cut_after_its_last_digit(printed, computed):
     row = compared("t", "n", printed, computed, why="1/A.")
     assert (row.verdict, row.reason) == ("reproduced", "1/A. Cut after its last digit.")
+
+
+def test_a_bare_zero_leaves_nothing_open():
+    assert compared("t", "n", "0", 0.0).verdict == "reproduced"
+    for computed in (0.4, -0.4, 0.9):
+        assert compared("t", "n", "0", computed, why="w").verdict == "not reproducible"
 
 
 def test_a_tolerance_counts_beside_the_digits_and_needs_its_reason():

@@ -98,6 +98,16 @@ def test_the_linear_model_is_the_slope_of_the_orifice_laws():
     assert pytest.approx(np.array(wanted), rel=1e-9) == printed_model().A
 
 
+def test_the_printed_gains_follow_from_rates_in_three_decimals():
+    """Equations by hand for the poles -40 and -p ± jp, whose product is b a21 a32 N."""
+    b, a21, a32 = 64.94, 0.032, 0.026
+    for distance, printed in ((25, 925410), (10, 148070), (5, 37016)):
+        wanted = 40.0 * 2.0 * distance**2 / (b * a21 * a32)
+        assert wanted == pytest.approx(printed, rel=5e-5)
+        loop = placed_loop(distance, rounded=True)
+        assert loop.setpoint_gain == pytest.approx(wanted, rel=1e-9)
+
+
 @pytest.mark.parametrize("distance", [25, 10, 5])
 def test_ackermann_agrees_with_the_placement_of_another_library(distance):
     import control

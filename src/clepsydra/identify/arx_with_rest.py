@@ -88,7 +88,7 @@ def fit_arx_with_rest(signal: np.ndarray, output: np.ndarray, period: float) -> 
     longest = min(_MOST, int(_LATEST * len(signal)))
     first = max(_ORDERS) + longest
     best, lowest = None, math.inf
-    spread = float(np.var(output[first:])) * (len(signal) - first)
+    spread = float(np.var(output)) * (len(signal) - first)
     for order in _ORDERS:
         for delay in range(longest + 1):
             skipped = first - order - delay

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
-from clepsydra.identify.pump_gains import Estimate, interval
+from clepsydra.identify.pump_gains import IntervalEstimate, interval
 from clepsydra.process.orifice import Orifice
 from clepsydra.process.process import Process
 
@@ -71,7 +71,7 @@ def hole_areas_at_rest(
 
 def hole_areas(
     process: Process, time: ArrayLike, record: Mapping[str, ArrayLike]
-) -> dict[str, Estimate]:
+) -> dict[str, IntervalEstimate]:
     """Return the areas that explain recorded levels while they move, with their intervals.
 
     What each tank gains in a sample is its balance over it, by the trapezoidal rule between the

@@ -71,7 +71,8 @@ class Identification:
                 f"Use none of these models: on the held-back third the best, {best.name}, is "
                 "hardly better than a constant."
             )
-        words = f"Use {best.name}: {_told(best)}. It explains {best.validated:.1f} % of the "
+        told = ": ".join(filter(None, [best.name, _told(best)]))
+        words = f"Use {told}. It explains {best.validated:.1f} % of the "
         words += f"held-back third of {self.output.name}"
         ahead = max(self.models, key=lambda model: model.validated)
         if ahead is not best and ahead.validated > best.validated:

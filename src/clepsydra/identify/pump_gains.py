@@ -15,7 +15,7 @@ _FEWEST = 3
 
 
 @dataclass(frozen=True)
-class Estimate:
+class IntervalEstimate:
     """A number found from data, and the interval that covers the truth 95 times out of 100.
 
     Parameters
@@ -25,7 +25,7 @@ class Estimate:
 
     Examples
     --------
-    >>> Estimate(4.32, 0.01, 4.30, 4.34).value
+    >>> IntervalEstimate(4.32, 0.01, 4.30, 4.34).value
     4.32
     """
 
@@ -42,7 +42,7 @@ def pump_gain(
     area: float,
     *,
     dead_band: float = 0.0,
-) -> Estimate:
+) -> IntervalEstimate:
     """Return the gain k of a pump whose whole flow q = k max(v − v₀, 0) stays in one tank.
 
     The outlet of the tank is plugged and the valve sends all of the flow into it, so that
@@ -66,7 +66,7 @@ def pump_gain(
 
     Returns
     -------
-    Estimate
+    IntervalEstimate
         k [m³/s per unit of the signal].
 
     Raises
@@ -103,7 +103,7 @@ def pump_gain(
     return interval(value, error, freedom)
 
 
-def interval(value: float, error: float, freedom: int) -> Estimate:
+def interval(value: float, error: float, freedom: int) -> IntervalEstimate:
     """Return the interval of a value with a standard error, by Student's distribution.
 
     Examples
@@ -114,7 +114,7 @@ def interval(value: float, error: float, freedom: int) -> Estimate:
     from scipy.stats import t
 
     reach = float(t.ppf(0.5 + 0.5 * CONFIDENCE, freedom)) * error
-    return Estimate(value, error, value - reach, value + reach)
+    return IntervalEstimate(value, error, value - reach, value + reach)
 
 
 def _read(

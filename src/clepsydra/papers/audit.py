@@ -113,7 +113,7 @@ def audit(
     Parameters
     ----------
     documents : sequence of str
-        Keys; all if left out.
+        Keys; all if left out, each once.
     workers : int
         Processes that share the experiments; with more than one, guard a script's start by
         ``if __name__ == "__main__"``.
@@ -131,7 +131,7 @@ def audit(
     >>> [document.key for document in map(load_document, ["three-tanks"])]
     ['three-tanks']
     """
-    loaded = [load_document(key) for key in documents or PACKAGES]
+    loaded = [load_document(key) for key in dict.fromkeys(documents or PACKAGES)]
     tasks = [(d.key, place) for d in loaded for place in range(len(d.experiments))]
     found: dict[tuple[str, int], Findings] = {}
     with _results(tasks, min(workers, len(tasks))) as results:

@@ -42,7 +42,8 @@ def printed_number(text: str, digits: int | None = None) -> Printed:
     Parameters
     ----------
     text : str
-        "3.0536", "1.242E-02", "−2.6". Trailing zeros count as digits, also of whole numbers.
+        "3.0536", "1.242E-02", "−2.6". Trailing zeros count as digits, also of whole numbers. A
+        bare "0" says that there is nothing, and leaves nothing open.
     digits : int, optional
         Significant digits, where the print leaves out trailing zeros: "1" beside "0.92".
 
@@ -66,6 +67,8 @@ def printed_number(text: str, digits: int | None = None) -> Printed:
     plain = text.strip().replace("−", "-")
     power = int((match[4] or "0").replace("−", "-"))
     value, last = float(plain), power - len(match[3])
+    if value == 0.0 and not match[3]:
+        return Printed(value, 0.0)
     if digits is not None and value:
         last = math.floor(math.log10(abs(value))) - digits + 1
     # From text, so that 5e-05 is the nearest number to it.

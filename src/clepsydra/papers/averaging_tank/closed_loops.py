@@ -5,7 +5,19 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from sympy import Expr, Integer, Matrix, Poly, limit, simplify, symbols
+from sympy import (
+    Expr,
+    Integer,
+    Matrix,
+    Poly,
+    denom,
+    expand,
+    limit,
+    simplify,
+    solve,
+    symbols,
+    together,
+)
 
 from clepsydra.linear.analysis import analyse
 from clepsydra.papers.averaging_tank.model import tank
@@ -82,6 +94,7 @@ def _pairing() -> list[Row]:
                 rows.append(
                     compared(
                         section.rga, f"RGA{i + 1}{j + 1}", str(int(i != j)), float(gains[i, j]),
+                        digits=6,
                         why=f"Limit s → 0; {float(np.real(numeric[i, j])):.6g} from the process.",
                     )
                 )  # fmt: skip
@@ -137,8 +150,6 @@ def _stable_for_positive(denominator: Expr) -> bool:
 
 
 def _stability(place: str, closed: Any, words: str, printed_is_positive: bool) -> Row:
-    from sympy import denom, expand, together
-
     parts = [expand(denom(together(closed[i, i]))) for i in range(2)]
     stable = all(_stable_for_positive(part) for part in parts)
     return claimed(
@@ -159,11 +170,13 @@ def _proportional(section: _Section) -> list[Row]:
     else:
         bare, _ = closed_loop("inflow", controller(K1, K2))
         # The -1 of f_out is left out here, to be found missing.
+        (pole,) = solve(denom(together(bare[1, 1])), s)
         rows = _diagonal(places[0], "GCL", (first, K2 / (-s + K2)), bare)
         rows.append(
             claimed(
-                places[0], "stability without the gain of -1", "stable only for Kp2 < 0", True,
-                "pole at s = Kp2", reason="The pole of the V loop of (68).",
+                places[0], "stability without the gain of -1", "stable only for Kp2 < 0",
+                bool(pole.subs(K2, -K2).is_negative and pole.is_positive),
+                f"pole at s = {pole}", reason="The pole of the V loop of (68).",
             )
         )  # fmt: skip
         rows.append(

@@ -125,7 +125,7 @@ def _matrices() -> list[Row]:
     ):
         _, B = numbers(variant)  # type: ignore[arg-type]
         rows += [
-            compared(place, f"B{i + 1}{j + 1}", text[i][j], float(B[i, j]), why=why)
+            compared(place, f"B{i + 1}{j + 1}", text[i][j], float(B[i, j]), digits=4, why=why)
             for i in range(2)
             for j in range(2)
         ]
@@ -134,7 +134,7 @@ def _matrices() -> list[Row]:
     printed = (("-0.1", "0", "0", "0"), ("0", "0", "0", "0"), ("1", "0", "0", "0"),
                ("0", "1", "0", "0"))  # fmt: skip
     rows += [
-        compared("(92)", f"A{i + 1}{j + 1}", printed[i][j], float(whole[i, j]), why=why)
+        compared("(92)", f"A{i + 1}{j + 1}", printed[i][j], float(whole[i, j]), digits=4, why=why)
         for i in range(4)
         for j in range(4)
     ]
@@ -145,10 +145,9 @@ def _matrices() -> list[Row]:
             "M acts on the two inputs that are left, and stands below B in (88).",
         )
     )  # fmt: skip
-    reference = np.array([[0.0], [1.0]])
     rows.append(
         stated(
-            "(87)", "matrix before y_ref", "[0; 1]", "[0; I]", reference.shape == (4, 2),
+            "(87)", "matrix before y_ref", "[0; 1]", "[0; I]", (len(whole), B.shape[1]) == (2, 1),
             "The extended state has four entries and y_ref two, so that it is 4 × 2.",
         )
     )  # fmt: skip

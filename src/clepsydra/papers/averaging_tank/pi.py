@@ -16,11 +16,18 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.run import Run
 from clepsydra.papers.averaging_tank.model import KMOL
+from clepsydra.papers.averaging_tank.printed_tables import (
+    TABLE_6,
+    fuzzy_indices,
+    lqi_indices,
+    pi_indices,
+)
 from clepsydra.papers.averaging_tank.step_run import (
     PERIOD,
     STEPS,
     indices,
     model_of,
+    settling,
     step_run,
     step_scenario,
 )
@@ -59,14 +66,6 @@ OPTIMAL = {
     "inflow": Constants("inflow", "optimal", 61.5, 7.641e-4, 5.034, 3.208e-2),  # (83)
 }
 _VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
-_TABLE_6 = {
-    ("IAE", "C"): ("1.242E-02", "2.258E-02"),
-    ("IAE", "V"): ("1.304E-02", "5.000E-02"),
-    ("ISE", "C"): ("1.170E-03", "1.027E-03"),
-    ("ISE", "V"): ("5.379E-04", "1.670E-03"),
-    ("ITAE", "C"): ("1.997E-03", "1.410E-03"),
-    ("ITAE", "V"): ("1.997E-03", "2.505E-02"),
-}
 #: C_in of Table 6 has no limit, see `_claims` [mol/m³].
 _FREE = 1e9
 _TUNING_PERIOD, _TUNING_HORIZON = 2e-3, 20.0  # [s]
@@ -228,7 +227,7 @@ def _table_6() -> list[Row]:
         for column, variant in enumerate(_VARIANTS):
             best = tuned(variant, index)
             found = indices(pi_run(best, free=True), _TUNING_HORIZON)
-            pair = {output: _TABLE_6[index, output][column] for output in ("C", "V")}
+            pair = {output: TABLE_6[index, output][column] for output in ("C", "V")}
             for output, text in pair.items():
                 rows.append(
                     compared(
@@ -253,13 +252,6 @@ def _table_6() -> list[Row]:
     return rows
 
 
-def _settling(run: Run, output: str) -> float:
-    name, factor = {"C": ("concentration", KMOL), "V": ("volume", 1.0)}[output]
-    error = np.abs(run.values[f"{name}.setpoint"] - run.true_measurement(name)) / factor
-    outside = np.flatnonzero(error > 0.02 * STEPS[output])
-    return float(run.time[outside[-1]]) if len(outside) else 0.0
-
-
 def _saturated(run: Run, name: str, low: float, high: float) -> float:
     """Return how long an input stands at a limit [s]."""
     values = run.values[name]
@@ -270,7 +262,7 @@ def _claims() -> list[Row]:
     hand, best = pi_run(BY_HAND["outflow"]), pi_run(OPTIMAL["outflow"])
     free = pi_run(OPTIMAL["outflow"], free=True)
     other = pi_run(OPTIMAL["inflow"])
-    faster = {o: _settling(free, o) < _settling(hand, o) for o in ("C", "V")}
+    faster = {o: settling(free, o) < settling(hand, o) for o in ("C", "V")}
     volume = best.true_measurement("volume")
     overshoot = 100.0 * (volume.max() - best.values["volume.setpoint"][0]) / STEPS["V"]
     peak = float(best.values["inflow"].max())
@@ -282,11 +274,11 @@ def _claims() -> list[Row]:
         claimed(
             "section 4", "PI, settling with f_out constant", "optimal constants settle sooner",
             all(faster.values()),
-            f"C {_settling(free, 'C'):.2f} s after {_settling(hand, 'C'):.2f} s, V "
-            f"{_settling(free, 'V'):.2f} s after {_settling(hand, 'V'):.2f} s",
+            f"C {settling(free, 'C'):.2f} s after {settling(hand, 'C'):.2f} s, V "
+            f"{settling(free, 'V'):.2f} s after {settling(hand, 'V'):.2f} s",
             reason="To within 2 % of the step, with C_in free as in Table 6. Within 0 to 25 "
             f"kmol/m³ C_in swings from limit to limit, and C settles in "
-            f"{_settling(best, 'C'):.1f} s only.",
+            f"{settling(best, 'C'):.1f} s only.",
         ),
         claimed(
             "section 4", "PI, wind-up with f_out constant",
@@ -325,8 +317,8 @@ def _claims() -> list[Row]:
         ),
         claimed(
             "section 3.3", "limits of C_in", "C_in stays within 0 to 25 kmol/m³",
-            float(_TABLE_6["ISE", "C"][1]) >= bound,
-            f"ISE of C at least {bound:.2e} within the limit; {_TABLE_6['ISE', 'C'][1]} is printed",
+            float(TABLE_6["ISE", "C"][1]) >= bound,
+            f"ISE of C at least {bound:.2e} within the limit; {TABLE_6['ISE', 'C'][1]} is printed",
             reason="With f_in constant C rises by no more than 2 kmol/m³/s at 25 kmol/m³: Table 6 "
             "was made without the limit.",
         ),
@@ -341,8 +333,10 @@ def _claims() -> list[Row]:
 
 def _wins() -> list[str]:
     """Name the printed cells in which PI beats LQI (optimal) or the fuzzy controller."""
-    lqi = {("IAE", "C"): 0.019, ("ISE", "C"): 0.003, ("ISE", "V"): 0.001, ("IAE", "V"): 0.011}
-    fuzzy = {("ISE", "C"): 1.42e-3, ("ISE", "V"): 5.75e-4}
-    wins = [f"{i} of {o} (LQI)" for (i, o), v in lqi.items() if float(_TABLE_6[i, o][0]) < v]
-    wins += [f"{i} of {o} (fuzzy)" for (i, o), v in fuzzy.items() if float(_TABLE_6[i, o][0]) < v]
-    return wins
+    ours = pi_indices()
+    return [
+        f"{index} of {output} ({who})"
+        for who, theirs in (("LQI", lqi_indices()), ("fuzzy", fuzzy_indices()))
+        for (index, output), value in theirs.items()
+        if (index, output) in ours and ours[index, output] < value
+    ]

@@ -21,6 +21,7 @@ from clepsydra.scores.integral_errors import (
     integral_error,
     integral_squared_error,
 )
+from clepsydra.scores.step_response import settling_time
 from clepsydra.scores.time_weighted_errors import integral_time_absolute_error
 
 #: Steps of C [kmol/m³] and V [m³]; they are not printed, and follow from the printed indices.
@@ -75,6 +76,22 @@ def step_run(
 ) -> Run:
     """Run a controller through steps of C [kmol/m³] and V [m³] at the first sample."""
     return Loop(controller, model).run(step_scenario(model, sizes, horizon))
+
+
+def settling(run: Run, output: str, size: float | None = None) -> float:
+    """Return when C or V stays within 2 % of its step [s].
+
+    Parameters
+    ----------
+    run : Run
+    output : {"C", "V"}
+    size : float, optional
+        Of its step [kmol/m³ or m³]; that of `STEPS` if left out.
+    """
+    name, factor = MEASURED[output]
+    target = float(run.values[f"{name}.setpoint"][0])
+    start = target - factor * (STEPS[output] if size is None else size)
+    return settling_time(run.time, run.true_measurement(name), start, target, band=0.02)
 
 
 def indices(run: Run, horizon: float | None = None) -> dict[tuple[str, str], float]:

@@ -21,6 +21,11 @@ def run() -> Findings:
     )
 
 
+def _said(on_paper: list[bool]) -> str:
+    against = [f"tank {tank}" for tank, agrees in enumerate(on_paper, start=1) if not agrees]
+    return f"contradict it for {' and '.join(against)}" if against else "say so as well"
+
+
 def _claims() -> list[Row]:
     rows = []
     printed = TABLES["decentralised"][1]
@@ -49,7 +54,7 @@ def _claims() -> list[Row]:
             claimed(
                 "Exercise 4.1.2", name, claim, all(worse), figures,
                 reason=f"{score.capitalize()} of tanks 1 and 2, medians in percent. The printed "
-                f"numbers {'say so' if all(on_paper) else 'contradict it for tank 1'} as well.",
+                f"numbers {_said(on_paper)}.",
             )
         )  # fmt: skip
     return rows

@@ -207,11 +207,16 @@ def _level_of_15(set_up: SetUp, tank: int, holes: Holes, volts: tuple[float, flo
         unprinted="The simulator's holes are not printed, and those that the report identified "
         + (
             "are too large, as levels held by the cut-off went into them; smaller ones give "
-            "15.0 and 15.0 cm."
+            f"{_fitted_levels(set_up, volts)} cm."
             if set_up is MINIMUM
             else "give other levels: one of its own levels, h2, stood next to the cut-off."
         ),
     )  # fmt: skip
+
+
+def _fitted_levels(set_up: SetUp, volts: tuple[float, float]) -> str:
+    one, two = by_hand(set_up, volts, "fitted").at_last[:2]
+    return f"{one:.1f} and {two:.1f}"
 
 
 def _transient(set_up: SetUp, printed: str, place: str, quiet: ManualRuns) -> Row:

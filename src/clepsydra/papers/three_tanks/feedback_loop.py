@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -17,13 +17,15 @@ _LEVEL_3 = np.array([[0.0, 0.0, 1.0]])
 
 @dataclass(frozen=True, eq=False)
 class FeedbackLoop:
-    """u = N r - K x around the linear model (2), in continuous time.
+    """u = N r - K x around a linear model, in continuous time.
 
     Parameters
     ----------
     label : str
     gain : ndarray [1, 3]
         K [m²/s].
+    model : LinearModel, optional
+        (2) if left out.
 
     Examples
     --------
@@ -34,11 +36,7 @@ class FeedbackLoop:
 
     label: str
     gain: np.ndarray
-
-    @property
-    def model(self) -> LinearModel:
-        """The linear model."""
-        return printed_model()
+    model: LinearModel = field(default_factory=printed_model)
 
     @property
     def closed(self) -> np.ndarray:

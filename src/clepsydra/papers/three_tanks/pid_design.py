@@ -122,8 +122,8 @@ def _settings() -> list[Row]:
             "the sustained oscillation is found at 0.0019",
             abs(process.gain / point.gain - 1.0) < 0.1,
             f"{process.gain:.4f} m²/s at {process.frequency:.4f} rad/s",
-            reason="It is that of the model (5); the process (3) itself oscillates only at four "
-            "times the gain.",
+            reason="It is that of the model (5); the process (3) itself oscillates only at "
+            f"{process.gain / point.gain:.1f} times the gain.",
         ),
     ]  # fmt: skip
 

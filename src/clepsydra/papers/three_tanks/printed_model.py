@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from functools import cache
 
 import numpy as np
@@ -44,6 +45,21 @@ def linear_model_at(levels: np.ndarray) -> LinearModel:
 def printed_model() -> LinearModel:
     """Return the linear model (2): at the printed levels, from the exact constants."""
     return linear_model_at(LEVELS)
+
+
+@cache
+def rounded_model() -> LinearModel:
+    """Return (2) in three decimals, from which the authors computed their gains.
+
+    Their closed-loop matrix prints its rates: 0.026, -0.058.
+
+    Examples
+    --------
+    >>> rounded_model().A[1].tolist(), float(rounded_model().B[0, 0])
+    ([0.032, -0.058, 0.026], 64.94)
+    """
+    model = printed_model()
+    return dataclasses.replace(model, A=model.A.round(3), B=model.B.round(2))
 
 
 def flows_at(levels: np.ndarray) -> np.ndarray:

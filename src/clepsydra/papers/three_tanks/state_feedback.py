@@ -13,7 +13,7 @@ from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.pid_design import loop_model, pid_margins
-from clepsydra.papers.three_tanks.printed_model import printed_model
+from clepsydra.papers.three_tanks.printed_model import printed_model, rounded_model
 
 #: Table 2: distance of the dominant poles, K1, K2, K3, N and VGM as printed.
 TABLE = (
@@ -21,10 +21,10 @@ TABLE = (
     (10, "0.92", "478", "147383", "148070", "11"),
     (5, "1", "214", "36710", "37016", "12.5"),
 )
-_NUMERATOR = (
-    "The gains follow b a21 a32, of which (3) prints 0.054 and (2) gives 0.0537; which of them "
-    "the authors used is not printed."
-)
+#: What the gains of Tables 2 and 3 were computed from.
+ROUNDED = "From (2) in three decimals, as in the closed-loop matrix, and B = 64.94 as in Qc"
+#: Significant digits of a column of Table 2 whose trailing zeros mislead.
+_DIGITS = {"K1": 2, "N": 5}
 STEP = 0.01  # ours [m]; the document's is not printed
 
 
@@ -35,38 +35,47 @@ def run() -> Findings:
 
 
 @cache
-def placed_loop(distance: int) -> FeedbackLoop:
+def placed_loop(distance: int, *, rounded: bool = False) -> FeedbackLoop:
     """Return the loop with the poles -40 and -p ± jp by Ackermann's formula.
+
+    Parameters
+    ----------
+    distance : int
+        p [1/s]
+    rounded : bool
+        Whether (2) is taken in three decimals.
 
     Examples
     --------
     >>> round(float(placed_loop(5).gain[0, 0]), 3)
     0.768
     """
-    model = printed_model()
+    model = rounded_model() if rounded else printed_model()
     reached = np.hstack([model.B, model.A @ model.B, model.A @ model.A @ model.B])
     wanted = np.poly([-40.0, -distance + 1j * distance, -distance - 1j * distance]).real
     value = sum(factor * np.linalg.matrix_power(model.A, 3 - i) for i, factor in enumerate(wanted))
     gain = np.linalg.solve(reached.T, np.array([0.0, 0.0, 1.0])) @ value
-    return FeedbackLoop(f"poles -{distance} ± j{distance}", gain[None, :])
+    return FeedbackLoop(f"poles -{distance} ± j{distance}", gain[None, :], model)
 
 
 def _table() -> list[Row]:
     rows = []
     for distance, *texts in TABLE:
-        loop = placed_loop(distance)
-        values = [*loop.gain[0].tolist(), loop.setpoint_gain]
-        for name, text, value in zip(("K1", "K2", "K3", "N"), texts[:4], values, strict=True):
+        exact, used = placed_loop(distance), placed_loop(distance, rounded=True)
+        values = [*used.gain[0].tolist(), used.setpoint_gain]
+        in_full = [*exact.gain[0].tolist(), exact.setpoint_gain]
+        for name, text, value, full in zip(
+            ("K1", "K2", "K3", "N"), texts[:4], values, in_full, strict=True
+        ):
             rows.append(
                 compared(
                     "Table 2", f"{name}, -{distance} ± j{distance}", text, value, "m²/s",
-                    digits=2 if name == "K1" else None,  # as the column has
-                    tolerance=0.0 if name == "K1" else 0.006,
-                    why="Sum of the poles." if name == "K1" else _NUMERATOR,
+                    digits=_DIGITS.get(name),
+                    why=f"{ROUNDED}; (2) in full gives {full:.6g}.",
                     right_if=_sum_of_poles(distance) if name == "K1" else (),
                 )
             )  # fmt: skip
-        rows.append(_margin_row("Table 2", loop, texts[4]))
+        rows.append(_margin_row("Table 2", exact, texts[4]))
     return rows
 
 
@@ -92,13 +101,14 @@ def _margin_row(place: str, loop: FeedbackLoop, printed: str) -> Row:
 
 
 def _closed_loop() -> list[Row]:
-    closed = placed_loop(25).closed
+    closed = placed_loop(25, rounded=True).closed
+    digits = {"-90": 2, "-101300": 4}
     printed = (("-90", "-101300", "-6E7"), ("0.03", "-0.058", "0.026"), ("0", "0.026", "-0.04"))
     place = "closed loop with precompensator"
     rows = [
         compared(
             place, f"A{i + 1}{j + 1}", printed[i][j], float(closed[i, j]),
-            tolerance=0.006 if i == 0 else 0.0, why=_NUMERATOR if i == 0 else "From (2).",
+            digits=digits.get(printed[i][j]), why=f"{ROUNDED}.",
         )
         for i in range(3)
         for j in range(3)
@@ -159,10 +169,16 @@ def _claims() -> list[Row]:
         claimed(
             "simulation results", "magnitude plots", "greater dominant poles have less gain margin",
             len({placed_loop(d).margins.gain_margin_up for d, *_ in TABLE}) > 1,
-            "infinite for all three",
+            ", ".join(_decibels(placed_loop(d).margins.gain_margin_up) for d, *_ in TABLE),
             reason="State feedback from all three levels withstands any higher gain here.",
         ),
     ]  # fmt: skip
+
+
+def _decibels(gain_margin: float | None) -> str:
+    if gain_margin is None:
+        return "unstable"
+    return "infinite" if math.isinf(gain_margin) else f"{20.0 * math.log10(gain_margin):.2f} dB"
 
 
 def _pid_overshoot() -> float:
