@@ -167,6 +167,7 @@ def tuning_of(law: Controller, start: dict[str, float], found: dict[str, float])
         front=front,
         seed=1,
         interrupted=False,
+        tuned={},
     )
 
 

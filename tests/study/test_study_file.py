@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from clepsydra.base.errors import InputError
+from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.lambda_tuning import design_lambda
 from clepsydra.design.pole_placement import design_pole_placement
 from clepsydra.design.simc import design_simc
@@ -190,6 +191,31 @@ def test_every_argument_of_every_design_can_be_written(name):
     form = {"actions", "algorithm", "derivative_on"}
     assert set(design_keys(design)) - form <= set(READERS)
     assert design.__name__ == DESIGN_NAMES[name].function
+
+
+@pytest.mark.parametrize(
+    "name",
+    [name for name, design in DESIGN_NAMES.items() if "pairing" in design_keys(design.load())],
+)
+def test_a_pairing_that_is_left_out_is_that_of_the_relative_gains(name, tmp_path):
+    """Of the quadruple tank in its minimum-phase setting: each pump with the level below it."""
+    made = []
+    for pairing in ("", 'pairing = { level_1 = "pump_1", level_2 = "pump_2" }\n'):
+        path = tmp_path / "study.toml"
+        path.write_text(
+            f'process = "quadruple-tank"\n[controllers.a]\ndesign = "{name}"\n{pairing}',
+            encoding="utf-8",
+        )
+        request = read_study(path)
+        try:
+            made.append(request.controllers[0].make(request.analysis, request.analysis.model))
+        except NotApplicable as refusal:  # of the process, as with its pairing
+            made.append(refusal)
+    without, with_it = made
+    if isinstance(with_it, NotApplicable):
+        assert str(without) == str(with_it)
+    else:
+        assert without.values == with_it.values
 
 
 WEIGHTS = 'weights = { states = { "tank_3.level" = 1.0 }, inputs = { feed = 1e6 }'

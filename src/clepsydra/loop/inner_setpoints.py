@@ -5,15 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-import numpy as np
-
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.process.process import Process
-
-#: A value within this share of the way between the limits stands at one; covers rounding only.
-_AT_LIMIT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -49,10 +44,26 @@ class InnerSetpoint:
         """Its name in a run."""
         return self.signal.name
 
-    def ends(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Tell of each sample whether it stands at the low limit, and whether at the high one."""
-        tolerance = _AT_LIMIT * (self.high - self.low)
-        return values <= self.low + tolerance, values >= self.high - tolerance
+
+def inner_loops(controller: Controller) -> list[tuple[PidBlock, str]]:
+    """Return the loops whose setpoint another block gives, each with what it measures.
+
+    Examples
+    --------
+    A single loop is none:
+
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> inner_loops(design_simc(analysis.model, analysis.pairing))
+    []
+    """
+    return [
+        (block, controller.measurements[block.measured - 1])
+        for block in controller.law.blocks
+        if isinstance(block, PidBlock) and isinstance(block.setpoint, str)
+    ]
 
 
 def inner_setpoints(controller: Controller, process: Process) -> tuple[InnerSetpoint, ...]:
@@ -77,11 +88,7 @@ def inner_setpoints(controller: Controller, process: Process) -> tuple[InnerSetp
     >>> inner_setpoints(controller, analysis.operating_point.process)
     ()
     """
-    inner = [
-        (block, controller.measurements[block.measured - 1])
-        for block in controller.law.blocks
-        if isinstance(block, PidBlock) and isinstance(block.setpoint, str)
-    ]
+    inner = inner_loops(controller)
     loops = Counter(measurement for _, measurement in inner)
     found = []
     for block, measurement in inner:

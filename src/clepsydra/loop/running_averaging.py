@@ -12,6 +12,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.process.sensor import Sensor
+from clepsydra.scores.plant import is_own_loss
 
 AVERAGING_SCORES = ("outflow_rate", "variance_ratio")
 
@@ -155,10 +156,7 @@ def _groups(process: Process) -> tuple[tuple[Signal, ...], ...]:
 
 
 def _buffer_flows(process: Process, name: str) -> ca.Function:
-    """Return (x, m, u, d, p) → what enters and what leaves the tank of a measurement [m³/s].
-
-    What spills, leaks or evaporates does not count, as in `clepsydra.scores.plant`.
-    """
+    """Return (x, m, u, d, p) → what enters and what leaves the tank of a measurement [m³/s]."""
     motion = process.motion
     tank = next(e.tank for e in process.elements if isinstance(e, Sensor) and e.name == name)
     x, *held = (ca.SX.sym(f"a{place}", len(group)) for place, group in enumerate(_groups(process)))
@@ -167,7 +165,7 @@ def _buffer_flows(process: Process, name: str) -> ca.Function:
     useful = [
         (path, flow)
         for path, flow in zip(motion.flow_paths, flows, strict=True)
-        if not path.element.startswith(f"{tank}.")
+        if not is_own_loss(path, tank)
     ]
     ends = ca.vertcat(
         sum((flow for path, flow in useful if path.destination == tank), ca.SX(0)),

@@ -78,6 +78,11 @@ class Scenario:
         return len(self.setpoints)
 
     @property
+    def duration(self) -> float:
+        """From its begin to the end of its last sample [s]."""
+        return self.samples * self.sampling_period
+
+    @property
     def time(self) -> np.ndarray:
         """Start of each sample [s]."""
         return np.arange(self.samples) * self.sampling_period

@@ -108,11 +108,7 @@ def controller_page(result: StudyResult, place: int) -> ControllerPage:
         ],
         law_grids(controller, process),
         margins,
-        None
-        if tuning is None
-        else tuning_grid(
-            tuning, process, result.scenario.samples * result.scenario.sampling_period
-        ),
+        None if tuning is None else tuning_grid(tuning, process, result.scenario.duration),
         parameter_tables(controller),
         score_tables(process, candidate),
         status_words(candidate.run),

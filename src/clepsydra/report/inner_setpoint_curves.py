@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from clepsydra.loop.inner_setpoints import InnerSetpoint, inner_setpoints
+from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
 from clepsydra.report.colours import INK
 from clepsydra.report.panel_content import Curve, PanelContent
@@ -56,7 +57,7 @@ def with_inner_panels(panels: Sequence[Panel], run: Run) -> list[Panel]:
 
 
 def with_inner_setpoints(
-    content: PanelContent, panel: Panel, run: object, time: np.ndarray
+    content: PanelContent, panel: Panel, run: Run | Simulation, time: np.ndarray
 ) -> PanelContent:
     """Return what a panel shows with the inner setpoints of its measurement.
 

@@ -275,7 +275,7 @@ def _score_table(
                 name,
                 candidate.scores.get(f"{key}[{name}]", math.nan),
                 description,
-                candidate.run.scenario.samples * candidate.run.scenario.sampling_period,
+                candidate.run.scenario.duration,
             )
             for name in names
         )

@@ -198,6 +198,19 @@ def _head(
     return lifted + parameters[f"{pump.name}.pipe_loss"] * flow**2
 
 
+def is_own_loss(path: FlowPath, tank: str) -> bool:
+    """Return whether a flow is what a tank spills, leaks or evaporates, which averaging leaves out.
+
+    Examples
+    --------
+    >>> is_own_loss(FlowPath("basin.overflow", "basin", ""), "basin")
+    True
+    >>> is_own_loss(FlowPath("outflow", "basin", ""), "basin")
+    False
+    """
+    return path.element.startswith(f"{tank}.")
+
+
 def _buffer(
     tank: Tank,
     flows: list[tuple[FlowPath, FloatArray]],
@@ -205,7 +218,7 @@ def _buffer(
     time: FloatArray,
     parameters: Mapping[str, float],
 ) -> BufferTrajectories:
-    useful = [(path, rate) for path, rate in flows if not path.element.startswith(f"{tank.name}.")]
+    useful = [(path, rate) for path, rate in flows if not is_own_loss(path, tank.name)]
     sizes = {p.key: ca.SX(parameters[f"{tank.name}.{p.key}"]) for p in tank.vessel.parameters()}
     level = ca.SX.sym("level")
     volume = ca.Function("volume", [level], [tank.vessel.volume(level, sizes)])

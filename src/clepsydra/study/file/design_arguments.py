@@ -69,6 +69,7 @@ def read_arguments(
     -------
     dict
         An argument that needs the model is a function of it, wrapped in `OfModelArgument`.
+        A pairing that is left out is that of the analysis, and missing here.
 
     Raises
     ------
@@ -93,7 +94,7 @@ def read_arguments(
                 found[name] = _form(table)
         elif table.has(name):
             found[name] = READERS[name](table, name, process)
-        elif parameter.default is parameter.empty:
+        elif parameter.default is parameter.empty and name != "pairing":
             READERS[name](table, name, process)  # says what is missing
     return found
 

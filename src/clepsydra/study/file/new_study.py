@@ -76,7 +76,7 @@ def new_study(process: Process, named: str, template: str) -> str:
     return Template(template).substitute(
         process=_quoted(named),
         title=_quoted(f"Controllers for {process.title}"),
-        duration=time_text(scenario.samples * scenario.sampling_period, 4),
+        duration=time_text(scenario.duration, 4),
         noise=time_text(max(s.start for s in scenario.segments if s.kind == "noise"), 4),
         steps=_steps(process, scenario),
         output=process.controlled[0],

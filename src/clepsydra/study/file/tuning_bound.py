@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from clepsydra.process.table_reader import TableReader
+from clepsydra.process.table_reader import TableReader, shown_value
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,3 +31,18 @@ class Bound:
     table: TableReader
     key: str
     loop: str | None
+
+    def check_order(self, low: float, high: float) -> None:
+        """Refuse bounds of which the low one, as it was read, is not below the high one.
+
+        Raises
+        ------
+        InputError
+        """
+        if not low < high:
+            raise self.table.refused(
+                self.key,
+                shown_value(self.table.raw(self.key)),
+                "a low bound below the high bound",
+                "exchange or correct them",
+            )

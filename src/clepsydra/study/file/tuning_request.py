@@ -26,7 +26,7 @@ from clepsydra.study.file.weight_bounds import (
 )
 from clepsydra.study.tuning.lqi_weights import WeightedDesign
 from clepsydra.study.tuning.objective import Limits, Objective
-from clepsydra.study.tuning.parameters import LawSpace, TunedParameter, around
+from clepsydra.study.tuning.parameters import ROUNDING, LawSpace, TunedParameter, around
 from clepsydra.study.tuning.result import TuningResult
 from clepsydra.study.tuning.search import METHOD, Progress
 from clepsydra.study.tuning.tune import tune
@@ -34,8 +34,6 @@ from clepsydra.study.tuning.tuned_lqi import tuned_weights, usual_wear, weight_s
 
 #: How far a parameter may move from where it starts, up and down, where no bounds are given.
 FACTOR = 10.0
-#: A start this near outside a bound stands on it, a share of the width.
-_ROUNDING = 1e-9
 #: What is tuned where nothing is named.
 TUNED = ("proportional_gain_", "integral_time_", "integral_gain_")
 
@@ -191,13 +189,7 @@ def _tuned(bound: Bound, controller: Controller, parameters: LawParameters) -> T
             "bounds that are not negative: the action of the loop gives the gain its sign",
             "leave the signs out",
         )
-    if not low < high:
-        raise table.refused(
-            key,
-            shown_value(written),
-            "a low bound below the high bound",
-            "exchange or correct them",
-        )
+    bound.check_order(low, high)
     if unsigned and start < 0.0:
         low, high = -high, -low
     _check_start(table, key, ends, abs(start) if unsigned else start)
@@ -210,7 +202,7 @@ def _tuned(bound: Bound, controller: Controller, parameters: LawParameters) -> T
 
 def _check_start(table: TableReader, key: str, ends: list[float], start: float) -> None:
     """Refuse bounds that a parameter does not start within."""
-    slack = _ROUNDING * (ends[1] - ends[0])
+    slack = ROUNDING * (ends[1] - ends[0])
     if ends[0] - slack <= start <= ends[1] + slack:
         return
     written: Any = table.raw(key)

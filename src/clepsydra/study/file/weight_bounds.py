@@ -8,7 +8,6 @@ from typing import Any
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.process.table_reader import shown_value
 from clepsydra.study.file.placed import placed
 from clepsydra.study.file.tuning_bound import Bound
 from clepsydra.study.tuning.lqi_weights import KINDS, LqiWeights, WeightedDesign
@@ -91,12 +90,6 @@ def _weight(bound: Bound, known: dict[str, float]) -> TunedParameter:
         )
         for end in written
     )
-    if not low < high:
-        raise table.refused(
-            key,
-            shown_value(written),
-            "a low bound below the high bound",
-            "exchange or correct them",
-        )
+    bound.check_order(low, high)
     with placed(table, {name: table.place(key)}):
         return TunedParameter(name, low, high)

@@ -8,12 +8,16 @@ from typing import Protocol
 
 import numpy as np
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.process.process import Process
-from clepsydra.study.tuning.parameters import TunedParameter, check_start
+from clepsydra.study.tuning.parameters import (
+    TunedParameter,
+    check_names,
+    check_start,
+    shares,
+    values_of,
+)
 from clepsydra.study.tuning.search_space import NumberWords
 
 
@@ -72,36 +76,18 @@ class DesignSpace:
 
     def __post_init__(self) -> None:
         known = self.design.numbers
-        if not self.parameters:
-            raise InputError("tuning, parameters", "none", "at least one", "name what to tune")
-        named: list[str] = []
+        check_names(self.parameters, known, "one of ")
         for parameter in self.parameters:
-            for name in (parameter.name, *parameter.followers):
-                if name not in known:
-                    raise InputError(
-                        "tuning, parameters", name, f"one of {', '.join(known)}",
-                        suggestion(name, known, "choose one of them"),
-                    )  # fmt: skip
-                if name in named:
-                    raise InputError("tuning, parameters", name, "each name once", "drop one")
-                named.append(name)
             check_start(parameter, known[parameter.name])
 
     @property
     def start(self) -> np.ndarray:
         """Where the numbers of the start stand in the cube [p]."""
-        known = self.design.numbers
-        return np.clip([p.share(known[p.name]) for p in self.parameters], 0.0, 1.0)
+        return shares(self.parameters, self.design.numbers)
 
     def numbers_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """Return the tuned numbers by name [n], at points [n, p]."""
-        points = np.atleast_2d(points)
-        at_start = np.all(points == self.start, axis=1)
-        return {
-            name: np.where(at_start, self.design.numbers[name], parameter.value(column))
-            for parameter, column in zip(self.parameters, points.T, strict=True)
-            for name in (parameter.name, *parameter.followers)
-        }
+        return values_of(self.parameters, self.design.numbers, points)
 
     def values_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """Return the law's parameters that the design makes by name [n], at points [n, p].

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from clepsydra.base.arguments import require_type, sequence_of
 from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.process.process import Process
 from clepsydra.study.tuning.parameter_words import ParameterWords
 
 #: A start this near outside a bound stands on it, a share of the width.
-_ROUNDING = 1e-9
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -132,25 +133,14 @@ class LawSpace:
 
     def __post_init__(self) -> None:
         law = {p.name: p for p in self.controller.law.parameters}
-        if not self.parameters:
-            raise InputError("tuning, parameters", "none", "at least one", "name what to tune")
-        named: list[str] = []
+        check_names(self.parameters, law, f"a parameter of {self.controller.law.name}: ")
         for parameter in self.parameters:
-            place = f"tuning, {parameter.name}"
             for name in (parameter.name, *parameter.followers):
-                if name not in law:
-                    raise InputError(
-                        "tuning, parameters", name,
-                        f"a parameter of {self.controller.law.name}: {', '.join(law)}",
-                        "correct the name",
-                    )  # fmt: skip
-                if name in named:
-                    raise InputError("tuning, parameters", name, "each name once", "drop one")
-                named.append(name)
                 own = law[name]
                 if not (own.low <= parameter.low and parameter.high <= own.high):
                     raise InputError(
-                        place, f"bounds {parameter.low:g} to {parameter.high:g}",
+                        f"tuning, {parameter.name}",
+                        f"bounds {parameter.low:g} to {parameter.high:g}",
                         f"bounds for {name} within {own.low:g} to {own.high:g} {own.unit}",
                         "narrow the bounds",
                     )  # fmt: skip
@@ -159,8 +149,7 @@ class LawSpace:
     @property
     def start(self) -> np.ndarray:
         """Where the controller's own values stand in the cube [p]."""
-        values = self.controller.values
-        return np.clip([p.share(values[p.name]) for p in self.parameters], 0.0, 1.0)
+        return shares(self.parameters, self.controller.values)
 
     def numbers_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """Return the tuned parameters by name [n], at points [n, p]."""
@@ -171,13 +160,7 @@ class LawSpace:
 
         At the start they are the controller's own, in every bit.
         """
-        points = np.atleast_2d(points)
-        at_start = np.all(points == self.start, axis=1)
-        return {
-            name: np.where(at_start, self.controller.values[name], parameter.value(column))
-            for parameter, column in zip(self.parameters, points.T, strict=True)
-            for name in (parameter.name, *parameter.followers)
-        }
+        return values_of(self.parameters, self.controller.values, points)
 
     def controller_values(self, point: np.ndarray) -> dict[str, float]:
         """Return all parameter values of the law at one point [p]."""
@@ -193,6 +176,75 @@ class LawSpace:
         return ParameterWords(self.controller, process)
 
 
+def check_names(
+    parameters: Sequence[TunedParameter], known: Collection[str], expected: str
+) -> None:
+    """Refuse parameters of which there is none, or one is unknown or named twice.
+
+    Parameters
+    ----------
+    parameters : sequence of TunedParameter
+    known : collection of str
+        Names of all that can be tuned.
+    expected : str
+        What stands before these in a message.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> check_names([TunedParameter("gain", 1.0, 2.0)], ["gain", "time"], "one of ")
+    """
+    place = "tuning, parameters"
+    if not parameters:
+        raise InputError(place, "none", "at least one", "name what to tune")
+    named: set[str] = set()
+    for parameter in parameters:
+        for name in (parameter.name, *parameter.followers):
+            if name not in known:
+                raise InputError(
+                    place, name, f"{expected}{', '.join(known)}",
+                    suggestion(name, known, "choose one of them"),
+                )  # fmt: skip
+            if name in named:
+                raise InputError(place, name, "each name once", "drop one")
+            named.add(name)
+
+
+def shares(parameters: Sequence[TunedParameter], values: Mapping[str, float]) -> np.ndarray:
+    """Return where values stand between the bounds of each parameter [p], 0 to 1.
+
+    Examples
+    --------
+    >>> shares([TunedParameter("gain", 1.0, 100.0)], {"gain": 10.0})
+    array([0.5])
+    """
+    return np.clip([p.share(values[p.name]) for p in parameters], 0.0, 1.0)
+
+
+def values_of(
+    parameters: Sequence[TunedParameter], start: Mapping[str, float], points: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Return the values of parameters and followers by name [n], at points [n, p].
+
+    At the shares of the values of the start they are these, in every bit.
+
+    Examples
+    --------
+    >>> values_of([TunedParameter("gain", 1.0, 100.0)], {"gain": 10.0}, np.array([[0.5], [1.0]]))
+    {'gain': array([ 10., 100.])}
+    """
+    points = np.atleast_2d(points)
+    at_start = np.all(points == shares(parameters, start), axis=1)
+    return {
+        name: np.where(at_start, start[name], parameter.value(column))
+        for parameter, column in zip(parameters, points.T, strict=True)
+        for name in (parameter.name, *parameter.followers)
+    }
+
+
 def check_start(parameter: TunedParameter, start: float) -> None:
     """Refuse a start outside of a parameter's bounds.
 
@@ -204,7 +256,7 @@ def check_start(parameter: TunedParameter, start: float) -> None:
     --------
     >>> check_start(TunedParameter("integral_time_1", 4.0, 400.0), 40.0)
     """
-    if not -_ROUNDING <= parameter.share(start) <= 1.0 + _ROUNDING:
+    if not -ROUNDING <= parameter.share(start) <= 1.0 + ROUNDING:
         raise InputError(
             f"tuning, {parameter.name}", f"a start at {start:g}",
             f"a start within its bounds {parameter.low:g} to {parameter.high:g}",

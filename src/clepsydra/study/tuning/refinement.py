@@ -99,7 +99,6 @@ class _Neighbourhood:
     def __init__(self, problem: TuningProblem, sensitivity_limit: float) -> None:
         self._problem, self._limit = problem, sensitivity_limit
         self._known: dict[bytes, _Local] = {}
-        self._first: np.ndarray | None = None
 
     def at(self, point: np.ndarray) -> _Local:
         point = np.clip(point, 0.0, 1.0)
@@ -123,12 +122,11 @@ class _Neighbourhood:
             columns.append(np.reshape(room, (-1, 1)))
         margins = np.hstack(columns)
         parts = found.parts
-        if self._first is None:
-            self._first = parts[0]
         broken = ~np.all(np.isfinite(parts), axis=1)
         if broken[0]:
             # A line search turns back from a wall.
-            wall = _WALL * float(np.max(self._first)) if self._known else np.inf
+            begun = next(iter(self._known.values()), None)
+            wall = _WALL * float(np.max(begun.parts)) if begun else np.inf
             count, room, width = parts.shape[1], margins.shape[1], len(point)
             flat = np.zeros((count, width)), np.zeros((room, width))
             return _Local(np.full(count, wall), flat[0], -np.ones(room), flat[1])

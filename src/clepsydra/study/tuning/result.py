@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -55,4 +55,4 @@ class TuningResult:
     front: ParetoFront
     seed: int
     interrupted: bool
-    tuned: dict[str, float] = field(default_factory=dict)
+    tuned: dict[str, float]

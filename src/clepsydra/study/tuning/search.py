@@ -88,11 +88,7 @@ def search(
     """
     model_remedy = "take that of an analysis, or make it with linearise"
     require_type(model, LinearModel, "model", "a LinearModel", model_remedy)
-    scenarios = sequence_of(
-        [scenario] if isinstance(scenario, Scenario) else scenario,
-        Scenario, "tuning, scenario", "a Scenario, or a list of them",
-        "make one, as by default_scenario(model)",
-    )  # fmt: skip
+    scenarios = scenarios_of(scenario)
     objective_remedy = 'make one, as by minimax("iae[level]") or weighted_sum({"iae[level]": 1.0})'
     require_type(objective, Objective, "tuning, objective", "an Objective", objective_remedy)
     require_type(
@@ -132,6 +128,26 @@ def search(
     if problem.best is None:
         raise NotApplicable(METHOD, why_none(problem))
     return outcome(problem, found_front, seed, interrupted)
+
+
+def scenarios_of(scenario: Scenario | Sequence[Scenario]) -> tuple[Scenario, ...]:
+    """Return the scenarios of a tuning, one or a list of them.
+
+    Raises
+    ------
+    InputError
+        It is neither.
+
+    Examples
+    --------
+    >>> scenarios_of([])
+    ()
+    """
+    return sequence_of(
+        [scenario] if isinstance(scenario, Scenario) else scenario,
+        Scenario, "tuning, scenario", "a Scenario, or a list of them",
+        "make one, as by default_scenario(model)",
+    )  # fmt: skip
 
 
 def _refine_until_still(problem: TuningProblem) -> None:

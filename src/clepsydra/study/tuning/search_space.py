@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.process.process import Process
-
-if TYPE_CHECKING:  # parameters imports this module
-    from clepsydra.study.tuning.parameters import TunedParameter
+from clepsydra.study.tuning.parameters import TunedParameter
 
 
 class NumberWords(Protocol):

@@ -22,7 +22,7 @@ from clepsydra.study.tuning.lqi_weights import LqiWeights, WeightedDesign
 from clepsydra.study.tuning.objective import Limits, Objective, minimax
 from clepsydra.study.tuning.parameters import TunedParameter
 from clepsydra.study.tuning.result import TuningResult
-from clepsydra.study.tuning.search import GENERATIONS, Progress, search
+from clepsydra.study.tuning.search import GENERATIONS, Progress, scenarios_of, search
 from clepsydra.study.tuning.weighted_designs import lqi_by_bryson, lqi_of_weights
 
 #: How far a weight may move from where it starts, up and down.
@@ -248,13 +248,8 @@ def usual_wear(
     >>> list(usual_wear(design_lqi(model), model, default_scenario(model)))
     ['feed']
     """
-    scenarios = sequence_of(
-        [scenario] if isinstance(scenario, Scenario) else scenario,
-        Scenario, "tuning, scenario", "a Scenario, or a list of them",
-        "make one, as by default_scenario(model)",
-    )  # fmt: skip
     names = [f"total_variation[{name}]" for name in controller.manipulated]
-    found = BatchEvaluation(controller, model, scenarios, names).run({})
+    found = BatchEvaluation(controller, model, scenarios_of(scenario), names).run({})
     moved = (
         (name, float(found.scores[score][0]))
         for name, score in zip(controller.manipulated, names, strict=True)

@@ -6,6 +6,7 @@ import numpy as np
 
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.run import Run
+from clepsydra.scores.effort import at_limit
 from clepsydra.study.warnings.words import shown
 
 #: Share of a run at a limit above which the outer loop controls nothing for most of it.
@@ -36,10 +37,11 @@ def inner_setpoint_warnings(run: Run) -> list[str]:
     """
     words = []
     for inner in inner_setpoints(run.controller, run.process):
-        low, high = (float(np.mean(end)) for end in inner.ends(run.values[inner.name]))
-        share = low + high
+        values = run.values[inner.name]
+        share = float(np.mean(at_limit(values, inner.low, inner.high)))
         if share > _MOSTLY:
-            end, limit = ("low", inner.low) if low > high else ("high", inner.high)
+            lower = float(np.mean(at_limit(values, inner.low, np.inf)))
+            end, limit = ("low", inner.low) if lower > share / 2.0 else ("high", inner.high)
             words.append(
                 f"The inner setpoint of {inner.measurement} stands at a limit for "
                 f"{100.0 * share:.0f} % of the time, mostly at its {end} limit of "

@@ -10,12 +10,12 @@ import numpy as np
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import LinearStepLaw, StepLawDerivatives
-from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.design.sampled.sampled_loop import SampledLoop, sampled_loop
 from clepsydra.design.sampled.sampled_process import sampled_process
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.response import evaluate_transfer
+from clepsydra.loop.inner_setpoints import inner_loops
 from clepsydra.study.warnings.channel import Channel
 
 _PER_DECADE = 60
@@ -151,7 +151,8 @@ def loop_response(controller: Controller, model: LinearModel) -> LoopResponse:
     read = [name for name in controller.setpoints if name in controller.measurements]
     outputs = tuple(dict.fromkeys(read))
     places = [controller.measurements.index(name) for name in outputs]
-    inner = _inner_measurements(controller, outputs)
+    measured_inside = dict.fromkeys(name for _, name in inner_loops(controller))
+    inner = tuple(name for name in measured_inside if name not in outputs)
     broken = (*outputs, *inner)
     # A measurement that the law reads twice is disturbed in both places at once.
     enters = np.array([[float(y == name) for name in broken] for y in controller.measurements])
@@ -173,16 +174,6 @@ def loop_response(controller: Controller, model: LinearModel) -> LoopResponse:
             for place, name in enumerate(inner)
         },
     )
-
-
-def _inner_measurements(controller: Controller, outputs: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the measurements of the loops whose setpoint another block gives."""
-    read = [
-        controller.measurements[block.measured - 1]
-        for block in controller.law.blocks
-        if isinstance(block, PidBlock) and isinstance(block.setpoint, str)
-    ]
-    return tuple(name for name in dict.fromkeys(read) if name not in outputs)
 
 
 def _frequencies(loop: SampledLoop, period: float) -> np.ndarray:
