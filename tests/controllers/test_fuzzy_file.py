@@ -73,6 +73,13 @@ def test_units_and_gains_are_converted_to_the_laws():
     assert controller.law.description[0] == "down: if e is N then u is S"
 
 
+def test_a_position_is_told_to_have_no_integral_action():
+    assert wired().controller(PLANT, "mine").notes == ()
+    text = TEXT.replace('action = "increment"\nunit = "V/min"', 'unit = "V"')
+    (note,) = wired(text).controller(PLANT, "mine").notes
+    assert note == "pump_2 has no integral action: a load leaves an offset."
+
+
 # What is replaced by what, and the message that is answered, from its place on.
 MISTAKES = [
     ("points = 51", "points = 1", "a.toml, line 2, points: got 1, expected a whole number from 3"),

@@ -173,4 +173,47 @@ def test_alpha_on_the_input_counts_by_the_effect_of_the_input():
     # Johansson's γ k/A on sensors of 0.5 V/cm.
     for j, effect in ((1, 0.5 * 0.7 * 3.33 / 28), (2, 0.5 * 0.6 * 3.35 / 32)):
         rate = of_virtual.values[f"saturation_rate_{j}"]
-        assert of_input.values[f"saturation_feedback_{j}"] * effect == pytest.approx(rate)
+        assert of_input.values[f"saturation_feedback_{j}"] == pytest.approx(rate * effect)
+    # Where each input moves its own output alone, an excess dies away alike in both.
+    left = []
+    for controller in (of_virtual, of_input):
+        given = {"time_step": 1.0, "setpoint_1": 10.0, "setpoint_2": 10.0}
+        given |= {f"measurement_{k}": 5.0 for k in range(1, 5)}
+        given |= {f"{what}_{k}": 1.0 for what in ("sensor", "mode") for k in range(1, 5)}
+        state = dict(controller.initial_state)
+        state |= {f"virtual_integral_{j}": 2.0 for j in (1, 2)}
+        law = controller.law
+        following, _, _ = law.function(
+            [state[entry.name] for entry in law.state],
+            [given.get(signal.name, 0.0) for signal in law.inputs],
+            [controller.values[parameter.name] for parameter in law.parameters],
+        )
+        names = [entry.name for entry in law.state]
+        left.append([float(following[names.index(f"virtual_integral_{j}")]) for j in (1, 2)])
+    assert left[1] == pytest.approx(left[0], rel=1e-9)
+    assert 1.0 < max(left[0]) < 1.9
+
+
+@pytest.mark.parametrize("alpha_on", ["virtual", "input"])
+@pytest.mark.parametrize("alpha", ["fast", ["fast", 0.1], [0.1], 1e9])
+def test_an_alpha_that_is_no_rate_is_refused_in_words(alpha, alpha_on):
+    model = analyse(load_process("quadruple-tank")).model
+    with pytest.raises(InputError, match="alpha"):
+        design_feedback_linearisation(model, settings=PLAIN, alpha=alpha, alpha_on=alpha_on)
+
+
+def test_an_alpha_on_the_input_is_taken_in_its_own_unit():
+    model = analyse(load_process("quadruple-tank")).model
+    usual = design_feedback_linearisation(model, settings=PLAIN, alpha_on="input")
+    given = [usual.values[f"saturation_feedback_{j}"] for j in (1, 2)]
+    again = design_feedback_linearisation(model, settings=PLAIN, alpha_on="input", alpha=given)
+    assert again.values == pytest.approx(usual.values)
+
+
+@pytest.mark.parametrize(
+    "settings", [[(0.1, 0.01), (0.1, 0.01)], [VirtualSettings("fast", 0.01)] * 2, 0.1]
+)
+def test_settings_of_another_kind_are_refused_in_words(settings):
+    model = analyse(load_process("quadruple-tank")).model
+    with pytest.raises(InputError, match="settings"):
+        design_feedback_linearisation(model, settings=settings)

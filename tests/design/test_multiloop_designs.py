@@ -428,6 +428,10 @@ def test_settings_that_no_controller_takes_are_not_applicable(
         cl.design_ziegler_nichols,
         cl.design_tyreus_luyben,
         cl.design_amigo,
+        cl.design_fuzzy_pi,
+        cl.design_glover_mcfarlane,
+        cl.design_polynomial,
+        cl.design_variable_structure_pid,
     ],
 )
 def test_without_a_pairing_it_is_the_one_that_the_relative_gains_suggest(design):

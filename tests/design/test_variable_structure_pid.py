@@ -104,3 +104,10 @@ def test_forms_without_an_integral_are_refused():
     analysis = analyse(load_process("quadruple-tank"))
     with pytest.raises(InputError, match="PI"):
         design_variable_structure_pid(analysis.model, analysis.pairing, form=PidForm("P"))
+
+
+@pytest.mark.parametrize("settings", [[(3.0, 30.0), (2.7, 40.0)], 3.0])
+def test_settings_of_another_kind_are_refused_in_words(settings):
+    analysis = analyse(load_process("quadruple-tank"))
+    with pytest.raises(InputError, match="settings"):
+        design_variable_structure_pid(analysis.model, analysis.pairing, settings=settings)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 #: Each unit of time, its length [s], and the longest time that is shown in it [s].
 TIME_UNITS = (
@@ -49,5 +50,12 @@ def time_text(time: float, digits: int = 3) -> str:
     return f"{float(f'{time / length:.{digits}g}'):g} {name}"
 
 
-#: What the designs call it.
-seconds = time_text
+def listed(names: Sequence[str]) -> str:
+    """Return names as a sentence lists them.
+
+    Examples
+    --------
+    >>> listed(["level_1"]), listed(["level_1", "level_2", "level_3"])
+    ('level_1', 'level_1, level_2 and level_3')
+    """
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

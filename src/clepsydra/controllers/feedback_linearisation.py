@@ -12,7 +12,13 @@ from clepsydra.controllers.blocks.anti_windup import IN_WORDS
 from clepsydra.controllers.blocks.final_element import FinalElement, final_element
 from clepsydra.controllers.blocks.handover import Asked
 from clepsydra.controllers.blocks.mode import Mode
-from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step, value_or_zero
+from clepsydra.controllers.blocks.validity import (
+    all_of,
+    any_of,
+    is_number,
+    is_time_step,
+    value_or_zero,
+)
 from clepsydra.controllers.linearised_process import Evaluated, LinearisedProcess
 from clepsydra.controllers.observers.model_observer import ModelObserver
 from clepsydra.controllers.virtual_input import (
@@ -314,17 +320,3 @@ def smallest_effect(virtual: VirtualInput) -> Signal:
         1.0,
         f"smallest effect of {moved.name} on {measured.name} that is divided by",
     )
-
-
-def any_of(conditions: list[ca.SX]) -> ca.SX:
-    """Return whether one of the conditions holds.
-
-    Examples
-    --------
-    >>> bool(any_of([ca.DM(0), ca.DM(1)]))
-    True
-    """
-    result = conditions[0]
-    for condition in conditions[1:]:
-        result = ca.logic_or(result, condition)
-    return result

@@ -13,7 +13,7 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup
 from clepsydra.controllers.blocks.schedule import Schedule
 from clepsydra.controllers.blocks.varying_gains import Feedback, varying_lqi
-from clepsydra.controllers.nonlinear_lqi import check_lqi_anti_windup
+from clepsydra.controllers.linear_quadratic_integral import check_lqi_anti_windup
 from clepsydra.controllers.state_reading import StateSignals
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
@@ -230,8 +230,7 @@ def scheduled_lqi_law(
 
 
 def _words(schedule: Schedule) -> str:
-    what = "setpoint of " if schedule.variable.startswith("setpoint_") else ""
     return (
-        f"Gain scheduling: parameters by tables of {schedule.points} points over the {what}"
-        f"{schedule.signal.name}, filtered."
+        f"Gain scheduling: parameters by tables of {schedule.points} points over "
+        f"{schedule.shown}, filtered."
     )

@@ -96,15 +96,7 @@ def lqi_law(
     >>> float(outputs[0]), float(state[0])
     (2.0, 0.05)
     """
-    check_anti_windup(anti_windup)
-    if anti_windup == "clamping":
-        known = [name for name in get_args(AntiWindup) if name != "clamping"]
-        raise InputError(
-            "LQI law, anti_windup",
-            anti_windup,
-            f"one of {', '.join(known)}: its integral is not the whole output",
-            "choose conditional_integration",
-        )
+    check_lqi_anti_windup(anti_windup)
     state = StateSignals(
         signals.wired_signals("measurement", measurements, measured, "LQI law, measured"),
         signals.wired_signals("output", outputs, manipulated, "LQI law, manipulated"),
@@ -168,3 +160,25 @@ def _equations(symbols: Symbols, state: StateSignals, anti_windup: AntiWindup) -
             )
         )
     return state.equations(symbols, reading, stages, intermediates)
+
+
+def check_lqi_anti_windup(anti_windup: str) -> None:
+    """Refuse clamping: the integral is not the whole output.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> check_lqi_anti_windup("back_calculation")
+    """
+    check_anti_windup(anti_windup)
+    if anti_windup == "clamping":
+        known = [name for name in get_args(AntiWindup) if name != "clamping"]
+        raise InputError(
+            "LQI law, anti_windup",
+            anti_windup,
+            f"one of {', '.join(known)}: its integral is not the whole output",
+            "choose conditional_integration",
+        )

@@ -10,9 +10,10 @@ import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.controllers.observers.measured_state import sensors_of_states, zero_and_slope
 from clepsydra.controllers.observers.model_observer import ModelObserver
 from clepsydra.controllers.process_equations import model_parameter
-from clepsydra.linear.lie_derivatives import Constant
+from clepsydra.linear.process_symbols import Constant
 from clepsydra.linear.relative_degree import VectorRelativeDegree
 from clepsydra.program.step_law import Symbols
 
@@ -82,7 +83,7 @@ class LinearisedProcess:
     observer: ModelObserver | None = None
 
     def __post_init__(self) -> None:
-        known = self._showing if self.observer is None else self.observer.estimated
+        known = self._sensors if self.observer is None else self.observer.estimated
         missing = [name for name in self.needed if name not in known]
         if missing:
             raise InputError(
@@ -118,36 +119,24 @@ class LinearisedProcess:
         outputs = self.linearised.equations.outputs
         if self.observer is not None:
             return tuple(dict.fromkeys((*outputs, *self.observer.measurements)))
-        return tuple(dict.fromkeys((*outputs, *(self._showing[name] for name in self.needed))))
+        return tuple(dict.fromkeys((*outputs, *(self._sensors[name] for name in self.needed))))
 
     @cached_property
-    def _showing(self) -> dict[str, str]:
-        """Each state to the measurement that shows it alone and in proportion."""
-        equations = self.linearised.equations
-        found: dict[str, str] = {}
-        for name, state in equations.point.process.measured_state.items():
-            slope = ca.jacobian(equations.reading(name), equations.state)
-            others = [k for k, each in enumerate(equations.states) if each != state]
-            if slope[others].nnz() or ca.depends_on(slope, equations.state):
-                continue
-            # Where two sensors show a state, the one that is controlled is meant.
-            if state not in found or name in equations.outputs:
-                found[state] = name
-        return found
+    def _sensors(self) -> dict[str, str]:
+        return sensors_of_states(self.linearised.equations)
 
-    def _shown_state(self, state: str) -> tuple[ca.SX, ca.SX]:
-        """Return the reading at a state of zero, and its slope."""
+    @cached_property
+    def _shown(self) -> list[ca.SX]:
+        """For each state that the law needs the reading at zero, and its slope."""
         equations = self.linearised.equations
-        reading = equations.reading(self._showing[state])
-        slope = ca.jacobian(reading, equations.state[equations.states.index(state)])
-        return ca.substitute(reading, equations.state, ca.SX.zeros(len(equations.states))), slope
+        return [x for n in self.needed for x in zero_and_slope(equations, n, self._sensors[n])]
 
     @cached_property
     def constants(self) -> tuple[Constant, ...]:
         """The constants of the process that the law computes with."""
         expressions = list(self._expressions)
         if self.observer is None:
-            expressions += [each for name in self.needed for each in self._shown_state(name)]
+            expressions += self._shown
         else:
             expressions += self.observer.expressions
         used = _names_in(expressions)
@@ -180,11 +169,9 @@ class LinearisedProcess:
         state = ca.SX(equations.point.state)
         estimate: list[ca.SX] = []
         if observer is None:
-            shown = self._at(
-                [each for name in self.needed for each in self._shown_state(name)], state, given
-            )
+            shown = self._at(self._shown, state, given)
             for k, name in enumerate(self.needed):
-                value = measured[self.measurements.index(self._showing[name])]
+                value = measured[self.measurements.index(self._sensors[name])]
                 state[equations.states.index(name)] = (value - shown[2 * k]) / shown[2 * k + 1]
         else:
             places = [self.measurements.index(name) for name in observer.measurements]

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, get_args
+from typing import NamedTuple
 
 import casadi as ca
 
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup, check_anti_windup
+from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup
 from clepsydra.controllers.blocks.output_stage import OutputStage, stage_equations
 from clepsydra.controllers.blocks.validity import all_of, is_number, value_or_zero
 from clepsydra.controllers.blocks.varying_gains import Feedback, varying_lqi
+from clepsydra.controllers.linear_quadratic_integral import check_lqi_anti_windup
 from clepsydra.controllers.observers.measured_state import KnownState, StateSource
 from clepsydra.controllers.process_equations import ProcessEquations, model_parameter
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
-
-FAMILY = "LQI"
 
 
 class LqiReading(NamedTuple):
@@ -248,25 +246,3 @@ def nonlinear_lqi_law(source: StateSource, anti_windup: AntiWindup = "back_calcu
         equations=equations,
         description=(f"Anti-windup: {IN_WORDS[anti_windup]}.",),
     )
-
-
-def check_lqi_anti_windup(anti_windup: str) -> None:
-    """Refuse clamping: the integral is not the whole output.
-
-    Raises
-    ------
-    InputError
-
-    Examples
-    --------
-    >>> check_lqi_anti_windup("back_calculation")
-    """
-    check_anti_windup(anti_windup)
-    if anti_windup == "clamping":
-        known = [name for name in get_args(AntiWindup) if name != "clamping"]
-        raise InputError(
-            "LQI law, anti_windup",
-            anti_windup,
-            f"one of {', '.join(known)}: its integral is not the whole output",
-            "choose conditional_integration",
-        )

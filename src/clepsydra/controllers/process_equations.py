@@ -12,10 +12,10 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
-from clepsydra.linear.lie_derivatives import Constant
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.process_symbols import Constant, ProcessSymbols, process_symbols
 from clepsydra.program.step_law import Symbols
 
 #: A number of the model may be changed by this factor at run time, so never to zero.
@@ -33,12 +33,11 @@ class ProcessEquations:
 
     Parameters
     ----------
-    point : OperatingPoint
-    outputs, inputs, states : tuple of str
-    state, moved : casadi.SX [n], [m]
-        The symbols of x and u.
-    constants : tuple of Constant
-        Parameters, disturbances and the inputs that are left alone.
+    symbols : ProcessSymbols
+        Of u and what is constant.
+    outputs, states : tuple of str
+    state : casadi.SX [n]
+        The symbol of x.
     rates : casadi.SX [n]
         f
 
@@ -51,14 +50,31 @@ class ProcessEquations:
     ('tank.level', 'tank.impurity')
     """
 
-    point: OperatingPoint
+    symbols: ProcessSymbols
     outputs: tuple[str, ...]
-    inputs: tuple[str, ...]
     states: tuple[str, ...]
     state: ca.SX
-    moved: ca.SX
-    constants: tuple[Constant, ...]
     rates: ca.SX
+
+    @property
+    def point(self) -> OperatingPoint:
+        """Of the process."""
+        return self.symbols.point
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the inputs that are moved."""
+        return self.symbols.inputs
+
+    @property
+    def moved(self) -> ca.SX:
+        """The symbols of u [m]."""
+        return self.symbols.moved
+
+    @property
+    def constants(self) -> tuple[Constant, ...]:
+        """Parameters, disturbances and the inputs that are left alone."""
+        return self.symbols.constants
 
     @cached_property
     def A(self) -> ca.SX:
@@ -80,11 +96,7 @@ class ProcessEquations:
 
         A state that does not act on the controlled outputs stands at the operating point.
         """
-        process = self.point.process
-        place = [signal.name for signal in process.measurements].index(measurement)
-        symbols = {each.signal.name: each.symbol for each in self.constants}
-        parameters = ca.vertcat(*(symbols[signal.name] for signal in process.parameters))
-        return process.measure(self._whole_state, parameters)[place]
+        return self.symbols.readings(self._whole_state, [measurement])
 
     @property
     def _whole_state(self) -> ca.SX:
@@ -170,7 +182,7 @@ def process_equations(model: LinearModel) -> ProcessEquations:
     ('well.level', 'duty.actual', 'standby.actual')
     """
     point = operating_point_of(model)
-    process, at = point.process, point.as_dict()
+    process = point.process
     if process.motion.delays:
         raise InputError(
             f"{process.name}, transport delays",
@@ -179,32 +191,16 @@ def process_equations(model: LinearModel) -> ProcessEquations:
             "control it by a method that holds for dead time",
         )
     whole = {signal.name: ca.SX.sym(signal.identifier) for signal in process.state}
-    moved = ca.SX.sym("u", len(model.inputs))
-    places = {name: place for place, name in enumerate(model.inputs)}
-    alone = [signal for signal in process.inputs if signal.name not in places]
-    held = [(signal, at[signal.name]) for signal in (*process.disturbances, *alone)]
-    held += [(parameter, parameter.initial) for parameter in process.parameters]
-    constants = tuple(
-        Constant(signal, ca.SX.sym(signal.identifier), value) for signal, value in held
-    )
-    symbols = {each.signal.name: each.symbol for each in constants}
-    symbols |= {name: moved[place] for name, place in places.items()}
-    groups = (process.inputs, process.disturbances, process.parameters)
-    u, d, p = (ca.vertcat(*(symbols[signal.name] for signal in group)) for group in groups)
+    symbols = process_symbols(point, model.inputs)
     x = ca.vertcat(*whole.values())
-    rates, readings = process.dynamics(x, u, d, p), process.measure(x, p)
-    known = [signal.name for signal in process.measurements]
-    shown = ca.vertcat(*(readings[known.index(name)] for name in model.outputs))
-    kept = _acting(rates, shown, x)
+    rates = symbols.rates(x)
+    kept = _acting(rates, symbols.readings(x, model.outputs), x)
     names = tuple(process.state[place].name for place in kept)
     return ProcessEquations(
-        point=point,
+        symbols=symbols,
         outputs=model.outputs,
-        inputs=model.inputs,
         states=names,
         state=ca.vertcat(*(whole[name] for name in names)),
-        moved=moved,
-        constants=constants,
         rates=rates[kept],
     )
 

@@ -20,7 +20,8 @@ from clepsydra.controllers.blocks.sampled_matrices import (
 )
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
 from clepsydra.controllers.blocks.varying_gains import varying_lqi
-from clepsydra.controllers.nonlinear_lqi import NonlinearLqi, check_lqi_anti_windup
+from clepsydra.controllers.linear_quadratic_integral import check_lqi_anti_windup
+from clepsydra.controllers.nonlinear_lqi import NonlinearLqi
 from clepsydra.controllers.observers.measured_state import StateSource
 from clepsydra.controllers.process_equations import NEARLY_EMPTY, model_parameter
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
@@ -146,21 +147,21 @@ class _Law:
         return [equations.A, equations.B, ca.jacobian(readings, equations.state)]
 
     def parameters(self) -> list[Signal]:
-        common, process = self.common, self.common.equations.point.process
-        found = []
-        for j, name in enumerate(common.equations.outputs, start=1):
-            found.append(
-                _size(f"largest_error_{j}", process.signal(name), "largest acceptable error of")
-            )
+        common, found = self.common, []
+        for j, shown in enumerate(common.controlled, start=1):
+            words = f"largest acceptable error of {shown.name}"
+            found.append(signals.size(f"largest_error_{j}", shown.unit, words))
         for i, output in enumerate(common.manipulated, start=1):
-            found.append(_size(f"largest_move_{i}", output, "largest acceptable move of"))
+            words = f"largest acceptable move of {output.name}"
+            found.append(signals.size(f"largest_move_{i}", output.unit, words))
         for j, name in enumerate(common.equations.outputs, start=1):
             words = f"time for which a largest error of {name} may last"
             found.append(signals.duration(f"horizon_{j}", words))
         words = "time constant in which the model follows the inputs"
         found.append(signals.duration("input_filter_time", words))
         for j, state in enumerate(common.equations.signals_of_states(), start=1):
-            found.append(_size(f"state_size_{j}", state, "size in which numbers are scaled, of"))
+            words = f"size in which numbers are scaled, of {state.name}"
+            found.append(signals.size(f"state_size_{j}", state.unit, words))
         constants = dict.fromkeys(
             (*common.source.constants, *common.equations.used_in(self._linear))
         )
@@ -185,9 +186,8 @@ class _Law:
     def equations(self, symbols: Symbols) -> Equations:
         common = self.common
         reading = common.read(symbols)
-        deviations, state = reading.feedback.state, reading.known.state
         inputs = self._filtered(symbols)
-        found = self._recomputed(symbols, state, inputs)
+        found = self._recomputed(symbols, reading.known.state, inputs)
         usable = ca.logic_and(reading.feedback.numbers, reading.feedback.sensors)
         holds = ca.logic_and(found.holds, ca.logic_and(usable, is_time_step(symbols["time_step"])))
         former = common.gains_in(symbols, "feedback")
@@ -195,12 +195,7 @@ class _Law:
         feedback = _chosen(holds, found.feedback, former)
         integral = _chosen(holds, found.integral, former_integral)
         stages, named = varying_lqi(
-            symbols,
-            reading.feedback._replace(state=deviations),
-            feedback,
-            former,
-            integral,
-            common.anti_windup,
+            symbols, reading.feedback, feedback, former, integral, common.anti_windup
         )
         kept: dict[str, ca.SX] = {}
         for what, rows in (("feedback", feedback), ("integral_gain", integral)):
@@ -232,7 +227,7 @@ class _Law:
     def _recomputed(
         self, symbols: Symbols, state: Sequence[ca.SX], inputs: Sequence[ca.SX]
     ) -> Recomputed:
-        _common, equations = self.common, self.common.equations
+        equations = self.common.equations
         n, m, q = len(equations.states), len(equations.inputs), len(equations.outputs)
         here = equations.bounded(state, NEARLY_EMPTY)
         A, B, C = equations.evaluated(self._linear, here, inputs, symbols)
@@ -283,14 +278,3 @@ def _chosen(holds: ca.SX, now: list[list[ca.SX]], before: list[list[ca.SX]]) -> 
         [ca.if_else(holds, *pair) for pair in zip(*rows, strict=True)]
         for rows in zip(now, before, strict=True)
     ]
-
-
-def _size(name: str, signal: Signal, what: str) -> Signal:
-    return Signal(
-        name,
-        signal.unit,
-        low=1e-12,
-        high=signals.LARGEST_PARAMETER,
-        initial=1.0,
-        description=f"{what} {signal.name}",
-    )

@@ -255,6 +255,19 @@ def gain(name: str, unit: str, initial: float, description: str) -> Signal:
     )
 
 
+def size(name: str, unit: str, description: str) -> Signal:
+    """Return a parameter above zero that is divided by or squared: a largest error, a noise.
+
+    Examples
+    --------
+    >>> size("largest_error_1", "V", "largest acceptable error of level_1").low
+    1e-12
+    """
+    return Signal(
+        name, unit, low=1e-12, high=LARGEST_PARAMETER, initial=1.0, description=description
+    )
+
+
 def duration(name: str, description: str) -> Signal:
     """Return a parameter that is a time above zero [s].
 

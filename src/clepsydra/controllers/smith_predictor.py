@@ -19,6 +19,7 @@ from clepsydra.controllers.polynomial_controller import (
     law_inputs,
     read,
 )
+from clepsydra.controllers.state_reading import weighted_sum
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
@@ -248,8 +249,7 @@ class _PredictedLoop:
         model = [symbols[f"model_{i}_{j}"] for j in range(1, shape.order + 1)]
         delayed = symbols[f"delayed_model_{i}"] if shape.delay else model[0]
         past = [symbols[f"past_model_{i}_{j}"] for j in range(1, shape.tail)]
-        output = _sum([symbols[f"model_share_{i}_{j}"] for j in range(1, shape.tail + 1)],
-                      [delayed, *past])  # fmt: skip
+        output = weighted_sum(symbols, f"model_share_{i}", [delayed, *past])
         plain = read(symbols, self.controller)
         prediction = plain.measurement + (model[0] - output)
         named = {**plain.named, f"model_output_{i}": output, f"prediction_{i}": prediction}
@@ -271,8 +271,8 @@ class _PredictedLoop:
             surprise = ca.if_else(known, surprise, kept)
             state[f"model_error_{i}"] = surprise
             moved = moved + symbols[f"error_feedback_{i}"] * surprise
-        feedback = [symbols[f"model_feedback_{i}_{j}"] for j in range(1, shape.order + 1)]
-        value = symbols[f"model_gain_{i}"] * moved - _sum(feedback, model)
+        feedback = weighted_sum(symbols, f"model_feedback_{i}", model)
+        value = symbols[f"model_gain_{i}"] * moved - feedback
         # In step with the ring, which goes on in every scan.
         goes_on = is_number(value)
         memory = {f"model_{i}_1": value}
@@ -282,10 +282,3 @@ class _PredictedLoop:
         if shape.delay:
             state[f"delayed_model_{i}"] = model[0]
         return Equations(state, following.outputs, following.intermediates)
-
-
-def _sum(gains: Sequence[ca.SX], values: Sequence[ca.SX]) -> ca.SX:
-    total = gains[0] * values[0]
-    for gain, value in zip(gains[1:], values[1:], strict=True):
-        total = total + gain * value
-    return total

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import casadi as ca
 
@@ -54,15 +55,7 @@ class VariableStructureForm(PidForm):
     @property
     def plain(self) -> PidForm:
         """The form without any anti-windup, which has the same settings."""
-        return PidForm(
-            self.actions,
-            self.algorithm,
-            self.derivative_on,
-            self.error,
-            "none",
-            self.setpoint_ramp,
-            self.remote_setpoint,
-        )
+        return PidForm(**_without_anti_windup(self))
 
 
 def variable_structure_form(form: PidForm) -> VariableStructureForm:
@@ -73,15 +66,12 @@ def variable_structure_form(form: PidForm) -> VariableStructureForm:
     >>> variable_structure_form(PidForm("PI", "series")).algorithm
     'series'
     """
-    return VariableStructureForm(
-        form.actions,
-        form.algorithm,
-        form.derivative_on,
-        form.error,
-        "none",
-        form.setpoint_ramp,
-        form.remote_setpoint,
-    )
+    return VariableStructureForm(**_without_anti_windup(form))
+
+
+def _without_anti_windup(form: PidForm) -> dict[str, Any]:
+    chosen = {field.name: getattr(form, field.name) for field in fields(PidForm)}
+    return chosen | {"anti_windup": "none"}
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.loops.multiloop import PairedLoop
@@ -137,6 +137,6 @@ def _rule(loop: PairedLoop, delay: float, actions: RuleActions) -> tuple[PidSett
     model = reaction_curve(loop.element, delay, method=METHOD).model
     words = (
         f"{slope(model.slope, loop.output, loop.input)}, {lag(model.time_constant)}, "
-        f"delay {seconds(model.delay)}"
+        f"delay {time_text(model.delay)}"
     )
     return amigo_settings(model, actions), words

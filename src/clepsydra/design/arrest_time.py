@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable, reasons_about
@@ -65,7 +65,7 @@ def arrest_time_for(model: FirstOrderDelay, deviation: float, load_rate: float) 
         raise NotApplicable(
             METHOD,
             f"its load uses up the allowed deviation of {deviation:.3g} within "
-            f"{seconds(deviation / load_rate)}, too short beside a delay of {seconds(delay)}",
+            f"{time_text(deviation / load_rate)}, too short beside a delay of {time_text(delay)}",
         )
     return 0.5 * (span - 2.0 * delay + math.sqrt(inside))
 
@@ -109,7 +109,7 @@ def arrest_settings(model: FirstOrderDelay, arrest_time: float) -> PidSettings:
         raise NotApplicable(
             METHOD,
             "the level does not integrate: it settles by itself with a time constant of "
-            f"{seconds(model.time_constant)}, and an arrest time of {seconds(arrest_time)} is "
+            f"{time_text(model.time_constant)}, and an arrest time of {time_text(arrest_time)} is "
             "slower",
         )
     return PidSettings(proportional / model.slope, proportional / integral)
@@ -223,7 +223,7 @@ def _averaging(
     if arrest_time is not None:
         return _Averaging(
             arrest_settings(reduced, arrest_time),
-            f"load steps are arrested after {seconds(arrest_time)}",
+            f"load steps are arrested after {time_text(arrest_time)}",
         )
     load = largest_load(model, loop.output.name, METHOD)
     room = deviation or averaging_room(together.point, loop.output, METHOD)
@@ -232,7 +232,7 @@ def _averaging(
         arrest_settings(reduced, time),
         f"a load step of {load.signal} by "
         f"{in_shown_unit(process.signal(load.signal), load.size)} is let use "
-        f"{in_shown_unit(loop.output, room)} and is arrested after {seconds(time)}",
+        f"{in_shown_unit(loop.output, room)} and is arrested after {time_text(time)}",
     )
 
 

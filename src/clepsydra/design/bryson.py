@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
@@ -217,8 +217,8 @@ def weighed_lqi(
         controller,
         design=(
             "LQI with Bryson's weights, "
-            f"{asked.in_words(process)}, an error lasting at most {seconds(asked.horizon)}; "
-            f"slowest closed-loop time constant {seconds(slowest)}, sensitivity peak "
+            f"{asked.in_words(process)}, an error lasting at most {time_text(asked.horizon)}; "
+            f"slowest closed-loop time constant {time_text(slowest)}, sensitivity peak "
             f"{found.peak:.2f}."
         ),
         notes=(*controller.notes, *note_on_slowing(found, "the regulator")),

@@ -11,17 +11,14 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.controllers.blocks.sampled_matrices import doublings_for
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.nonlinear_lqi import FAMILY, nonlinear_lqi_law
+from clepsydra.controllers.linear_quadratic_integral import FAMILY
+from clepsydra.controllers.nonlinear_lqi import nonlinear_lqi_law
 from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
-from clepsydra.controllers.observers.measured_state import StateSource
 from clepsydra.controllers.process_equations import (
-    NEARLY_EMPTY,
     ProcessEquations,
-    model_parameter,
     process_equations,
 )
 from clepsydra.design.applicability import NotApplicable, check_designed
@@ -33,11 +30,18 @@ from clepsydra.design.bryson import (
 from clepsydra.design.kalman import Noise, input_variances, kalman_gain, process_noise
 from clepsydra.design.loops.control_authority import check_ranges
 from clepsydra.design.sampled.sampled_process import held_over
+from clepsydra.design.sampled.steps_in_a_sample import steps_in_a_sample
 from clepsydra.design.states.estimation import Estimation
 from clepsydra.design.states.linear_quadratic import (
     LqiGains,
     bryson_weights,
     lqi_gains_by_weights,
+)
+from clepsydra.design.states.nonlinear_lqi_values import (
+    constant_values,
+    gain_values,
+    output_state,
+    output_values,
 )
 from clepsydra.design.states.observed_process import ObservedProcess, observed_process
 from clepsydra.design.states.slowing_down import note_on_slowing, slow_down
@@ -46,12 +50,6 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of
 
 NAME = "LQI with extended Kalman filter"
-#: A step of the Runge-Kutta method spans at most this share of the fastest time constant.
-_FINE = 0.5
-#: More steps in a sample take too long on a controller.
-MOST_SUBSTEPS = 500
-#: Shares of the ranges at which the fastest rate is looked for.
-_SHARES = (NEARLY_EMPTY, 0.1, 0.3, 1.0)
 
 
 class FoundFilter(NamedTuple):
@@ -176,9 +174,9 @@ def design_lqi_extended_kalman(
         family=FAMILY,
         design=(
             f"LQI with Bryson's weights, {asked.in_words(process)}, an error lasting at most "
-            f"{seconds(asked.horizon)}; extended Kalman filter for {', '.join(equations.states)}, "
+            f"{time_text(asked.horizon)}; extended Kalman filter for {', '.join(equations.states)}, "
             f"{found_filter.words}; at the operating point slowest time constants "
-            f"{seconds(slowest[0])} of the regulator and {seconds(slowest[1])} of the filter, "
+            f"{time_text(slowest[0])} of the regulator and {time_text(slowest[1])} of the filter, "
             f"sensitivity peak {found.peak:.2f}."
         ),
         law=law,
@@ -307,159 +305,6 @@ def acting_model(model: LinearModel, equations: ProcessEquations) -> LinearModel
         C=whole.C[:, kept],
         states=equations.states,
     )
-
-
-def fastest_rate(equations: ProcessEquations) -> float:
-    """Return the fastest rate of the equations over the ranges of states and inputs [1/s].
-
-    The Perron root of |∂f/∂x|: no units of the states, however chosen, give the matrix a smaller
-    norm, and it bounds every eigenvalue.
-
-    References
-    ----------
-    R. A. Horn and C. R. Johnson, Matrix Analysis, 2nd ed., Cambridge University Press 2013,
-    section 8.1.
-
-    Examples
-    --------
-    At 1 m³/s through a tank with a fiftieth of 4 m³:
-
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> round(fastest_rate(process_equations(analyse(load_process("averaging-tank")).model)), 3)
-    12.5
-    """
-    point = equations.point
-    process, at = point.process, point.as_dict()
-    states = equations.signals_of_states()
-    inputs = [process.signal(name) for name in equations.inputs]
-    corners = [[at[signal.name] for signal in inputs]]
-    if all(math.isfinite(signal.span) for signal in inputs):
-        corners += [[s.low for s in inputs], [s.high for s in inputs]]
-    rest = np.array([at[signal.name] for signal in states])
-    places = [rest]
-    for share in _SHARES:
-        placed = [
-            signal.low + share * signal.span if math.isfinite(signal.span) else value
-            for signal, value in zip(states, rest, strict=True)
-        ]
-        places.append(np.array(placed))
-        # One tank nearly empty beside others that are not.
-        for j, value in enumerate(placed):
-            alone = rest.copy()
-            alone[j] = value
-            places.append(alone)
-    largest = 0.0
-    values = equations.values([equations.A])
-    for place in places:
-        for moved in corners:
-            (A,) = values(place, np.array(moved))
-            if np.all(np.isfinite(A)):
-                root = float(np.max(np.abs(np.linalg.eigvals(np.abs(A))), initial=0.0))
-                largest = max(largest, root)
-    return largest
-
-
-def steps_in_a_sample(equations: ProcessEquations, method: str) -> tuple[int, int]:
-    """Return the steps of the Runge-Kutta method in a sample, and the doublings of a series.
-
-    Raises
-    ------
-    NotApplicable
-        The process is too fast for its sampling period.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> steps_in_a_sample(process_equations(analyse(load_process("averaging-tank")).model), "LQI")
-    (3, 3)
-    """
-    period = equations.point.process.sampling_period
-    covered = fastest_rate(equations) * period
-    substeps, doublings = max(1, math.ceil(covered / _FINE)), doublings_for(covered)
-    if substeps > MOST_SUBSTEPS:
-        raise NotApplicable(
-            method,
-            f"its equations would need {substeps} steps in a sample of {period:g} s, and a "
-            f"controller takes at most {MOST_SUBSTEPS}; sample faster",
-        )
-    return substeps, doublings
-
-
-def constant_values(source: StateSource) -> dict[str, float]:
-    """Return the values of model_* that a source of the state computes with.
-
-    Examples
-    --------
-    >>> from clepsydra.controllers.observers.measured_state import MeasuredState
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
-    >>> len(constant_values(MeasuredState(process_equations(model))))
-    4
-    """
-    return {model_parameter(each).name: each.value for each in source.constants}
-
-
-def gain_values(gains: LqiGains) -> dict[str, float]:
-    """Return feedback_i_j and integral_gain_i_j.
-
-    Examples
-    --------
-    >>> gain_values(LqiGains(np.array([[2.0]]), np.array([[0.5]]), np.array([0.5])))
-    {'feedback_1_1': 2.0, 'integral_gain_1_1': 0.5}
-    """
-    return {
-        f"{what}_{i}_{j}": float(value)
-        for what, rows in (("feedback", gains.feedback), ("integral_gain", gains.integral))
-        for i, row in enumerate(rows, start=1)
-        for j, value in enumerate(row, start=1)
-    }
-
-
-def output_values(
-    equations: ProcessEquations, tracking_times: Sequence[float], anti_windup: AntiWindup
-) -> dict[str, float]:
-    """Return reference_state_j, bias_i, limits and tracking times.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> equations = process_equations(analyse(load_process("quadruple-tank")).model)
-    >>> output_values(equations, [30.0, 30.0], "none")["bias_1"]
-    3.0
-    """
-    process, at = equations.point.process, equations.point.as_dict()
-    values = {f"reference_state_{j}": at[name] for j, name in enumerate(equations.states, 1)}
-    for i, name in enumerate(equations.inputs, start=1):
-        signal = process.signal(name)
-        values |= {
-            f"bias_{i}": at[name],
-            f"low_limit_{i}": signal.low,
-            f"high_limit_{i}": signal.high,
-        }
-        if anti_windup == "back_calculation":
-            values[f"tracking_time_{i}"] = float(tracking_times[i - 1])
-    return values
-
-
-def output_state(equations: ProcessEquations) -> dict[str, float]:
-    """Return integral_i and last_output_i at rest.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> output_state(process_equations(analyse(load_process("wet-well")).model))["integral_1"]
-    0.0
-    """
-    at = equations.point.as_dict()
-    state: dict[str, float] = {}
-    for i, name in enumerate(equations.inputs, start=1):
-        state |= {f"integral_{i}": 0.0, f"last_output_{i}": at[name]}
-    return state
 
 
 def notes_on_filter(found: FoundFilter) -> tuple[str, ...]:

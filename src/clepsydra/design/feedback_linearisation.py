@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.feedback_linearisation import FAMILY, feedback_linearisation_law
 from clepsydra.controllers.linearised_process import LinearisedProcess
@@ -28,7 +28,7 @@ from clepsydra.design.loops.control_authority import (
     control_authority,
 )
 from clepsydra.design.request import positive_number
-from clepsydra.design.saturation_rate import saturation_rates, times_faster
+from clepsydra.design.saturation_rate import rates_in_words, saturation_rates
 from clepsydra.design.states.observed_process import observed_process
 from clepsydra.design.states.slowing_down import note_on_slowing, slow_down
 from clepsydra.design.states.state_controllers import sensitivity_peak
@@ -180,7 +180,7 @@ every 78.4 s (a zero at +0.0128 rad/s).
             notes = note_on_slowing(found, "every output")
         chosen = _settings(times, 1.0, linearised)
         words = "time constants " + ", ".join(
-            f"{seconds(time)} of {name}" for time, name in zip(times, model.outputs, strict=True)
+            f"{time_text(time)} of {name}" for time, name in zip(times, model.outputs, strict=True)
         )
     controller = designed(chosen, blank)
     if internal.stable and math.isinf(peak(controller)):
@@ -390,20 +390,14 @@ def _rates(
         for name, setting, degree in zip(names, settings, linearised.degrees, strict=True)
     }
     effects, paired = np.abs(linearised.at_point), dict(linearised.order)
-    scale = [effects[j, paired[j]] if alpha_on == "input" else 1.0 for j in range(len(effects))]
-    given: list[float] | None = None
-    if alpha is not None:
-        every = [alpha] * len(scale) if isinstance(alpha, (int, float)) else list(alpha)
-        # In the virtual input, an excess of an input counts by its effect.
-        given = [rate * effect for rate, effect in zip(every, scale, strict=False)]
-        given += every[len(scale) :]
-    found = saturation_rates(settling, names, given, METHOD)
-    words = ", ".join(
-        f"{rate:.3g} 1/s ({times_faster(rate, settling[name]):.2g} times as fast as {name} settles)"
-        for rate, name in zip(found, names, strict=True)
-    )
-    rates = [rate / effect for rate, effect in zip(found, scale, strict=True)]
-    return rates, f"; α {words}"
+    if alpha_on == "virtual":
+        rates = found = saturation_rates(settling, names, alpha, METHOD)
+    else:
+        # In the virtual input an excess of an input counts by its effect, and so must α.
+        scale = [float(effects[j, paired[j]]) for j in range(len(effects))]
+        found = saturation_rates(settling, names, alpha, METHOD, scale)
+        rates = tuple(rate * effect for rate, effect in zip(found, scale, strict=True))
+    return list(rates), f"; α {rates_in_words(found, settling, names)}"
 
 
 def _notes(

@@ -119,7 +119,7 @@ def slopes_at_rest() -> tuple[float, float]:
 
 def design_fuzzy_pi(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None = None,
     *,
     largest_error: float = _LARGE_ERROR,
     closed_loop_time_constant: float | None = None,
@@ -141,7 +141,8 @@ def design_fuzzy_pi(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
     largest_error : float
         E as a share of the measurement's range.
     closed_loop_time_constant : float, optional

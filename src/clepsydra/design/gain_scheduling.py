@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.words import seconds
+from clepsydra.base.words import listed, time_text
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.schedule import Schedule
@@ -71,8 +71,8 @@ def design_gain_scheduled_pid(
     form : PidForm, optional
         PI in ISA form if left out.
     over : str, optional
-        The controlled measurement over which settings are scheduled; the one over whose range
-        they change most if left out.
+        The controlled measurement over which settings are scheduled; if left out the one over
+        whose range they change most, or with points given the first one.
     follows : {"measurement", "setpoint"}
         Whether the settings follow the measurement itself, filtered, or its setpoint.
     points : sequence of float, optional
@@ -147,7 +147,7 @@ def design_gain_scheduled_pid(
         }
 
     words = "; ".join(
-        f"{loop.pair}: closed-loop time constant {seconds(time)}"
+        f"{loop.pair}: closed-loop time constant {time_text(time)}"
         for loop, time in zip(together.loops, times, strict=True)
     )
     return _designed(
@@ -356,5 +356,5 @@ def _named(method: str) -> Iterator[None]:
 
 def _listed(names: Sequence[str]) -> str:
     kinds = list(dict.fromkeys(name.rstrip("0123456789_").replace("_", " ") for name in names))
-    words = " and ".join([", ".join(kinds[:-1]), kinds[-1]] if len(kinds) > 1 else kinds)
-    return words[0].upper() + words[1:] + "s" if len(kinds) == 1 else words[0].upper() + words[1:]
+    words = f"{kinds[0]}s" if len(kinds) == 1 else listed(kinds)
+    return words[0].upper() + words[1:]

@@ -7,7 +7,7 @@ import math
 from itertools import chain
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.conditioned_linear import FAMILY, conditioned_linear_law
 from clepsydra.controllers.conditioned_linear import MOST_STATES as MOST_STATES_OF_A_LAW
 from clepsydra.controllers.controller import Controller
@@ -39,7 +39,7 @@ REDUCTION_COST = 1.02
 
 def design_glover_mcfarlane(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None = None,
     *,
     precompensator: Controller | Precompensator | None = None,
     relaxation: float = RELAXATION,
@@ -62,8 +62,9 @@ def design_glover_mcfarlane(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
-        Of the PI control by SIMC; another pre-compensator has its own.
+    pairing : sequence of (output, input), or mapping, optional
+        Of the PI control by SIMC, the one that the relative gains suggest if left out; another
+        pre-compensator has its own.
     precompensator : Controller or Precompensator, optional
         What gives the loop its shape, exactly as it runs from sample to sample.
     relaxation : float
@@ -121,7 +122,7 @@ def design_glover_mcfarlane(
 
 
 def _precompensator(
-    model: LinearModel, pairing: Pairing, asked: Controller | Precompensator | None
+    model: LinearModel, pairing: Pairing | None, asked: Controller | Precompensator | None
 ) -> Precompensator:
     if isinstance(asked, Precompensator):
         return asked
@@ -252,7 +253,7 @@ def _described(
             f"{plant.crossover:.3g} rad/s; γ_min = {smallest:.3f}, so that up to "
             f"{100.0 / smallest:.0f} % of the normalised coprime factors can be off; {order} "
             f"keeps γ = {achieved:.3f}; a bumpless start fades in "
-            f"{seconds(1.0 / plant.crossover)}; sensitivity peak {peak:.2f}."
+            f"{time_text(1.0 / plant.crossover)}; sensitivity peak {peak:.2f}."
         ),
         notes=tuple(notes),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import reasons_about
@@ -152,7 +152,7 @@ def _timed(loop: PairedLoop, delay: float, given: float | None) -> TimedLoop:
         lambda time: lambda_settings(model, time),
         shortest,
         f"{words.slope(lag.slope, loop.output, loop.input)}, "
-        f"{words.lag(lag.time_constant)}{taken}, delay {seconds(lag.delay)}",
+        f"{words.lag(lag.time_constant)}{taken}, delay {time_text(lag.delay)}",
     )
 
 

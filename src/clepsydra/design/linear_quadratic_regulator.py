@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.bryson import acceptable_deviations, slowest_time_constant
@@ -128,7 +128,7 @@ def design_lqr(
     return dataclasses.replace(
         controller,
         design=(
-            f"LQR with {by}{estimated}; slowest closed-loop time constant {seconds(slowest)}, "
+            f"LQR with {by}{estimated}; slowest closed-loop time constant {time_text(slowest)}, "
             f"sensitivity peak {found.peak:.2f}."
         ),
         notes=(*controller.notes, *note_on_slowing(found, "the regulator")),

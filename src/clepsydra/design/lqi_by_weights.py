@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
@@ -124,7 +124,7 @@ def design_lqi_by_weights(
     return dataclasses.replace(
         controller,
         design=(
-            f"LQI with given weights; slowest closed-loop time constant {seconds(slowest)}, "
+            f"LQI with given weights; slowest closed-loop time constant {time_text(slowest)}, "
             f"sensitivity peak {peak:.2f}."
         ),
         notes=notes,

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.bryson import (
@@ -126,9 +126,9 @@ def design_lqi_kalman(
         controller,
         design=(
             "LQI with Bryson's weights, "
-            f"{asked.in_words(process)}, an error lasting at most {seconds(asked.horizon)}; Kalman "
+            f"{asked.in_words(process)}, an error lasting at most {time_text(asked.horizon)}; Kalman "
             f"filter for {names}, {noise.words}; slowest time constants "
-            f"{seconds(slowest[0])} of the regulator and {seconds(slowest[1])} of the filter, "
+            f"{time_text(slowest[0])} of the regulator and {time_text(slowest[1])} of the filter, "
             f"sensitivity peak {found.peak:.2f}."
         ),
         notes=(*controller.notes, *note_on_slowing(found, "the regulator")),

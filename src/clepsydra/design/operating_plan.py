@@ -140,14 +140,7 @@ def planned_points(
     if wish.points is not None:
         over = wish.over or outputs[0]
         places = _checked_points(model, over, wish.points, method)
-        plan = []
-        for place in places:
-            try:
-                there = model_at(model, {over: place})
-                values = scheduled.at(there)
-            except ClepsydraError as refusal:
-                raise NotApplicable(method, f"at {over} {place:g}: {refusal}") from None
-            plan.append(PlannedPoint(place, values, _peak(scheduled, there, values)))
+        plan = [_needed(model, scheduled, over, place) for place in places]
         return over, plan, _between(model, scheduled, over, plan)
     candidates = (wish.over,) if wish.over is not None else outputs
     best: tuple[float, str, list[PlannedPoint]] | None = None
@@ -175,12 +168,13 @@ def planned_points(
             f"{' or '.join(candidates)}: fixed gains do as well",
         )
     for low, high in itertools.pairwise(plan):
-        plan = [*plan, _inserted(model, scheduled, over, low, high)]
+        plan = [*plan, _needed(model, scheduled, over, 0.5 * (low.place + high.place))]
     plan = sorted(plan, key=lambda point: point.place)
     between = _between(model, scheduled, over, plan)
     while max(between) > SENSITIVITY_LIMIT * _CLOSE and len(plan) < _MOST:
         worst = int(np.argmax(between))
-        plan.insert(worst + 1, _inserted(model, scheduled, over, *plan[worst : worst + 2]))
+        place = 0.5 * (plan[worst].place + plan[worst + 1].place)
+        plan.insert(worst + 1, _needed(model, scheduled, over, place))
         between = _between(model, scheduled, over, plan)
     return over, plan, between
 
@@ -343,25 +337,28 @@ def _end(
     for way in _WAYS:
         place = rest + way * (end - rest)
         try:
-            there = model_at(model, {over: place})
-            values = scheduled.at(there)
-            return PlannedPoint(place, values, _peak(scheduled, there, values))
+            return _designed_at(model, scheduled, over, place)
         except ClepsydraError:
             continue
     return None
 
 
-def _inserted(
-    model: LinearModel, scheduled: ScheduledDesign, over: str, low: PlannedPoint, high: PlannedPoint
+def _designed_at(
+    model: LinearModel, scheduled: ScheduledDesign, over: str, place: float
 ) -> PlannedPoint:
-    """Return a design halfway between two points."""
-    place = 0.5 * (low.place + high.place)
+    there = model_at(model, {over: place})
+    values = scheduled.at(there)
+    return PlannedPoint(place, values, _peak(scheduled, there, values))
+
+
+def _needed(
+    model: LinearModel, scheduled: ScheduledDesign, over: str, place: float
+) -> PlannedPoint:
+    """Return the design at a point without which there is no schedule."""
     try:
-        there = model_at(model, {over: place})
-        values = scheduled.at(there)
+        return _designed_at(model, scheduled, over, place)
     except ClepsydraError as refusal:
         raise NotApplicable(scheduled.method, f"at {over} {place:g}: {refusal}") from None
-    return PlannedPoint(place, values, _peak(scheduled, there, values))
 
 
 def _between(

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.bryson import slowest_time_constant
@@ -315,4 +315,4 @@ def _in_words(
         if request.observer_poles is None:
             words += f", {request.ratio:.3g} times as fast"
     slowest = slowest_time_constant(regulator_poles, observed.period)
-    return f"{words}; slowest closed-loop time constant {seconds(slowest)}"
+    return f"{words}; slowest closed-loop time constant {time_text(slowest)}"

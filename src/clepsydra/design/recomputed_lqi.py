@@ -10,7 +10,7 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.observers.measured_state import MeasuredState, StateSource
@@ -21,19 +21,17 @@ from clepsydra.design.bryson import (
     acceptable_deviations,
     refuse_more_inputs,
     slowest_time_constant,
+    tracking_times,
 )
 from clepsydra.design.extended_kalman import (
     FoundFilter,
     acting_model,
     extended_kalman,
-    gain_values,
     notes_on_filter,
-    output_state,
-    output_values,
     refuse_dead_time,
-    steps_in_a_sample,
 )
 from clepsydra.design.loops.control_authority import check_ranges
+from clepsydra.design.sampled.steps_in_a_sample import steps_in_a_sample
 from clepsydra.design.states.linear_quadratic import (
     LqiGains,
     bryson_weights,
@@ -42,6 +40,11 @@ from clepsydra.design.states.linear_quadratic import (
     scaled_cost,
 )
 from clepsydra.design.states.measured_states import with_outputs
+from clepsydra.design.states.nonlinear_lqi_values import (
+    gain_values,
+    output_state,
+    output_values,
+)
 from clepsydra.design.states.riccati import Regulator, optimal_regulator
 from clepsydra.design.states.slowing_down import note_on_slowing, slow_down
 from clepsydra.design.states.state_controllers import lqi_controller, sensitivity_peak
@@ -192,9 +195,9 @@ def design_recomputed_lqi(
         controller,
         design=(
             f"LQI with Bryson's weights, {asked.in_words(process)}, an error lasting at most "
-            f"{seconds(asked.horizon)}; in every sample {of_a_sample} of the Riccati equation "
+            f"{time_text(asked.horizon)}; in every sample {of_a_sample} of the Riccati equation "
             f"with the linear model at the present state{estimated}; at the operating point "
-            f"slowest closed-loop time constant {seconds(slowest)}, sensitivity peak "
+            f"slowest closed-loop time constant {time_text(slowest)}, sensitivity peak "
             f"{found.peak:.2f}."
         ),
         notes=(
@@ -395,24 +398,20 @@ def _linear(
     anti_windup: AntiWindup,
 ) -> Controller:
     """Return LQI with the gains at rest: the linear model of the law at the operating point."""
-    feedback = stationary.gains.feedback
-    estimation = None if found_filter is None else found_filter.estimation
-    if estimation is None:
+    gains, estimation = stationary.gains, None
+    feedback, times = gains.feedback, [horizon] * len(acting.inputs)
+    if found_filter is not None:
+        estimation = found_filter.estimation
+    else:
         shown = with_outputs(acting, source.measurements).C
         feedback = np.linalg.solve(shown.T, feedback.T).T
-    times = [horizon] * len(acting.inputs)
-    if estimation is None:
-        columns = [source.measurements.index(name) for name in acting.outputs]
-        for i, (row, integral) in enumerate(zip(feedback, stationary.gains.integral, strict=True)):
-            proportional, size = np.linalg.norm(row[columns]), np.linalg.norm(integral)
-            if proportional > 0.0 and size > 0.0:
-                times[i] = float(proportional / size)
+        times = tracking_times(acting, source.measurements, feedback, gains, horizon)
     return lqi_controller(
         NAME,
         acting,
         source.measurements,
         feedback,
-        stationary.gains.integral,
+        gains.integral,
         times,
         anti_windup,
         estimation,

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.request import positive_number
 
@@ -52,11 +55,28 @@ def times_faster(rate: float, settling_time: float) -> float:
     return rate * settling_time / math.log(1.0 / BAND)
 
 
+def rates_in_words(
+    rates: Sequence[float], settling: Mapping[str, float], names: Sequence[str]
+) -> str:
+    """Return α of each loop beside how fast it is.
+
+    Examples
+    --------
+    >>> rates_in_words([0.1], {"level": 39.12}, ["level"])
+    '0.1 1/s (1 times as fast as level settles)'
+    """
+    return ", ".join(
+        f"{rate:.3g} 1/s ({times_faster(rate, settling[name]):.2g} times as fast as {name} settles)"
+        for rate, name in zip(rates, names, strict=True)
+    )
+
+
 def saturation_rates(
     settling: Mapping[str, float],
     names: Sequence[str],
     given: float | Sequence[float] | None,
     method: str,
+    effects: Sequence[float] | None = None,
 ) -> tuple[float, ...]:
     """Return α of each loop by the rule, or the user's if they keep to it.
 
@@ -73,6 +93,9 @@ def saturation_rates(
         α of all loops or of each [1/s].
     method : str
         For the message.
+    effects : sequence of float, optional
+        Where a given α counts the excess of an input: the effect of each input on its output,
+        over which α is a rate.
 
     Raises
     ------
@@ -93,23 +116,28 @@ it out for 3 times.
     for name in names:
         if not math.isfinite(settling[name]):
             raise NotApplicable(method, f"{name} does not settle at its setpoint")
+    unit = "1/s" if effects is None else "per second and unit of the input"
+    remedy = f"give it {'in ' if effects is None else ''}{unit}"
     if given is None:
         return tuple(rate_for(settling[name]) for name in names)
-    every = [given] * len(names) if isinstance(given, (int, float)) else list(given)
+    listed = isinstance(given, (list, tuple, np.ndarray))
+    every: list[Any] = list(given) if listed else [given] * len(names)  # type: ignore[arg-type]
     if len(every) != len(names):
         raise InputError(
             f"{method}, alpha", every, f"{len(names)} rates", "give one for each loop, or one"
         )
-    for name, rate in zip(names, every, strict=True):
+    found = []
+    for name, value, effect in zip(names, every, effects or [1.0] * len(names), strict=True):
         place = f"{method}, alpha of {name}"
-        positive_number(place, rate, "a rate above 0 1/s", "give it in 1/s")
-        low, high = (rate_for(settling[name], times) for times in (SLOWEST, FASTEST))
-        if not low * 0.999 <= rate <= high * 1.001:
+        alpha = positive_number(place, value, f"a rate above 0 {unit}", remedy)
+        low, high = (rate_for(settling[name], times) * effect for times in (SLOWEST, FASTEST))
+        if not low * 0.999 <= alpha <= high * 1.001:
             raise InputError(
                 place,
-                rate,
-                f"{low:.3g} to {high:.3g} 1/s, {SLOWEST:g} to {FASTEST:g} times as fast as the "
-                f"loop settles ({seconds(settling[name])})",
+                alpha,
+                f"{low:.3g} to {high:.3g} {unit}, {SLOWEST:g} to {FASTEST:g} times as fast as the "
+                f"loop settles ({time_text(settling[name])})",
                 f"choose α within, or leave it out for {USUAL:g} times",
             )
-    return tuple(float(rate) for rate in every)
+        found.append(alpha / effect)
+    return tuple(found)

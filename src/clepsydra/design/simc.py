@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import Decoupling
 from clepsydra.controllers.pid_form import PidForm
@@ -162,7 +162,7 @@ def _first_order(loop: PairedLoop, delay: float) -> TimedLoop:
         lambda time: simc_settings(model, time),
         _shortest(loop, model),
         f"{slope(model.slope, loop.output, loop.input)}, {lag(model.time_constant)}, "
-        f"delay {seconds(model.delay)}",
+        f"delay {time_text(model.delay)}",
     )
 
 
@@ -176,7 +176,7 @@ def _second_order(loop: PairedLoop, model: SecondOrderDelay) -> TimedLoop:
         lambda time: simc_pid_settings(model, time),
         _shortest(loop, model),
         f"{slope(model.slope, loop.output, loop.input)}, {lag(model.time_constant)}, second time "
-        f"constant {seconds(model.second_time_constant)}, delay {seconds(model.delay)}",
+        f"constant {time_text(model.second_time_constant)}, delay {time_text(model.delay)}",
     )
 
 

@@ -9,7 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.smith_predictor import FAMILY, PredictorShape, smith_predictor_law
 from clepsydra.design.applicability import NotApplicable, reasons_about
@@ -25,7 +25,7 @@ from clepsydra.design.polynomial.paired_models import (
     modelled_pairs,
 )
 from clepsydra.design.polynomial.polynomial_control import models_note, settings_words
-from clepsydra.design.polynomial.sampled_model import SampledModel
+from clepsydra.design.polynomial.sampled_model import ON_THE_CIRCLE, SampledModel
 from clepsydra.design.polynomial.two_degree_of_freedom import two_degree_of_freedom
 from clepsydra.design.request import positive_number
 from clepsydra.design.simc import simc_settings
@@ -43,7 +43,7 @@ _POINTS = 4000
 
 def design_smith_predictor(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None = None,
     *,
     primary: Primary = "polynomial",
     penalty: float | None = None,
@@ -73,7 +73,8 @@ def design_smith_predictor(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
     primary : {"polynomial", "PI"}
     penalty, assigned_poles
         Of the polynomial controller, as in `design_polynomial`.
@@ -190,8 +191,8 @@ def _refuse_other_settings(
 def _check(pair: ModelledPair, given: bool) -> None:
     """Refuse a model whose poles the open loop of the predictor would not bear."""
     model = pair.model
-    inside = np.sum(np.abs(model.poles) >= 1.0 - 1e-8)
-    if inside > (1 if model.is_integrating else 0):
+    outside = np.sum(np.abs(model.poles) >= 1.0 - ON_THE_CIRCLE)
+    if outside > (1 if model.is_integrating else 0):
         words = f"{pair.words}: the model is unstable without control, or integrates twice"
         if given:
             raise InputError(
@@ -226,7 +227,7 @@ def _simc(pair: ModelledPair, given: float | None, factor: float) -> LoopGains:
     gain = settings.gain
     return LoopGains(
         gain * model.period / settings.integral_time, (gain,), (gain,), (),
-        f"Ti = {seconds(settings.integral_time)}, τc = {seconds(time)}",
+        f"Ti = {time_text(settings.integral_time)}, τc = {time_text(time)}",
     )  # fmt: skip
 
 
@@ -238,7 +239,7 @@ def _without_delay(model: SampledModel) -> TransferElement:
     poles: list[complex] = []
     integrators = 0
     for pole in model.poles:
-        if abs(pole - 1.0) <= 1e-8:
+        if abs(pole - 1.0) <= ON_THE_CIRCLE:
             integrators += 1
             continue
         if abs(pole) < 1e-12 or (pole.imag == 0.0 and pole.real < 0.0):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 
+from clepsydra.base.arguments import sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
@@ -19,7 +20,7 @@ from clepsydra.design.loops.multiloop import MultiloopPid, checked_form
 from clepsydra.design.loops.pairing import Pairing
 from clepsydra.design.loops.pid_settings import PidSettings
 from clepsydra.design.sampled.setpoint_response import settling_times
-from clepsydra.design.saturation_rate import saturation_rates, times_faster
+from clepsydra.design.saturation_rate import rates_in_words, saturation_rates
 from clepsydra.design.simc import design_simc
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -29,7 +30,7 @@ METHOD = "variable-structure PID"
 
 def design_variable_structure_pid(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None = None,
     *,
     form: PidForm | None = None,
     settings: Sequence[PidSettings] | None = None,
@@ -45,7 +46,8 @@ def design_variable_structure_pid(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
     form : PidForm, optional
         PI in ISA form if left out; its anti-windup does not count.
     settings : sequence of PidSettings, optional
@@ -89,14 +91,8 @@ def design_variable_structure_pid(
         base = _as_given(model, pairing, plain, settings)
     settling = settling_times(base, model)
     rates = saturation_rates(settling, base.setpoints, alpha, METHOD)
-    faster = [
-        times_faster(rate, settling[name]) for rate, name in zip(rates, base.setpoints, strict=True)
-    ]
     found = with_variable_structure(base, plain, rates, model)
-    words = ", ".join(
-        f"{rate:.3g} 1/s ({times:.2g} times as fast as {name} settles)"
-        for rate, times, name in zip(rates, faster, base.setpoints, strict=True)
-    )
+    words = rates_in_words(rates, settling, base.setpoints)
     return dataclasses.replace(found, design=f"{base.design} α {words}.")
 
 
@@ -152,9 +148,13 @@ def with_variable_structure(
 
 
 def _as_given(
-    model: LinearModel, pairing: Pairing, form: PidForm, settings: Sequence[PidSettings]
+    model: LinearModel, pairing: Pairing | None, form: PidForm, settings: Sequence[PidSettings]
 ) -> Controller:
     together = MultiloopPid(model, pairing, form, METHOD)
+    settings = sequence_of(
+        settings, PidSettings, f"{METHOD}, settings", "a list of PidSettings",
+        "write as in [PidSettings(3.0, 30.0)]",
+    )  # fmt: skip
     if len(settings) != len(together.loops):
         raise InputError(
             f"{METHOD}, settings",

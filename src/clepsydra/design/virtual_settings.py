@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.base.arguments import sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.design.request import positive_number
@@ -133,6 +134,10 @@ def checked_settings(
     clepsydra.base.errors.InputError: linearisation, settings of level, integral gain: got 0.0, \
 expected a number above zero; give Ki above zero: without it a load leaves an offset.
     """
+    settings = sequence_of(
+        settings, VirtualSettings, f"{method}, settings", "a list of VirtualSettings",
+        "write as in [VirtualSettings(0.2, 0.01)]",
+    )  # fmt: skip
     if len(settings) != len(names):
         raise InputError(
             f"{method}, settings", len(settings), f"{len(names)} settings", "give one an output"
@@ -156,7 +161,7 @@ expected a number above zero; give Ki above zero: without it a load leaves an of
         if not is_finite_number(weight) or not 0.0 <= weight <= 1.0:
             raise InputError(f"{place}, setpoint weight", weight, "0 to 1", "give a share")
         polynomial = [1.0, *reversed(setting.damping), setting.gain, setting.integral_gain]
-        if not np.all(np.isfinite(polynomial)) or np.max(np.roots(polynomial).real) >= 0.0:
+        if not all(map(is_finite_number, polynomial)) or np.max(np.roots(polynomial).real) >= 0.0:
             raise InputError(
                 place,
                 setting._asdict(),

@@ -6,7 +6,7 @@ from typing import Literal, get_args
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.loops.multiloop import PairedLoop
@@ -165,7 +165,7 @@ def _from_step_response(
 ) -> tuple[PidSettings, str]:
     curve = reaction_curve(loop.element, delay, method=METHOD)
     steepest = slope(curve.slope, loop.output, loop.input)
-    words = f"steepest {steepest}, delay {seconds(curve.delay)}"
+    words = f"steepest {steepest}, delay {time_text(curve.delay)}"
     return ziegler_nichols_step_settings(curve.slope, curve.delay, actions), words
 
 
@@ -180,4 +180,4 @@ def words_on_ultimate(point: UltimatePoint, output: Signal, manipulated: Signal)
     'ultimate gain 4 %/%, ultimate period 3.63 s'
     """
     ultimate = gain(point.gain, output, manipulated)
-    return f"ultimate gain {ultimate}, ultimate period {seconds(point.period)}"
+    return f"ultimate gain {ultimate}, ultimate period {time_text(point.period)}"

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.poles import origin_radius
 from clepsydra.linear.zero_directions import ZeroDirection
@@ -65,10 +65,10 @@ def words_on_poles(model: LinearModel, poles: np.ndarray, constants: np.ndarray)
         words.append("The process is stable: left alone, every level settles.")
     if decaying.size:
         words.append(
-            f"Its slowest time constant is {seconds(decaying.max())} and its fastest "
-            f"{seconds(decaying.min())}."
+            f"Its slowest time constant is {time_text(decaying.max())} and its fastest "
+            f"{time_text(decaying.min())}."
             if decaying.size > 1
-            else f"Its time constant is {seconds(decaying[0])}."
+            else f"Its time constant is {time_text(decaying[0])}."
         )
     return words
 

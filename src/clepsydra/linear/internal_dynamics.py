@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from clepsydra.base.words import seconds
+from clepsydra.base.words import listed, time_text
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.poles import origin_radius, rightmost_first
 from clepsydra.linear.relative_degree import linear_relative_degrees
@@ -126,26 +125,15 @@ def _words(model: LinearModel, modes: np.ndarray, shares: np.ndarray, stable: bo
     names, rate = listed(named), f"{slowest.real:.3g} rad/s"
     one = len(named) == 1
     if stable:
-        time, come = seconds(-1.0 / slowest.real), "comes" if one else "come"
+        time, come = time_text(-1.0 / slowest.real), "comes" if one else "come"
         return (
             f"While {outputs} {held} held, {names} {come} to rest with a time constant of {time} "
             f"(a {what} at {rate})."
         )
     if slowest.real > origin_radius(model.A):
-        time, run = seconds(1.0 / slowest.real), "runs" if one else "run"
+        time, run = time_text(1.0 / slowest.real), "runs" if one else "run"
         return (
             f"while {outputs} {held} held, {names} {run} away, e times as far every {time} "
             f"(a {what} at +{rate})"
         )
     return f"while {outputs} {held} held, {names} never {'comes' if one else 'come'} to rest"
-
-
-def listed(names: Sequence[str]) -> str:
-    """Return names as a sentence lists them.
-
-    Examples
-    --------
-    >>> listed(["a", "b", "c"]), listed(["a"])
-    ('a, b and c', 'a')
-    """
-    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))

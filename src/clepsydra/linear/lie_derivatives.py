@@ -10,10 +10,10 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.process_symbols import Constant, ProcessSymbols, process_symbols
 
 
 class NotLinearisable(InputError):
@@ -27,39 +27,16 @@ class NotLinearisable(InputError):
 
 
 @dataclass(frozen=True, eq=False)
-class Constant:
-    """What the equations take as constant: a parameter, a disturbance, an input left alone.
-
-    Parameters
-    ----------
-    signal : Signal
-    symbol : casadi.SX
-        It stands for it in the equations.
-    value : float
-        At the operating point [signal unit].
-
-    Examples
-    --------
-    >>> Constant(Signal("tank.area", "m^2"), ca.SX.sym("a"), 0.0028).value
-    0.0028
-    """
-
-    signal: Signal
-    symbol: ca.SX
-    value: float
-
-
-@dataclass(frozen=True, eq=False)
 class InputAffineEquations:
     """ẋ = f(x) + G(x) u and y = h(x), as expressions.
 
     Parameters
     ----------
-    point : OperatingPoint
-    outputs, inputs : tuple of str
-    state, moved : casadi.SX [n], [m]
-        The symbols of x and u.
-    constants : tuple of Constant
+    symbols : ProcessSymbols
+        Of u and what is constant.
+    outputs : tuple of str
+    state : casadi.SX [n]
+        The symbol of x.
     rates : casadi.SX [n]
         f(x) + G(x) u as the process gives it.
     drift, fields : casadi.SX [n], [n, m]
@@ -76,16 +53,33 @@ class InputAffineEquations:
     array([0.000832, 0.      ])
     """
 
-    point: OperatingPoint
+    symbols: ProcessSymbols
     outputs: tuple[str, ...]
-    inputs: tuple[str, ...]
     state: ca.SX
-    moved: ca.SX
-    constants: tuple[Constant, ...]
     rates: ca.SX
     drift: ca.SX
     fields: ca.SX
     readings: ca.SX
+
+    @property
+    def point(self) -> OperatingPoint:
+        """Of the process."""
+        return self.symbols.point
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the inputs that are moved."""
+        return self.symbols.inputs
+
+    @property
+    def moved(self) -> ca.SX:
+        """The symbols of u [m]."""
+        return self.symbols.moved
+
+    @property
+    def constants(self) -> tuple[Constant, ...]:
+        """What else the equations depend on."""
+        return self.symbols.constants
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -98,11 +92,7 @@ class InputAffineEquations:
 
     def reading(self, measurement: str) -> ca.SX:
         """Return h of any measurement of the process [measurement unit]."""
-        process = self.point.process
-        place = [signal.name for signal in process.measurements].index(measurement)
-        symbols = {each.signal.name: each.symbol for each in self.constants}
-        parameters = ca.vertcat(*(symbols[signal.name] for signal in process.parameters))
-        return process.measure(self.state, parameters)[place]
+        return self.symbols.readings(self.state, [measurement])
 
     def at_point(self, expression: ca.SX) -> np.ndarray:
         """Return the value of an expression at the operating point."""
@@ -172,34 +162,18 @@ or leave all but one of them alone.
             "a process without dead time: no feedback undoes what comes later",
             "control it by a method that holds for dead time",
         )
-    at = point.as_dict()
-    state, moved = ca.SX.sym("x", len(process.state)), ca.SX.sym("u", len(model.inputs))
-    places = {name: place for place, name in enumerate(model.inputs)}
-    alone = [signal for signal in process.inputs if signal.name not in places]
-    held = [(signal, at[signal.name]) for signal in (*process.disturbances, *alone)]
-    held += [(parameter, parameter.initial) for parameter in process.parameters]
-    constants = tuple(
-        Constant(signal, ca.SX.sym(signal.identifier), value) for signal, value in held
-    )
-    symbols = {each.signal.name: each.symbol for each in constants}
-    symbols |= {name: moved[place] for name, place in places.items()}
-    groups = (process.inputs, process.disturbances, process.parameters)
-    u, d, p = (ca.vertcat(*(symbols[signal.name] for signal in group)) for group in groups)
-    rates = process.dynamics(state, u, d, p)
-    drift, fields = _solved(rates, moved, point, model.inputs)
-    readings = process.measure(state, p)
-    known = [signal.name for signal in process.measurements]
+    symbols = process_symbols(point, model.inputs)
+    state = ca.SX.sym("x", len(process.state))
+    rates = symbols.rates(state)
+    drift, fields = _solved(rates, symbols.moved, point, model.inputs)
     return InputAffineEquations(
-        point=point,
+        symbols=symbols,
         outputs=model.outputs,
-        inputs=model.inputs,
         state=state,
-        moved=moved,
-        constants=constants,
         rates=rates,
         drift=drift,
         fields=fields,
-        readings=ca.vertcat(*(readings[known.index(name)] for name in model.outputs)),
+        readings=symbols.readings(state, model.outputs),
     )
 
 

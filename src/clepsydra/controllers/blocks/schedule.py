@@ -79,15 +79,15 @@ class Schedule:
                 )
                 for k in range(1, self.points + 1)
             ),
-            signals.duration("schedule_filter_time", f"time constant in which {self._follows}"),
+            signals.duration(
+                "schedule_filter_time",
+                f"time constant in which the scheduling variable follows {self.shown}",
+            ),
         ]
 
     @property
-    def _follows(self) -> str:
-        return f"the scheduling variable follows {self._shown}"
-
-    @property
-    def _shown(self) -> str:
+    def shown(self) -> str:
+        """The scheduling variable in words."""
         name = self.signal.name
         return f"the setpoint of {name}" if self.variable.startswith("setpoint_") else name
 
@@ -111,7 +111,7 @@ class Schedule:
 
     def state(self) -> list[Signal]:
         """Return scheduling_variable."""
-        return [signals.like(self.signal, "scheduling_variable", f"{self._shown}, filtered")]
+        return [signals.like(self.signal, "scheduling_variable", f"{self.shown}, filtered")]
 
     def followed(self, symbols: Symbols) -> ca.SX:
         """Return the scheduling variable of this sample.

@@ -61,3 +61,17 @@ def all_of(conditions: list[ca.SX]) -> ca.SX:
     for condition in conditions[1:]:
         result = ca.logic_and(result, condition)
     return result
+
+
+def any_of(conditions: list[ca.SX]) -> ca.SX:
+    """Return whether one of the conditions holds.
+
+    Examples
+    --------
+    >>> bool(any_of([ca.DM(0), ca.DM(1)])), bool(any_of([ca.DM(0), ca.DM(0)]))
+    (True, False)
+    """
+    result = conditions[0]
+    for condition in conditions[1:]:
+        result = ca.logic_or(result, condition)
+    return result

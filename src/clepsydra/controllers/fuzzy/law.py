@@ -54,7 +54,6 @@ def fuzzy_law(
         u = min(high limit, max(low limit, g c + b))      position
         u = min(high limit, max(low limit, u + Δt g c))      increment, u from the last sample
 
-
     and no faster than the rate limit. A position has no integral action. Its b makes a change of
     mode bumpless and fades, b⁺ = b − min(Δt/Tf, 1) b, but not further into saturation. An
     increment moves on from what was applied, in every mode, so it neither bumps nor winds up.

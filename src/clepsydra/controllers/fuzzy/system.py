@@ -12,7 +12,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.fuzzy.membership import Membership
-from clepsydra.controllers.fuzzy.rule import Is, Rule, atoms, firing
+from clepsydra.controllers.fuzzy.rule import Rule, atoms, firing
 
 #: Numbers of points on which a centroid may be taken.
 FEWEST_POINTS, MOST_POINTS = 3, 1001
@@ -169,9 +169,7 @@ there.
                 _check_known(rule, each.set, sets, f"a set of {each.variable} ({', '.join(sets)})")
 
     def _check_points(self, output: LinguisticVariable) -> None:
-        concluded = {
-            c.set for rule in self.rules for c in rule.conclusions if c.variable == output.name
-        }
+        concluded = concluded_sets(self.rules, output.name)
         for name, degrees in output.degrees(self.points_of(output)).items():
             if name in concluded and not degrees.any():
                 raise InputError(
@@ -240,6 +238,6 @@ def concluded_sets(rules: tuple[Rule, ...], output: str) -> dict[str, list[Rule]
     found: dict[str, list[Rule]] = {}
     for rule in rules:
         for each in rule.conclusions:
-            if each == Is(output, each.set):
+            if each.variable == output:
                 found.setdefault(each.set, []).append(rule)
     return found

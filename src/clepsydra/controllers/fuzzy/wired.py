@@ -162,7 +162,8 @@ class WiredFuzzy:
         ]
         if not positions:
             return ()
-        return (f"{' and '.join(positions)} have no integral action: a load leaves an offset.",)
+        moved, have = " and ".join(positions), "has" if len(positions) == 1 else "have"
+        return (f"{moved} {have} no integral action: a load leaves an offset.",)
 
     def _read_input(self, i: int, table: TableReader, each: FuzzyInput, signal: Signal) -> None:
         unit = signals.ratio_of_units(signal.unit, "s") if each.is_rate else signal.unit

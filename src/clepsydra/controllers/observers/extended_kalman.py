@@ -19,7 +19,8 @@ from clepsydra.controllers.blocks.sampled_matrices import (
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
 from clepsydra.controllers.observers.measured_state import KnownState
 from clepsydra.controllers.process_equations import NEARLY_EMPTY, ProcessEquations, model_parameter
-from clepsydra.linear.lie_derivatives import Constant
+from clepsydra.engine.runge_kutta import runge_kutta_step
+from clepsydra.linear.process_symbols import Constant
 from clepsydra.program.counted_loop import counted_loop
 from clepsydra.program.step_law import Symbols
 
@@ -126,13 +127,13 @@ class ExtendedKalman:
         found = []
         for k, name in enumerate(self.measurements, start=1):
             unit = process.signal(name).unit
-            found.append(_positive(f"sensor_noise_{k}", unit, f"standard deviation of {name}"))
+            found.append(signals.size(f"sensor_noise_{k}", unit, f"standard deviation of {name}"))
         for what, names in (("input", self.equations.inputs), ("load", self.loads)):
             for i, name in enumerate(names, start=1):
                 unit = process.signal(name).unit
                 unit = "s^0.5" if unit == "1" else f"{unit} s^0.5"
                 words = f"white noise of {name}: what it adds up to in a second, root mean square"
-                found.append(_positive(f"{what}_noise_{i}", unit, words))
+                found.append(signals.size(f"{what}_noise_{i}", unit, words))
         return found
 
     def memory(self) -> list[Signal]:
@@ -227,17 +228,8 @@ class ExtendedKalman:
             fixed, [0, len(applied), fixed.numel() - 1, fixed.numel()]
         )
         arguments = [equations.state, equations.moved, ca.vertcat(*(each.symbol for each in used))]
-        function = ca.Function("rates", arguments, [ca.densify(equations.rates)])
-
-        def rates(at: ca.SX) -> ca.SX:
-            return function(at, moved, constants)
-
-        half = 0.5 * step
-        first = rates(state)
-        second = rates(state + half * first)
-        third = rates(state + half * second)
-        fourth = rates(state + step * third)
-        end = state + step * ((first + 2 * (second + third) + fourth) / 6)
+        rates = ca.Function("rates", arguments, [ca.densify(equations.rates)])
+        end = runge_kutta_step(rates)(step, state, moved, constants)
         invariants = ca.vertcat(*applied, *given, time * (1.0 / self.substeps))
         body = ca.Function("runge_kutta_step", [ca.SX(0, 1), state, fixed], [end])
         if self.substeps == 1:
@@ -270,12 +262,6 @@ def _intensity(symbols: Symbols, name: str, effect: ca.SX) -> ca.SX:
     size = [symbols[f"{name}_{i}"] for i in range(1, effect.shape[1] + 1)]
     scaled = effect @ ca.diag(ca.vertcat(*size))
     return scaled @ scaled.T
-
-
-def _positive(name: str, unit: str, description: str) -> Signal:
-    return Signal(
-        name, unit, low=1e-12, high=signals.LARGEST_PARAMETER, initial=1.0, description=description
-    )
 
 
 def _product(first: str, second: str) -> str:

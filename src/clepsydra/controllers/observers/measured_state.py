@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import casadi as ca
@@ -11,7 +12,8 @@ import casadi as ca
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.process_equations import ProcessEquations
-from clepsydra.linear.lie_derivatives import Constant
+from clepsydra.linear.lie_derivatives import InputAffineEquations
+from clepsydra.linear.process_symbols import Constant
 from clepsydra.program.step_law import Symbols
 
 
@@ -88,6 +90,55 @@ class StateSource(Protocol):
         """
 
 
+def sensors_of_states(equations: ProcessEquations | InputAffineEquations) -> dict[str, str]:
+    """Return each state with the measurement that shows it alone and in proportion, if one does.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.process.reader import load_process
+    >>> sensors_of_states(process_equations(analyse(load_process("averaging-tank")).model))
+    {'tank.level': 'volume', 'tank.impurity': 'concentration'}
+    """
+    found: dict[str, str] = {}
+    for name, state in equations.point.process.measured_state.items():
+        if state not in equations.states:
+            continue
+        slope = ca.jacobian(equations.reading(name), equations.state)
+        others = [k for k, each in enumerate(equations.states) if each != state]
+        bent = ca.depends_on(slope, equations.state)
+        if bent or (others and slope[others].nnz()):
+            continue
+        # Where two sensors show a state, the one that is controlled is meant.
+        if state not in found or name in equations.outputs:
+            found[state] = name
+    return found
+
+
+def zero_and_slope(
+    equations: ProcessEquations | InputAffineEquations, state: str, sensor: str
+) -> tuple[ca.SX, ca.SX]:
+    """Return what a sensor of `sensors_of_states` shows at a state of zero, and its slope.
+
+    Examples
+    --------
+    A sensor of 50 V/m:
+
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> from clepsydra.process.reader import load_process
+    >>> equations = process_equations(analyse(load_process("quadruple-tank")).model)
+    >>> _, slope = zero_and_slope(equations, "tank_1.level", "level_1")
+    >>> [equations.used_in([slope])[0].value, slope.numel()]
+    [50.0, 1]
+    """
+    reading = equations.reading(sensor)
+    zero = ca.SX.zeros(len(equations.states))
+    slope = ca.jacobian(reading, equations.state[equations.states.index(state)])
+    return ca.substitute(reading, equations.state, zero), slope
+
+
 @dataclass(frozen=True, eq=False)
 class MeasuredState:
     """Each state by the measurement that shows it alone and in proportion.
@@ -113,7 +164,7 @@ class MeasuredState:
     equations: ProcessEquations
 
     def __post_init__(self) -> None:
-        missing = [name for name in self.equations.states if name not in self._showing]
+        missing = [name for name in self.equations.states if name not in self._sensors]
         if missing:
             raise InputError(
                 "state",
@@ -125,35 +176,17 @@ class MeasuredState:
     @property
     def measurements(self) -> tuple[str, ...]:
         """The controlled outputs, then what shows the other states."""
-        shown = (self._showing[name] for name in self.equations.states)
+        shown = (self._sensors[name] for name in self.equations.states)
         return tuple(dict.fromkeys((*self.equations.outputs, *shown)))
 
-    @property
-    def _showing(self) -> dict[str, str]:
-        found: dict[str, str] = {}
-        equations = self.equations
-        for name, state in equations.point.process.measured_state.items():
-            if state not in equations.states:
-                continue
-            slope = ca.jacobian(equations.reading(name), equations.state)
-            others = [k for k, each in enumerate(equations.states) if each != state]
-            bent = ca.depends_on(slope, equations.state)
-            if bent or (others and slope[others].nnz()):
-                continue
-            # Where two sensors show a state, the one that is controlled is meant.
-            if state not in found or name in equations.outputs:
-                found[state] = name
-        return found
+    @cached_property
+    def _sensors(self) -> dict[str, str]:
+        return sensors_of_states(self.equations)
 
     def _shown(self) -> list[ca.SX]:
         """Return for each state the reading at zero, and its slope."""
-        equations, found = self.equations, []
-        zero = ca.SX.zeros(len(equations.states))
-        for place, name in enumerate(equations.states):
-            reading = equations.reading(self._showing[name])
-            slope = ca.jacobian(reading, equations.state[place])
-            found += [ca.substitute(reading, equations.state, zero), slope]
-        return found
+        names = self.equations.states
+        return [x for n in names for x in zero_and_slope(self.equations, n, self._sensors[n])]
 
     @property
     def constants(self) -> tuple[Constant, ...]:
@@ -175,7 +208,7 @@ class MeasuredState:
         shown = equations.evaluated(self._shown(), *nothing, symbols)
         state = []
         for k, name in enumerate(equations.states):
-            value = measured[self.measurements.index(self._showing[name])]
+            value = measured[self.measurements.index(self._sensors[name])]
             slope = shown[2 * k + 1]
             state.append((value - shown[2 * k]) / ca.if_else(slope == 0, 1, slope))
         return KnownState(state, lambda applied: {}, {})

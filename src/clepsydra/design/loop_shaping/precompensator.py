@@ -11,8 +11,8 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import StepLawDerivatives
 from clepsydra.design.loop_shaping.coprime_factors import METHOD
 from clepsydra.design.loop_shaping.sampled_system import SampledSystem
+from clepsydra.design.sampled.sampled_loop import inputs_at_rest
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.linearise import operating_point_of
 
 _SAME = 1e-9
 _SINGULAR = 1e12
@@ -164,13 +164,7 @@ def precompensator_of(controller: Controller, model: LinearModel) -> Precompensa
     >>> found.system.D.round(6).tolist()
     [[3.0, 0.0], [0.0, 3.0]]
     """
-    point = operating_point_of(model)
-    at, period = point.as_dict(), point.process.sampling_period
-    given = {
-        name: at[wire.removesuffix(".setpoint")]
-        for name, wire in controller.input_wires.items()
-        if wire.removesuffix(".setpoint") in at
-    } | {**controller.free_inputs, "time_step": period}
+    given = inputs_at_rest(controller, model)
     law = StepLawDerivatives(controller.law).at(controller.values, controller.initial_state, given)
     place = f"{METHOD}, precompensator"
     if sorted(controller.measurements) != sorted(controller.setpoints):

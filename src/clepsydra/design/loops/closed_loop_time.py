@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.loops.control_authority import DESIGN_STEP
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
@@ -98,7 +98,7 @@ def design_by_time(
         choice = f"a closed-loop time constant of {time:g} s"
         found = as_given(settings_at(times), together.peak, method, choice)
     words = "; ".join(
-        f"{paired.pair}: {loop.words}, closed-loop time constant {seconds(time)}"
+        f"{paired.pair}: {loop.words}, closed-loop time constant {time_text(time)}"
         for paired, loop, time in zip(together.loops, loops, times, strict=True)
     )
     return together.controller(found, source, [f"{models}: {words}.", *_notes(found)])

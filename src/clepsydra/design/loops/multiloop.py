@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import Decoupling, family, multiloop_pid_law
@@ -228,8 +228,8 @@ class MultiloopPid:
     def _in_words(self, settings: Sequence[PidSettings]) -> str:
         return "; ".join(
             f"{loop.pair}: K = {gain(setting.gain, loop.output, loop.input)}"
-            + (f", Ti = {seconds(setting.integral_time)}" if self.form.has_integral else "")
-            + (f", Td = {seconds(setting.derivative_time)}" if self.form.has_derivative else "")
+            + (f", Ti = {time_text(setting.integral_time)}" if self.form.has_integral else "")
+            + (f", Td = {time_text(setting.derivative_time)}" if self.form.has_derivative else "")
             for loop, setting in zip(self.loops, settings, strict=True)
         )
 

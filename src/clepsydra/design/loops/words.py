@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from clepsydra.base.signal import Signal
-from clepsydra.base.words import seconds
+from clepsydra.base.words import time_text
 from clepsydra.design.gain_units import percent_gain
 
 
@@ -17,7 +17,9 @@ def lag(time_constant: float) -> str:
     >>> lag(62.4), lag(math.inf)
     ('time constant 62.4 s', 'integrating')
     """
-    return "integrating" if math.isinf(time_constant) else f"time constant {seconds(time_constant)}"
+    return (
+        "integrating" if math.isinf(time_constant) else f"time constant {time_text(time_constant)}"
+    )
 
 
 def gain(value: float, output: Signal, manipulated: Signal) -> str:

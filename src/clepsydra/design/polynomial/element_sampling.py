@@ -46,7 +46,7 @@ def sampled_transfer(
 
     References
     ----------
-    K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, section 2.3.
+    K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, chapter 2.
 
     Examples
     --------
@@ -150,9 +150,8 @@ def _held(
     C = np.zeros(n)
     C[: len(above)] = above[::-1]
     whole, _ = held_over(A, B, period)
-    _, first = held_over(A, B, (1.0 - late) * period)
     # What was held before acts for the part `late`, and then moves on by itself.
-    rest, _ = held_over(A, B, (1.0 - late) * period)
+    rest, first = held_over(A, B, (1.0 - late) * period)
     _, before = held_over(A, B, late * period)
     poles = np.exp(np.roots(below) * period)
     a = np.real(np.poly(poles))

@@ -55,7 +55,7 @@ class ModelledPair(NamedTuple):
 
 
 def modelled_pairs(
-    model: LinearModel, pairing: Pairing, given: Sequence[SampledModel] | None, method: str
+    model: LinearModel, pairing: Pairing | None, given: Sequence[SampledModel] | None, method: str
 ) -> tuple[OperatingPoint, list[ModelledPair]]:
     """Return the operating point and the pairs with their sampled models.
 
@@ -63,7 +63,8 @@ def modelled_pairs(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), mapping, or None
+        The one that the relative gains suggest for None.
     given : sequence of SampledModel, optional
         One for each pair, an identified one say; without them the paired elements are sampled
         (`design.polynomial.element_sampling`).

@@ -28,7 +28,7 @@ LONGEST_DELAY = 24
 
 def design_polynomial(
     model: LinearModel,
-    pairing: Pairing,
+    pairing: Pairing | None = None,
     *,
     penalty: float | None = None,
     assigned_poles: Sequence[float] | None = None,
@@ -50,7 +50,8 @@ def design_polynomial(
     ----------
     model : LinearModel
         Of a process at an operating point.
-    pairing : sequence of (output, input)
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
     penalty : float, optional
         q_u of all loops [output unit² / input unit²].
     assigned_poles : sequence of float, optional

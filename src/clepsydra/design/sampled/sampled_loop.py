@@ -9,7 +9,7 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.linear_step_law import StepLawDerivatives
+from clepsydra.controllers.linear_step_law import LinearStepLaw, StepLawDerivatives
 from clepsydra.design.sampled.sampled_process import sampled_process
 from clepsydra.design.sampled.sampling_period import check_sampling_period
 from clepsydra.linear.linear_model import LinearModel
@@ -100,6 +100,26 @@ def sampled_loop(controller: Controller, model: LinearModel) -> SampledLoop:
     return SampledLoops(controller, model).at(controller.values)
 
 
+def inputs_at_rest(controller: Controller, model: LinearModel) -> dict[str, float]:
+    """Return what the inputs of a controller are at the operating point of a model.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> inputs = inputs_at_rest(design_simc(analysis.model, analysis.pairing), analysis.model)
+    >>> inputs["time_step"], inputs["setpoint_1"] == inputs["measurement_1"]
+    (1.0, True)
+    """
+    point = operating_point_of(model)
+    at = point.as_dict()
+    wires = {name: wire.removesuffix(".setpoint") for name, wire in controller.input_wires.items()}
+    given = {name: at[wire] for name, wire in wires.items() if wire in at}
+    return given | {**controller.free_inputs, "time_step": point.process.sampling_period}
+
+
 class SampledLoops:
     """The sampled loops of one controller, for any values of its parameters.
 
@@ -127,7 +147,7 @@ class SampledLoops:
     def __init__(self, controller: Controller, model: LinearModel) -> None:
         period = check_sampling_period(model)
         point = operating_point_of(model)
-        process, at = point.process, point.as_dict()
+        process = point.process
         controlled = tuple(dict.fromkeys(controller.setpoints))
         seen = model.select(tuple(dict.fromkeys(controller.measurements)), controller.manipulated)
         if np.any(seen.D != 0.0):
@@ -139,11 +159,7 @@ class SampledLoops:
             )
         self._derivatives = StepLawDerivatives(controller.law)
         self._state = controller.initial_state
-        self._inputs = {
-            name: at[wire.removesuffix(".setpoint")]
-            for name, wire in controller.input_wires.items()
-            if wire.removesuffix(".setpoint") in at
-        } | {**controller.free_inputs, "time_step": period}
+        self._inputs = inputs_at_rest(controller, model)
         self._held, self._moved = sampled_process(seen, period)
         rows = [seen.outputs.index(name) for name in controller.measurements]
         self._measured = self._widened(seen.C[rows])
@@ -157,17 +173,29 @@ class SampledLoops:
     def at(self, values: Mapping[str, float]) -> SampledLoop:
         """Return the loop with these parameter values."""
         law = self._derivatives.at(values, self._state, self._inputs)
+        B = np.vstack([self._moved @ law.D_measurement, law.B_measurement]) @ self._enters
+        shown, sizes = self._shown(law), self._sizes
+        return SampledLoop(self._closed(law), B * sizes, shown / sizes[:, None], np.eye(len(sizes)))
+
+    def from_setpoints(
+        self, values: Mapping[str, float]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return A, B and C of x⁺ = A x + B r, y = C x from setpoints to what they belong to."""
+        law = self._derivatives.at(values, self._state, self._inputs)
+        B = np.vstack([self._moved @ law.D_setpoint, law.B_setpoint])
+        return self._closed(law), B, self._shown(law)
+
+    def _closed(self, law: LinearStepLaw) -> np.ndarray:
         C, moved = self._measured, self._moved
-        A = np.block(
+        return np.block(
             [
                 [self._held + moved @ law.D_measurement @ C, moved @ law.C],
                 [law.B_measurement @ C, law.A],
             ]
         )
-        B = np.vstack([moved @ law.D_measurement, law.B_measurement]) @ self._enters
-        shown = np.hstack([self._controlled, np.zeros((len(self._sizes), len(law.A)))])
-        sizes = self._sizes
-        return SampledLoop(A, B * sizes, shown / sizes[:, None], np.eye(len(sizes)))
+
+    def _shown(self, law: LinearStepLaw) -> np.ndarray:
+        return np.hstack([self._controlled, np.zeros((len(self._sizes), len(law.A)))])
 
     def _widened(self, C: np.ndarray) -> np.ndarray:
         """Return C for the sampled states: what is on its way does not show."""

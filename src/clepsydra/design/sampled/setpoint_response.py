@@ -7,9 +7,7 @@ import math
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.linear_step_law import StepLawDerivatives
-from clepsydra.design.sampled.sampled_process import sampled_process
-from clepsydra.design.sampled.sampling_period import check_sampling_period
+from clepsydra.design.sampled.sampled_loop import SampledLoops
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
@@ -44,7 +42,7 @@ def settling_times(
 
     Raises
     ------
-    InputError, NotSampled, ClepsydraError
+    InputError, NotSampled
         As `design.sampled.sampled_loop.sampled_loop`.
 
     Examples
@@ -57,29 +55,11 @@ def settling_times(
     >>> round(times["level_1"])
     48
     """
-    period = check_sampling_period(model)
-    at = operating_point_of(model).as_dict()
-    seen = model.select(tuple(dict.fromkeys(controller.measurements)), controller.manipulated)
-    wires = {name: wire.removesuffix(".setpoint") for name, wire in controller.input_wires.items()}
-    given = {name: at[wire] for name, wire in wires.items() if wire in at}
-    law = StepLawDerivatives(controller.law).at(
-        controller.values,
-        controller.initial_state,
-        given | controller.free_inputs | {"time_step": period},
-    )
-    held, moved = sampled_process(seen, period)
-    rows = [seen.outputs.index(name) for name in controller.measurements]
-    shown = np.hstack([seen.C, np.zeros((len(seen.C), len(held) - seen.C.shape[1]))])[rows]
-    A = np.block(
-        [
-            [held + moved @ law.D_measurement @ shown, moved @ law.C],
-            [law.B_measurement @ shown, law.A],
-        ]
-    )
-    B = np.vstack([moved @ law.D_setpoint, law.B_setpoint])
-    C = np.hstack([shown, np.zeros((len(shown), len(law.A)))])
+    A, B, C = SampledLoops(controller, model).from_setpoints(controller.values)
+    period = operating_point_of(model).process.sampling_period
+    controlled = list(dict.fromkeys(controller.setpoints))
     return {
-        name: settled_after(A, B[:, column], C[controller.measurements.index(name)], period, band)
+        name: settled_after(A, B[:, column], C[controlled.index(name)], period, band)
         for column, name in enumerate(controller.setpoints)
     }
 

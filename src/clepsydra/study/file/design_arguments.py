@@ -349,13 +349,19 @@ def _points(table: TableReader, key: str, process: Process) -> list[float]:
 
 
 def _rates(table: TableReader, key: str, process: Process) -> float | list[float]:
-    """Read rates above zero [1/s], one for all loops or a list."""
+    """Read rates above zero, one for all loops or a list: [1/s], or plain where α is on the input.
+
+    On the input its unit is that of the output's r-th derivative per unit of the input and second,
+    another for each loop.
+    """
+    on_input = table.has("alpha_on") and table.raw("alpha_on") == "input"
+    unit, example = ("1", "0.1") if on_input else ("1/s", '"0.1 1/s"')
     written = table.raw(key)
     if not isinstance(written, list):
-        return table.quantity(key, "1/s", "a rate", 'write as in "0.1 1/s"', above=0.0)
+        return table.quantity(key, unit, "a rate", f"write as in {example}", above=0.0)
     return [
         table.with_value(key, entry).quantity(
-            key, "1/s", "a rate", 'write as in ["0.1 1/s", "0.2 1/s"]', above=0.0
+            key, unit, "a rate", f"write as in [{example}]", above=0.0
         )
         for entry in written
     ]

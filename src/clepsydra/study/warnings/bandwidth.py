@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from clepsydra.base.words import time_text
+from clepsydra.base.words import listed, time_text
 from clepsydra.linear.compared import compared
 from clepsydra.linear.dead_time_structure import dead_times
 from clepsydra.linear.linear_model import LinearModel
@@ -15,7 +15,6 @@ from clepsydra.linear.response import frequency_response
 from clepsydra.linear.roots import roots_of
 from clepsydra.linear.zero_directions import ZeroDirection, zero_directions
 from clepsydra.study.warnings.loop_response import LoopResponse
-from clepsydra.study.warnings.words import listed
 
 #: Where the sensitivity in a direction reaches this from below, the bandwidth ends.
 _BANDWIDTH = math.sqrt(0.5)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import casadi as ca
 import numpy as np
 
+from clepsydra.base.words import listed
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario
@@ -16,7 +17,7 @@ from clepsydra.process.pump import Pump
 from clepsydra.process.sensor import Sensor
 from clepsydra.process.tank import Tank
 from clepsydra.study.warnings.resting import Rest
-from clepsydra.study.warnings.words import listed, shown
+from clepsydra.study.warnings.words import shown
 
 #: A level so near to a limit, a share of its range, is at it.
 _ROUNDING = 1e-6

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 
-from clepsydra.base.words import time_text
+from clepsydra.base.words import listed, time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.study.warnings.loop_response import LoopResponse
-from clepsydra.study.warnings.words import listed
 
 #: ωc T from which on the sampling is too slow [rad].
 _TOO_SLOW = 0.5

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.base.words import time_text
+from clepsydra.base.words import listed, time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.compared import compared
 from clepsydra.linear.controllability import (
@@ -17,7 +17,6 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import origin_radius
 from clepsydra.study.warnings.loop_response import LoopResponse
-from clepsydra.study.warnings.words import listed
 
 #: An eigenvalue of a law so near above one is an integrator with its rounding.
 _INTEGRATOR = 1e-6

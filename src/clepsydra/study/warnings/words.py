@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
@@ -24,14 +23,3 @@ def shown(value: float, signal: Signal) -> str:
         value = 0.0
     unit = "" if signal.shown_unit == "1" else f" {signal.shown_unit}"
     return f"{from_si(value, signal.unit, signal.shown_unit):.4g}{unit}"
-
-
-def listed(names: Sequence[str]) -> str:
-    """Return names as a list in a sentence.
-
-    Examples
-    --------
-    >>> listed(["level_1"]), listed(["level_1", "level_2", "level_3"])
-    ('level_1', 'level_1, level_2 and level_3')
-    """
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
