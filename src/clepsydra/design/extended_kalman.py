@@ -174,7 +174,8 @@ def design_lqi_extended_kalman(
         family=FAMILY,
         design=(
             f"LQI with Bryson's weights, {asked.in_words(process)}, an error lasting at most "
-            f"{time_text(asked.horizon)}; extended Kalman filter for {', '.join(equations.states)}, "
+            f"{time_text(asked.horizon)}; extended Kalman filter for "
+            f"{', '.join(equations.states)}, "
             f"{found_filter.words}; at the operating point slowest time constants "
             f"{time_text(slowest[0])} of the regulator and {time_text(slowest[1])} of the filter, "
             f"sensitivity peak {found.peak:.2f}."

@@ -126,8 +126,8 @@ def design_lqi_kalman(
         controller,
         design=(
             "LQI with Bryson's weights, "
-            f"{asked.in_words(process)}, an error lasting at most {time_text(asked.horizon)}; Kalman "
-            f"filter for {names}, {noise.words}; slowest time constants "
+            f"{asked.in_words(process)}, an error lasting at most {time_text(asked.horizon)}; "
+            f"Kalman filter for {names}, {noise.words}; slowest time constants "
             f"{time_text(slowest[0])} of the regulator and {time_text(slowest[1])} of the filter, "
             f"sensitivity peak {found.peak:.2f}."
         ),
