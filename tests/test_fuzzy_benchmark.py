@@ -15,6 +15,9 @@ from benchmarks.experiments import Disagreement
 from clepsydra.controllers.fuzzy.membership import triangle
 from clepsydra.controllers.fuzzy.system import LinguisticVariable
 
+# scikit-fuzzy, where it is installed, calls NumPy as it was.
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning:skfuzzy")
+
 
 @pytest.fixture
 def few_scenarios(monkeypatch: pytest.MonkeyPatch) -> None:

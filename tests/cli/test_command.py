@@ -121,6 +121,7 @@ def test_numbers_that_json_has_no_form_for_become_null(capsys):
     assert one_document(capsys.readouterr().out) == expected
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NAMES)
 def test_study_shows_a_ranked_table_that_fits_a_terminal(command, tmp_path, name):
     status, output, errors = command("study", name, "-o", str(tmp_path))
@@ -134,6 +135,7 @@ def test_study_shows_a_ranked_table_that_fits_a_terminal(command, tmp_path, name
     assert names(tmp_path) == [f"{name}.html", f"{name}.parquet"]
 
 
+@pytest.mark.thorough
 def test_without_a_folder_the_current_one_is_used_and_the_seed_is_an_option(command, tmp_path):
     status, output, _ = command("study", NAMES[0], "--json", "--seed", "5")
     assert status == 0

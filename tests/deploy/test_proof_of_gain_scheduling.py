@@ -12,6 +12,8 @@ from clepsydra.design.recomputed_lqi import design_recomputed_lqi
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 
+pytestmark = pytest.mark.thorough
+
 
 def designed(kind, analysis):
     if kind == "scheduled PI":

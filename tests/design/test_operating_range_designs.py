@@ -19,6 +19,8 @@ from clepsydra.design.states.measured_states import with_outputs
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 
+pytestmark = pytest.mark.thorough
+
 #: Words of the refusal of each design, in this order; None where it applies.
 MORE = "inputs move"
 EXPECTED = {

@@ -30,7 +30,10 @@ def random_program(seed: int) -> tuple[Program, Block, np.ndarray]:
     return program, plain, rows
 
 
-@pytest.mark.parametrize("seed", range(16))
+@pytest.mark.parametrize(
+    "seed",
+    [*range(4), *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(4, 16))],
+)
 def test_kernel_and_interpreter_agree_bit_for_bit(seed):
     """Nineteen scenarios fill one group of lanes or more; each has a parameter of its own."""
     program, plain, rows = random_program(9000 + seed)

@@ -19,6 +19,8 @@ from clepsydra.identify.structures import FOPDT, IPDT, SOPDT
 from clepsydra.identify.uncertainty import uncertainty
 from clepsydra.process.reader import load_process
 
+pytestmark = pytest.mark.thorough
+
 SEEDS = 400
 FEWEST, MOST = (int(binom.ppf(p, SEEDS, 0.95)) for p in (0.005, 0.995))
 PERIOD = 2.0

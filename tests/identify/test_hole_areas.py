@@ -13,6 +13,8 @@ from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.loop.open_loop import _OpenLoop, simulate
 from clepsydra.process.reader import load_process
 
+pytestmark = pytest.mark.thorough
+
 PROCESS = load_process("laboratory-four-tanks:report,volts")
 HOLES = {"outlet_1": 0.1563, "outlet_2": 0.1283, "outlet_3": 0.0637, "outlet_4": 0.0566}  # cm²
 

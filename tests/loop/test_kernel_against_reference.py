@@ -15,6 +15,8 @@ from clepsydra.loop.open_loop import simulate
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.process.reader import load_process
 
+pytestmark = pytest.mark.thorough
+
 VARIANTS = (
     "averaging-tank:inflow-constant",
     "averaging-tank:all-inputs",

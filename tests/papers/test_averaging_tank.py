@@ -9,6 +9,8 @@ from clepsydra.papers.averaging_tank.model import numbers
 from clepsydra.papers.averaging_tank.pi import BY_HAND, pi_run
 from clepsydra.papers.averaging_tank.step_run import indices
 
+pytestmark = pytest.mark.thorough
+
 MISPRINTS = {
     ("(3)", "left side"),
     ("(4)", "left side"),

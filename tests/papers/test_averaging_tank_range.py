@@ -8,6 +8,8 @@ from clepsydra.papers.averaging_tank.lqi import COLUMNS
 from clepsydra.papers.averaging_tank.operating_range import PERIOD, Step, range_run
 from clepsydra.papers.averaging_tank.range_controllers import KINDS, controller_of, gains_at
 
+pytestmark = pytest.mark.thorough
+
 FAILS = {
     "PI, f_in constant, cause of the decline",
     "LQI, f_in constant, cause of the decline",

@@ -8,6 +8,8 @@ from clepsydra.papers.eight_tanks.polynomials import controller, real_below
 from clepsydra.papers.eight_tanks.predictor_structure import closed_loop_radius
 from clepsydra.papers.eight_tanks.robustness import judged, largest_gain
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.fixture(scope="module")
 def found(audited):

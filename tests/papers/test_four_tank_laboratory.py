@@ -22,6 +22,8 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     plant,
 )
 
+pytestmark = pytest.mark.thorough
+
 MISPRINTS = {
     ("Exercise 2.1.5", "name of the theorem"),  # Vieta
     ("text before (23)", "tank that rests at 23.5 cm"),  # tank 4

@@ -9,6 +9,8 @@ from clepsydra.linear.analysis import analyse
 from clepsydra.papers.four_tank_variable_structure import rig
 from clepsydra.papers.four_tank_variable_structure.rig import at_target, plant
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.fixture(scope="module")
 def findings(audited):

@@ -17,6 +17,8 @@ from clepsydra.report.roots_picture import roots_figure
 from clepsydra.report.singular_value_picture import directionality_figure
 from clepsydra.report.step_picture import step_figure
 
+pytestmark = pytest.mark.thorough
+
 LATE = Path(__file__).parents[1] / "dead-time.toml"
 
 

@@ -29,6 +29,8 @@ from clepsydra.study.tuning.parameters import TunedParameter
 from clepsydra.study.tuning.tuned_lqi import tuned_lqi, weight_space, weights_around
 from clepsydra.study.tuning.weighted_designs import lqi_by_bryson, lqi_of_weights
 
+pytestmark = pytest.mark.thorough
+
 VESSEL = Path(__file__).with_name("tuning") / "vessel.toml"
 PERIOD, STEP = 2.0, 0.05
 #: Of the level [1/m²], of the feed [s²/m⁶] and of the level's integral [1/(m s)²].

@@ -15,6 +15,8 @@ from clepsydra.process.reader import load_process
 from clepsydra.study.trial import scores_of
 from clepsydra.study.tuning.tuned_pid import tuned_pid
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.mark.parametrize("name", ["quadruple-tank", "quadruple-tank-nonminimum-phase"])
 def test_the_tuned_controller_scores_in_a_run_of_its_own_what_the_tuning_said(name):

@@ -18,6 +18,8 @@ from clepsydra.study.tuning.objective import Limits, minimax
 from clepsydra.study.tuning.parameters import TunedParameter
 from clepsydra.study.tuning.tune import tune
 
+pytestmark = pytest.mark.thorough
+
 SCORES = ("outflow_rate[level]", "variance_ratio[level]")
 
 

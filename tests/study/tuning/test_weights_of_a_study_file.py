@@ -9,6 +9,8 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.study.file.reader import read_study
 from clepsydra.study.study import run_study
 
+pytestmark = pytest.mark.thorough
+
 VESSEL = Path(__file__).with_name("vessel.toml")
 HEAD = """process = "{vessel}"
 [scenario]
