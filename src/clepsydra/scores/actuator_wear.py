@@ -114,7 +114,10 @@ def reversals(time: ArrayLike, signal: ArrayLike, low: float, high: float) -> fl
     highest = lowest = float(held[0])
     direction, turns = 0, 0
     for value in _moves(held, highest):
-        highest, lowest = max(highest, value), min(lowest, value)
+        if value > highest:
+            highest = value
+        if value < lowest:
+            lowest = value
         if direction >= 0 and highest - value > band:
             turns += direction > 0
             direction, lowest = -1, value
@@ -127,7 +130,8 @@ def reversals(time: ArrayLike, signal: ArrayLike, low: float, high: float) -> fl
 def _moves(held: FloatArray, first: float) -> list[float]:
     """Return the values at which the signal has moved: the others change nothing."""
     moved = np.diff(held, prepend=first) != 0.0
-    return [float(value) for value in held[moved]]
+    found: list[float] = held[moved].tolist()
+    return found
 
 
 def _span(low: float, high: float) -> float:
