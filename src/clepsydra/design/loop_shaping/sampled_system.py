@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.design.sampled.continuous_image import continuous_image
 from clepsydra.linear.response import evaluate_transfer
 from clepsydra.linear.sensitivity import largest_gain
 
@@ -48,17 +49,9 @@ class SampledSystem(NamedTuple):
     def continuous_image(self) -> SampledSystem:
         """Return the continuous system of s = (z − 1)/(z + 1).
 
-        It has the same gains, with the unit circle on the imaginary axis, the same Hankel
-        singular values and the same coprime factors.
+        It has the same gains, Hankel singular values and coprime factors.
         """
-        identity = np.eye(len(self.A))
-        inverse = np.linalg.inv(self.A + identity)
-        return SampledSystem(
-            (self.A - identity) @ inverse,
-            np.sqrt(2.0) * inverse @ self.B,
-            np.sqrt(2.0) * self.C @ inverse,
-            self.D - self.C @ inverse @ self.B,
-        )
+        return SampledSystem(*continuous_image(*self))
 
     def response(self, angles: np.ndarray) -> np.ndarray:
         """Return G(e^jωT) at angles ωT [rad], as [l, q, m]."""

@@ -10,6 +10,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_step_law import LinearStepLaw, StepLawDerivatives
+from clepsydra.design.sampled.continuous_image import continuous_image
 from clepsydra.design.sampled.sampled_process import sampled_process
 from clepsydra.design.sampled.sampling_period import check_sampling_period
 from clepsydra.linear.linear_model import LinearModel
@@ -57,15 +58,7 @@ class SampledLoop:
         """Largest singular value of S(e^jωT) over frequency [1]; infinite if unstable."""
         if not self.is_stable:
             return float("inf")
-        # The bilinear map takes the unit circle to the imaginary axis and keeps every gain.
-        identity = np.eye(len(self.A))
-        inverse = np.linalg.inv(self.A + identity)
-        return largest_gain(
-            (self.A - identity) @ inverse,
-            np.sqrt(2.0) * inverse @ self.B,
-            np.sqrt(2.0) * self.C @ inverse,
-            self.D - self.C @ inverse @ self.B,
-        ).peak
+        return largest_gain(*continuous_image(self.A, self.B, self.C, self.D)).peak
 
 
 def sampled_loop(controller: Controller, model: LinearModel) -> SampledLoop:
