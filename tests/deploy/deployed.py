@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clepsydra.deploy.c99 import print_c
-from clepsydra.deploy.structured_text import print_structured_text
+from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
 

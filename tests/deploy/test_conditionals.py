@@ -9,9 +9,9 @@ from random_blocks import FINITE, random_block, stimulus
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.c99 import print_c
-from clepsydra.deploy.heading import digest
-from clepsydra.deploy.structured_text import print_structured_text
+from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.printing.heading import digest
+from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Conditional, Operation, Program

@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.c99_statements import NOTATION as C
-from clepsydra.deploy.expressions import Expression, decimal, flag, render, variable
-from clepsydra.deploy.structured_text_statements import NOTATION as TEXT
+from clepsydra.deploy.c99.statements import NOTATION as C
+from clepsydra.deploy.printing.expressions import Expression, decimal, flag, render, variable
+from clepsydra.deploy.structured_text.statements import NOTATION as TEXT
 
 A, B, D, P, Q = variable("a"), variable("b"), variable("d"), flag("p"), flag("q")
 

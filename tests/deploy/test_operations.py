@@ -8,8 +8,8 @@ import pytest
 from deployed import CompiledC, InterpretedText, all_bits, bits, run_both
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.c99 import print_c
-from clepsydra.deploy.structured_text import print_structured_text
+from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.engine.kernel import Kernel
 from clepsydra.program.counted_loop import counted_loop
 from clepsydra.program.delay_ring import DelayRing

@@ -11,8 +11,8 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.deploy.c99 import print_c
-from clepsydra.deploy.structured_text import print_structured_text
+from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process

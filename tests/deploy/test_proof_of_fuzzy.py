@@ -15,8 +15,8 @@ from clepsydra.controllers.fuzzy.membership import Gaussian, Trapezoid, right_sh
 from clepsydra.controllers.fuzzy.rule import parse_rule
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
 from clepsydra.controllers.fuzzy.wired import WiredFuzzy
-from clepsydra.deploy.c99 import print_c
-from clepsydra.deploy.structured_text import print_structured_text
+from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.design.fuzzy_control import design_fuzzy_pi
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium

@@ -5,8 +5,8 @@ import re
 import pytest
 from test_proof import proven
 
-from clepsydra.deploy.c99 import print_c
-from clepsydra.deploy.structured_text import print_structured_text
+from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.design.glover_mcfarlane import design_glover_mcfarlane
 from clepsydra.design.simc import design_simc
 from clepsydra.linear.analysis import analyse

@@ -21,7 +21,7 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.ratio_block import RatioBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
-from clepsydra.deploy.c99 import print_c
+from clepsydra.deploy.c99.printer import print_c
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.reader import program_of
 

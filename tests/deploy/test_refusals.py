@@ -11,9 +11,9 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.deploy.c99 import print_c
-from clepsydra.deploy.heading import digest
-from clepsydra.deploy.structured_text import print_structured_text
+from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.printing.heading import digest
+from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Loop, Operation, Program

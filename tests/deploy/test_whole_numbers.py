@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.whole_numbers import WholeRange, whole_ranges
+from clepsydra.deploy.printing.whole_numbers import WholeRange, whole_ranges
 from clepsydra.program.program import Block, Operation, Program
 
 COMPUTE = {

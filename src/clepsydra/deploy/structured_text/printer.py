@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.entries import Entry, is_ring, signal_of
-from clepsydra.deploy.expressions import Expression, decimal, flag, render, variable
-from clepsydra.deploy.folding import list_block
-from clepsydra.deploy.heading import check_printable, heading
-from clepsydra.deploy.identifiers import STRUCTURED_TEXT_WORDS, Identifiers
-from clepsydra.deploy.listing import Assignment, CountedLoop, ListingStatement
-from clepsydra.deploy.structured_text_interface import (
+from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
+from clepsydra.deploy.printing.expressions import Expression, decimal, flag, render, variable
+from clepsydra.deploy.printing.folding import list_block
+from clepsydra.deploy.printing.heading import check_printable, heading
+from clepsydra.deploy.printing.identifiers import STRUCTURED_TEXT_WORDS, Identifiers
+from clepsydra.deploy.printing.listing import Assignment, CountedLoop, ListingStatement
+from clepsydra.deploy.printing.whole_numbers import check_whole_results
+from clepsydra.deploy.structured_text.interface import (
     check_names,
     declaration,
     output_declaration,
     section,
     state_declaration,
 )
-from clepsydra.deploy.structured_text_statements import NOTATION, assign, statement, wrapped
-from clepsydra.deploy.whole_numbers import check_whole_results
+from clepsydra.deploy.structured_text.statements import NOTATION, assign, statement, wrapped
 from clepsydra.program.program import Program
 
 _NOTES = (

@@ -7,18 +7,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.c99_interface import check_names, head_comment, print_header, step_head
-from clepsydra.deploy.c99_statements import FUNCTIONS, NOTATION, array, assign, statement
-from clepsydra.deploy.entries import Entry, is_ring, signal_of
-from clepsydra.deploy.expressions import Expression, flag, render, variable
-from clepsydra.deploy.folding import list_block
-from clepsydra.deploy.heading import check_printable
-from clepsydra.deploy.identifiers import (
+from clepsydra.deploy.c99.interface import check_names, head_comment, print_header, step_head
+from clepsydra.deploy.c99.statements import FUNCTIONS, NOTATION, array, assign, statement
+from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
+from clepsydra.deploy.printing.expressions import Expression, flag, render, variable
+from clepsydra.deploy.printing.folding import list_block
+from clepsydra.deploy.printing.heading import check_printable
+from clepsydra.deploy.printing.identifiers import (
     C_WORDS,
     Identifiers,
 )
-from clepsydra.deploy.listing import Listing
-from clepsydra.deploy.whole_numbers import check_whole_results
+from clepsydra.deploy.printing.listing import Listing
+from clepsydra.deploy.printing.whole_numbers import check_whole_results
 from clepsydra.program.program import Program
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from clepsydra.deploy.entries import Entry, is_ring, signal_of
-from clepsydra.deploy.heading import comment, commented, heading
-from clepsydra.deploy.identifiers import C_WORDS, check_distinct, check_identifier
+from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
+from clepsydra.deploy.printing.heading import comment, commented, heading
+from clepsydra.deploy.printing.identifiers import C_WORDS, check_distinct, check_identifier
 from clepsydra.program.program import Program
 
 _TYPES = {"real": "double", "integer": "int32_t", "boolean": "bool"}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from clepsydra.deploy.expressions import Notation, decimal, render
-from clepsydra.deploy.listing import Assignment, CountedLoop, ListingStatement
+from clepsydra.deploy.printing.expressions import Notation, decimal, render
+from clepsydra.deploy.printing.listing import Assignment, CountedLoop, ListingStatement
 from clepsydra.program.program import LIBRARY
 
 FUNCTIONS = {
@@ -36,7 +36,7 @@ def statement(entry: ListingStatement, depth: int) -> list[str]:
 
     Examples
     --------
-    >>> from clepsydra.deploy.expressions import Expression, variable
+    >>> from clepsydra.deploy.printing.expressions import Expression, variable
     >>> total = Expression("add", (variable("a"), variable("b")))
     >>> statement(Assignment("total", total), 1)
     ['  const double total = a + b;']

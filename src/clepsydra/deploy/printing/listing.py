@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from clepsydra.deploy.expressions import Expression
+from clepsydra.deploy.printing.expressions import Expression
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,7 @@ class Assignment:
 
     Examples
     --------
-    >>> from clepsydra.deploy.expressions import variable
+    >>> from clepsydra.deploy.printing.expressions import variable
     >>> Assignment("level", variable("measurement_1")).name
     'level'
     """
@@ -29,7 +29,7 @@ class CountedLoop:
 
     Examples
     --------
-    >>> from clepsydra.deploy.expressions import variable
+    >>> from clepsydra.deploy.printing.expressions import variable
     >>> zero, row = Expression("constant"), variable("table[i]")
     >>> update = Assignment("total", Expression("add", (variable("total"), row)))
     >>> CountedLoop("i", 3, (Assignment("total", zero),), (), (update,), "sum").count
@@ -50,7 +50,7 @@ class Branch:
 
     Examples
     --------
-    >>> from clepsydra.deploy.expressions import flag, variable
+    >>> from clepsydra.deploy.printing.expressions import flag, variable
     >>> start, update = Assignment("level", variable("x")), Assignment("level", variable("limit"))
     >>> Branch(flag("spilling"), (start,), (), (update,), "spill").condition.text
     'spilling'
@@ -72,7 +72,7 @@ class Listing:
 
     Examples
     --------
-    >>> from clepsydra.deploy.expressions import variable
+    >>> from clepsydra.deploy.printing.expressions import variable
     >>> listing = Listing((Assignment("t1", variable("x")),), (variable("t1"),))
     >>> [expression.text for expression in listing.expressions()]
     ['x', 't1']
@@ -112,7 +112,7 @@ def parts(expression: Expression) -> Iterator[Expression]:
 
     Examples
     --------
-    >>> from clepsydra.deploy.expressions import variable
+    >>> from clepsydra.deploy.printing.expressions import variable
     >>> [part.code for part in parts(Expression("negate", (variable("a"),)))]
     ['negate', 'variable']
     """

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from clepsydra.deploy.expressions import Expression, Notation, decimal, render, variable
-from clepsydra.deploy.listing import Assignment, CountedLoop, ListingStatement
+from clepsydra.deploy.printing.expressions import Expression, Notation, decimal, render, variable
+from clepsydra.deploy.printing.listing import Assignment, CountedLoop, ListingStatement
 
 NOTATION = Notation(
     language="Structured Text",

@@ -11,7 +11,7 @@ from clepsydra import __version__
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.entries import Entry, signal_of
+from clepsydra.deploy.printing.entries import Entry, signal_of
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Loop, Operation, Program
 

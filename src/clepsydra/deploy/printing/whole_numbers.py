@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.entries import signal_of
+from clepsydra.deploy.printing.entries import signal_of
 from clepsydra.program.program import COMPARISONS, LOGIC, Block, Conditional, Operation, Program
 
 INTEGER_LOW, INTEGER_HIGH = -(2.0**31), 2.0**31 - 1.0

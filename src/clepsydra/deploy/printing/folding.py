@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from clepsydra.deploy.expressions import Expression, Notation, flag, render, variable
-from clepsydra.deploy.identifiers import Identifiers
-from clepsydra.deploy.listing import (
+from clepsydra.deploy.printing.expressions import Expression, Notation, flag, render, variable
+from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.deploy.printing.listing import (
     Assignment,
     Branch,
     CountedLoop,
@@ -58,7 +58,7 @@ def list_block(
     --------
     A value that is read twice gets a variable, one that is read once is written in its place:
 
-    >>> from clepsydra.deploy.c99_statements import NOTATION
+    >>> from clepsydra.deploy.c99.statements import NOTATION
     >>> block = Block(1, (Operation(1, "multiply", (0, 0)), Operation(2, "add", (1, 1))), (2,))
     >>> listing = list_block(block, [variable("x")], NOTATION, Identifiers([], ignore_case=False),
     ...                      labels={}, preferred={1: "square"})

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.entries import Entry, is_ring, signal_of
-from clepsydra.deploy.expressions import Expression, render
-from clepsydra.deploy.heading import comment, commented
-from clepsydra.deploy.identifiers import (
+from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
+from clepsydra.deploy.printing.expressions import Expression, render
+from clepsydra.deploy.printing.heading import comment, commented
+from clepsydra.deploy.printing.identifiers import (
     STRUCTURED_TEXT_WORDS,
     check_distinct,
     check_identifier,
 )
-from clepsydra.deploy.structured_text_statements import NOTATION
+from clepsydra.deploy.structured_text.statements import NOTATION
 from clepsydra.program.program import Program
 
 _TYPES = {"real": "LREAL", "integer": "DINT", "boolean": "BOOL"}

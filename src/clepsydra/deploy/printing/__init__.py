@@ -1,0 +1,1 @@
+"""What every printer of a program shares: expressions, names, comments and checks."""
