@@ -1,0 +1,124 @@
+"""The precision that a program is printed in: double, or single where a target has no double."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Literal, get_args
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.printing.entries import Entry
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.program import Block, Conditional, Operation, Program, Statement
+
+#: LREAL and double, or REAL and float.
+Precision = Literal["double", "single"]
+
+_LARGEST = float(np.finfo(np.float32).max)
+_SMALLEST = float(np.finfo(np.float32).tiny)
+#: Above this magnitude a value counts as not a number: of doubles (`LARGEST_NUMBER` of the
+#: controllers' blocks), and what takes its place among single-precision numbers.
+_NUMBER_BOUND, _SINGLE_BOUND = 1e300, float(np.float32(3e38))
+
+
+def check_precision(precision: str) -> None:
+    """Refuse a precision that there is not.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> check_precision("half")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: precision: got 'half', expected double or single; \
+choose one of them.
+    """
+    if precision not in get_args(Precision):
+        raise InputError(
+            "precision", precision, " or ".join(get_args(Precision)), "choose one of them"
+        )
+
+
+def in_precision(program: Program, precision: Precision) -> Program:
+    """Return a program whose numbers all are numbers of a precision.
+
+    In single precision every constant, table entry, parameter and initial value is rounded to
+    the nearest single-precision number, and the bound above which a value counts as not a number
+    becomes 3e38.
+
+    Raises
+    ------
+    InputError
+        The precision is unknown, or a number is too large or too small for it.
+
+    Examples
+    --------
+    >>> from clepsydra.program.program import Block, Operation
+    >>> tenth = Block(0, (Operation(0, "constant", (), 0.1),), (0,))
+    >>> program = Program("tenth", (), (), (), (Signal("y"),), tenth)
+    >>> in_precision(program, "single").block.statements[0].constant
+    0.10000000149011612
+    """
+    check_precision(precision)
+    if precision == "double":
+        return program
+    place = f"program {program.name}"
+    return replace(
+        program,
+        state=tuple(_entry(entry, place) for entry in program.state),
+        inputs=tuple(_signal(signal, place) for signal in program.inputs),
+        parameters=tuple(_signal(signal, place) for signal in program.parameters),
+        outputs=tuple(_signal(signal, place) for signal in program.outputs),
+        block=_block(program.block, place),
+    )
+
+
+def _entry(entry: Entry, place: str) -> Entry:
+    if isinstance(entry, DelayRing):
+        return replace(entry, signal=_signal(entry.signal, place))
+    return _signal(entry, place)
+
+
+def _signal(signal: Signal, place: str) -> Signal:
+    if signal.kind != "real":
+        return signal
+    return replace(signal, initial=_single(signal.initial, f"{place}, {signal.name}"))
+
+
+def _block(block: Block, place: str) -> Block:
+    return replace(block, statements=tuple(_statement(s, place) for s in block.statements))
+
+
+def _statement(statement: Statement, place: str) -> Statement:
+    if isinstance(statement, Operation):
+        if statement.code != "constant":
+            return statement
+        return replace(statement, constant=_single(statement.constant, f"{place}, a constant"))
+    if isinstance(statement, Conditional):
+        return replace(statement, body=_block(statement.body, place))
+    inside = f"{place}, table of {statement.name}"
+    return replace(
+        statement,
+        body=_block(statement.body, place),
+        tables=tuple(tuple(_single(v, inside) for v in table) for table in statement.tables),
+        rings=tuple(replace(ring, signal=_signal(ring.signal, place)) for ring in statement.rings),
+    )
+
+
+def _single(value: float, place: str) -> float:
+    if value == 0.0 or not math.isfinite(value):
+        return value
+    if abs(value) == _NUMBER_BOUND:
+        return math.copysign(_SINGLE_BOUND, value)
+    if not _SMALLEST <= abs(value) <= _LARGEST:
+        raise InputError(
+            place, value, f"a number of REAL: magnitude from {_SMALLEST:.3g} to {_LARGEST:.3g}",
+            "print it in double precision",
+        )  # fmt: skip
+    return float(np.float32(value))
