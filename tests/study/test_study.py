@@ -314,3 +314,19 @@ def test_the_rule_that_is_told_is_the_one_that_ranked(tmp_path):
     page = report_text(result)
     assert "mean of overshoot of level_1, each" in page and "Calm or quick" in page
     assert "mean of setpoint error and load error" not in page
+
+
+def test_only_the_controller_that_is_asked_for_is_made():
+    result = run_study("quadruple-tank", only="PI, SIMC")
+    assert [candidate.controller.name for candidate in result.ranking] == ["PI, SIMC"]
+
+
+def test_a_tuned_controller_comes_with_the_one_it_starts_from():
+    result = run_study("equalisation-tank", only="PI, arrest time, tuned")
+    names = {candidate.controller.name for candidate in result.ranking}
+    assert names == {"PI, arrest time", "PI, arrest time, tuned"}
+
+
+def test_a_name_of_no_controller_is_refused():
+    with pytest.raises(InputError, match="perhaps 'PI, SIMC' was meant"):
+        run_study("quadruple-tank", only="PI SIMC")

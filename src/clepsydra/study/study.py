@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.linear.analysis import Analysis, analyse
@@ -75,6 +76,7 @@ def run_study(
     seed: int = 1,
     progress: Callable[[StudyProgress], None] | None = None,
     tuning_folder: Path | None = None,
+    only: str | None = None,
 ) -> StudyResult:
     """Design, tune, simulate, score and rank controllers of a process.
 
@@ -91,6 +93,9 @@ def run_study(
     tuning_folder : Path, optional
         Where a tuning keeps what it has computed until it is done. Control-C ends a tuning with
         the best so far; the same study then goes on from there.
+    only : str, optional
+        Name of the one controller that is wanted, from `controller_names`; the others are left
+        out, but for the one that its tuning starts from.
 
     Returns
     -------
@@ -101,23 +106,52 @@ def run_study(
     NoEquilibrium
         The process has no operating point.
     InputError
-        The process or study file cannot be used, or the process is sampled too slowly or too
-        fast to be simulated.
+        The process or study file cannot be used, the process is sampled too slowly or too
+        fast to be simulated, or `only` names no controller of the study.
 
     Examples
     --------
     >>> run_study("equalisation-tank").ranking[0].controller.name
     'PI, arrest time, tuned'
     """
+    if not isinstance(process, (Process, StudyRequest)):
+        process = load_process(process)
+    if only is not None:
+        _check_name(only, controller_names(process))
     if isinstance(process, StudyRequest):
         study = _Study(process.analysis, process.scenario, process.seed, progress, tuning_folder)
-        return study.of_request(process).result()
-    if not isinstance(process, Process):
-        process = load_process(process)
+        return study.of_request(process, only).result()
     analysis = analyse(process)
     substeps_for(analysis.model)  # a process that cannot be simulated is refused before all else
     scenario = default_scenario(analysis.model, seed=seed)
-    return _Study(analysis, scenario, seed, progress, tuning_folder).of_all_designs().result()
+    return _Study(analysis, scenario, seed, progress, tuning_folder).of_all_designs(only).result()
+
+
+def controller_names(request: Process | StudyRequest) -> tuple[str, ...]:
+    """Return the names of the controllers that a study tries, whether or not they apply.
+
+    Examples
+    --------
+    >>> controller_names(load_process("equalisation-tank"))[-1]
+    'PI, arrest time, tuned'
+    """
+    if isinstance(request, StudyRequest) and request.controllers:
+        return tuple(wanted.name for wanted in request.controllers)
+    process = request.process if isinstance(request, StudyRequest) else request
+    return (*DESIGNS, _TUNED.format(_first(process)))
+
+
+def _first(process: Process) -> str:
+    """Return the design whose controller is tuned."""
+    return _AVERAGING_START if process.averaging else _START
+
+
+def _check_name(name: str, known: tuple[str, ...]) -> None:
+    if name not in known:
+        raise InputError(
+            "controller", name, f"one of: {'; '.join(known)}",
+            suggestion(name, known, "choose one of them, in quotation marks"),
+        )  # fmt: skip
 
 
 class _Study:
@@ -141,13 +175,14 @@ class _Study:
         self.title = self.process.title
         self.path: Path | None = None
 
-    def of_request(self, request: StudyRequest) -> _Study:
+    def of_request(self, request: StudyRequest, only: str | None) -> _Study:
         self.stem, self.scores, self.title = request.file_stem, request.scores, request.title
         self.path = request.path
         if not request.controllers:
-            return self.of_all_designs()
-        for place, wanted in enumerate(request.controllers):
-            now = StudyProgress(place, len(request.controllers), wanted.name)
+            return self.of_all_designs(only)
+        chosen = [each for each in request.controllers if only in (None, each.name)]
+        for place, wanted in enumerate(chosen):
+            now = StudyProgress(place, len(chosen), wanted.name)
             self.tell(now)
             with self._refusals(wanted.name):
                 controller = wanted.make(self.analysis, self.model)
@@ -158,15 +193,20 @@ class _Study:
                 self._add(controller, tuning)
         return self
 
-    def of_all_designs(self) -> _Study:
-        count = len(DESIGNS) + 1
-        for place, (name, design) in enumerate(DESIGNS.items()):
-            self.tell(StudyProgress(place, count, name))
-            with self._refusals(name):
-                self._add(design(self.analysis))
-        first = _AVERAGING_START if self.process.averaging else _START
+    def of_all_designs(self, only: str | None) -> _Study:
+        first = _first(self.process)
         name = _TUNED.format(first)
-        now = StudyProgress(len(DESIGNS), count, name)
+        designs = DESIGNS
+        if only is not None:
+            chosen = first if only == name else only
+            designs = {chosen: DESIGNS[chosen]}
+        for place, (each, design) in enumerate(designs.items()):
+            self.tell(StudyProgress(place, len(designs) + 1, each))
+            with self._refusals(each):
+                self._add(design(self.analysis))
+        if only not in (None, name):
+            return self
+        now = StudyProgress(len(designs), len(designs) + 1, name)
         self.tell(now)
         with self._refusals(name):
             start, objective, limits = self._start(first, name)
