@@ -55,7 +55,7 @@ def simulate(
         typer.Option(
             "--profile",
             metavar="FILE.csv",
-            help="Values over time, with a head such as time [s],pump_1 [V]; each is held until "
+            help="Values over time, with a head such as time \\[s],pump_1 \\[V]; each is held until "
             "the next row.",
         ),
     ] = None,

@@ -339,12 +339,13 @@ def _points(table: TableReader, key: str, process: Process) -> list[float]:
     """Read the operating points of a schedule, quantities of the measurement that it is over."""
     over = _measurement(table, "over", process)
     signal = process.signal(over)
-    expected, remedy = f"a list of values of {over}", f'write as in ["10 {signal.shown_unit}"]'
+    remedy = f'write as in ["10 {signal.shown_unit}"]'
     written = table.raw(key)
     if not isinstance(written, list) or not written:
-        raise table.refused(key, shown_value(written), expected, remedy)
+        raise table.refused(key, shown_value(written), f"a list of values of {over}", remedy)
     return [
-        read_value(table.with_value(key, entry), key, signal, expected, remedy) for entry in written
+        read_value(table.with_value(key, entry), key, signal, "a value", remedy)
+        for entry in written
     ]
 
 
@@ -409,7 +410,7 @@ READERS: dict[str, Callable[[TableReader, str, Process], Any]] = {
     "follows": partial(_word, words=get_args(Follows)),
     "points": _points,
     "steps": _whole,
-    "relaxation": partial(_number, expected="a factor above 1", example="1.1", above=1.0),
+    "relaxation": partial(_number, expected="a factor", example="1.1", above=1.0),
     "order": _whole,
     "penalty": partial(_number, expected="a penalty of the input", example="1.0", above=0.0),
     "assigned_poles": _numbers,
