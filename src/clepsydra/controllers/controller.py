@@ -49,6 +49,9 @@ class Controller:
     free_inputs : dict
         Input of the law that no signal of the process drives, to its value at rest: a choice of
         setpoints, say. In a loop it is the input "controller." + its name.
+    free_outputs : tuple of str
+        Outputs of the law that no signal of the process takes: a watchdog, say. In a loop it is
+        "controller." + its name.
 
     Raises
     ------
@@ -82,6 +85,7 @@ class Controller:
     manipulated: tuple[str, ...]
     notes: tuple[str, ...] = ()
     free_inputs: dict[str, float] = field(default_factory=dict)
+    free_outputs: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         check_parameters(self.law, self.values, self.name)
@@ -95,6 +99,7 @@ class Controller:
             self.manipulated,
             self.name,
             free=self.free_inputs,
+            free_outputs=self.free_outputs,
         )
 
     @property
@@ -106,7 +111,8 @@ class Controller:
     @property
     def output_wires(self) -> dict[str, str]:
         """Law output to the loop's signal, "status_1" → "pump_1.status"."""
-        return output_wires(self.manipulated)
+        wired = output_wires(self.manipulated)
+        return wired | {name: f"controller.{name}" for name in self.free_outputs}
 
     def program(self) -> Program:
         """Return the law as a program that starts with this controller's numbers.

@@ -50,6 +50,7 @@ def check_wiring(
     manipulated: Sequence[str],
     place: str,
     free: Collection[str] = (),
+    free_outputs: Collection[str] = (),
 ) -> None:
     """Refuse names that are not one for each signal of a law.
 
@@ -62,6 +63,8 @@ def check_wiring(
         The controller's name, for the message.
     free : collection of str
         Inputs that nothing of the process drives.
+    free_outputs : collection of str
+        Outputs that nothing of the process takes.
 
     Raises
     ------
@@ -105,8 +108,15 @@ for each measurement of the law; name them.
                 f"{place}, free inputs", name, "an input of the law that nothing drives",
                 "correct the name",
             )  # fmt: skip
+    for name in free_outputs:
+        if name not in outputs or name in wired:
+            raise InputError(
+                f"{place}, free outputs", name, "an output of the law that nothing takes",
+                "correct the name",
+            )  # fmt: skip
+    possible = {*wired, *free, *free_outputs, "time_step"}
     for name in (*inputs, *outputs):
-        if name not in wired and name not in free and name != "time_step":
+        if name not in possible:
             raise InputError(
                 f"{place}, law {law.name}",
                 name,

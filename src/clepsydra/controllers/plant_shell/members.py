@@ -1,0 +1,229 @@
+"""The members of a plant shell, made for a controller from the settings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.plant_shell.fail_safe import SafeOutput
+from clepsydra.controllers.plant_shell.sensor_diagnosis import SENSOR_DELAY, MonitoredSensor
+from clepsydra.controllers.plant_shell.setpoint_ramp import RampedSetpoint
+from clepsydra.controllers.plant_shell.settings import PlantShell, check_names
+from clepsydra.controllers.plant_shell.take_up import take_up_scans
+from clepsydra.controllers.signals import LARGEST_PARAMETER
+from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.program.step_law import StepLaw
+
+
+@dataclass(frozen=True)
+class Members:
+    """What a shell is made of.
+
+    Parameters
+    ----------
+    sensors : tuple of MonitoredSensor
+    setpoints : tuple of RampedSetpoint
+    outputs : tuple of SafeOutput
+    rates : dict
+        Number of an output whose rate the shell limits to the rate [unit/s].
+    own_rates : dict
+        Parameter rate_limit_i that the law has itself to its value.
+    take_up_scans : int
+        Scans for which the law follows its output before it is in force again.
+    sources : dict
+        Parameter of the shell to where its number comes from.
+    notes : tuple of str
+        What the shell cannot do here.
+
+    Examples
+    --------
+    >>> Members((), (), (), {}, {}, 1, {}, ()).rates
+    {}
+    """
+
+    sensors: tuple[MonitoredSensor, ...]
+    setpoints: tuple[RampedSetpoint, ...]
+    outputs: tuple[SafeOutput, ...]
+    rates: dict[int, float]
+    own_rates: dict[str, float]
+    take_up_scans: int
+    sources: dict[str, str]
+    notes: tuple[str, ...]
+
+
+def members_of(controller: Controller, settings: PlantShell, sampling_period: float) -> Members:
+    """Return the members of the shell of a controller.
+
+    Parameters
+    ----------
+    controller : Controller
+    settings : PlantShell
+    sampling_period : float
+        [s]
+
+    Raises
+    ------
+    InputError
+        A setting is for a signal that the controller does not have, a fail-safe value lies
+        outside the limits, or the rate of an output cannot be limited.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> members = members_of(design_simc(analysis.model, analysis.pairing), PlantShell(), 1.0)
+    >>> members.sensors[0].range, members.sources["range_low_1"]
+    ((0.0, 10.0), 'range of level_1 in the process file')
+    """
+    return _Maker(controller, settings).made(sampling_period)
+
+
+class _Maker:
+    def __init__(self, controller: Controller, settings: PlantShell) -> None:
+        self.controller, self.settings = controller, settings
+        self.inputs = {signal.name: signal for signal in controller.law.inputs}
+        self.results = {signal.name: signal for signal in controller.law.outputs}
+        self.sources: dict[str, str] = {}
+        self.notes: list[str] = []
+
+    def made(self, sampling_period: float) -> Members:
+        self._check_names()
+        sensors = tuple(map(self._sensor, range(1, len(self.controller.measurements) + 1)))
+        setpoints = tuple(map(self._setpoint, range(1, len(self.controller.setpoints) + 1)))
+        numbers = range(1, len(self.controller.manipulated) + 1)
+        rates, own_rates = self._rates()
+        outputs = tuple(map(self._output, numbers))
+        self.sources |= {
+            "sampling_period": "sampling period that the controller runs with",
+            "take_up_scans": "settling of what the law remembers, found by running it",
+            "scan_tolerance": "setting of the plant shell"
+            if self.settings.scan_tolerance != PlantShell().scan_tolerance
+            else "default: a tenth",
+        }
+        safe = [output.value for output in outputs]
+        scans = take_up_scans(self.controller, sampling_period, safe)
+        return Members(
+            sensors, setpoints, outputs, rates, own_rates, scans, self.sources, tuple(self.notes)
+        )
+
+    def _check_names(self) -> None:
+        controller, settings, place = self.controller, self.settings, self.controller.name
+        for what, known, kind in (
+            ("ranges", controller.measurements, "measurement"),
+            ("sensor_delay", controller.measurements, "measurement"),
+            ("setpoint_rate", controller.setpoints, "controlled measurement"),
+            ("rate_limit", controller.manipulated, "manipulated variable"),
+            ("fail_safe", controller.manipulated, "manipulated variable"),
+        ):
+            check_names(what, getattr(settings, what), known, place, kind)
+
+    def _source(self, parameter: str, given: bool, otherwise: str) -> None:
+        self.sources[parameter] = "setting of the plant shell" if given else otherwise
+
+    def _sensor(self, number: int) -> MonitoredSensor:
+        name = self.controller.measurements[number - 1]
+        signal = _named(self.inputs[f"measurement_{number}"], name)
+        given = self.settings.ranges.get(name)
+        known = given or (signal.low, signal.high)
+        between: tuple[float, float] | None = None
+        if all(math.isfinite(end) for end in known) and known[0] < known[1]:
+            between = (float(known[0]), float(known[1]))
+            for end in ("low", "high"):
+                self._source(
+                    f"range_{end}_{number}",
+                    given is not None,
+                    f"range of {name} in the process file",
+                )
+        else:
+            self.notes.append(
+                f"The range of {name} is not known, so the shell cannot tell its current: only "
+                "what is not a number and the fault bit of the card count as faults of it."
+            )
+        delay = self.settings.sensor_delay.get(name)
+        self._source(f"sensor_delay_{number}", delay is not None, f"default: {SENSOR_DELAY:g} s")
+        return MonitoredSensor(
+            number, signal, between, SENSOR_DELAY if delay is None else float(delay)
+        )
+
+    def _setpoint(self, number: int) -> RampedSetpoint:
+        name, measurements = self.controller.setpoints[number - 1], self.controller.measurements
+        rate = self.settings.setpoint_rate.get(name)
+        self._source(f"setpoint_rate_{number}", rate is not None, "default: no ramp")
+        return RampedSetpoint(
+            number,
+            _named(self.inputs[f"setpoint_{number}"], name),
+            measurements.index(name) + 1 if name in measurements else None,
+            LARGEST_PARAMETER if rate is None else float(rate),
+        )
+
+    def _output(self, number: int) -> SafeOutput:
+        name, values = self.controller.manipulated[number - 1], self.controller.values
+        signal = _named(self.results[f"manipulated_{number}"], name)
+        low = values.get(f"low_limit_{number}", signal.low)
+        high = values.get(f"high_limit_{number}", signal.high)
+        given = self.settings.fail_safe.get(name)
+        if given is not None and not low <= given <= high:
+            raise InputError(
+                f"{self.controller.name}, plant shell, fail_safe, {name}", given,
+                f"a value from {low:g} to {high:g} {signal.unit}, the limits of {name}",
+                "choose one within the limits",
+            )  # fmt: skip
+        if given is None and not math.isfinite(low):
+            raise InputError(
+                f"{self.controller.name}, plant shell, fail_safe, {name}", "none",
+                f"a fail-safe value: {name} has no low limit that could stand for it",
+                f'write as in fail_safe={{"{name}": 0.0}}',
+            )  # fmt: skip
+        self._source(f"fail_safe_{number}", given is not None, f"default: low limit of {name}")
+        return SafeOutput(number, signal, float(low if given is None else given))
+
+    def _rates(self) -> tuple[dict[int, float], dict[str, float]]:
+        """Return the rates that the shell limits, and those that the law limits itself."""
+        law, rates = self.controller.law, {}
+        own: dict[str, float] = {}
+        known = {parameter.name for parameter in law.parameters}
+        for number, name in enumerate(self.controller.manipulated, start=1):
+            rate = self.settings.rate_limit.get(name)
+            if f"rate_limit_{number}" in known:
+                if rate is not None:
+                    own[f"rate_limit_{number}"] = float(rate)
+                    self.sources[f"rate_limit_{number}"] = "setting of the plant shell"
+                continue
+            reason = _unhurried(law, number, known, name)
+            if reason is None:
+                rates[number] = LARGEST_PARAMETER if rate is None else float(rate)
+                self._source(f"rate_limit_{number}", rate is not None, "default: no rate limit")
+                continue
+            self.notes.append(f"The shell does not limit the rate of {name}: {reason}.")
+            if rate is not None:
+                raise InputError(
+                    f"{self.controller.name}, plant shell, rate_limit, {name}", rate,
+                    f"none, since {reason}", "leave it out",
+                )  # fmt: skip
+        return rates, own
+
+
+def _unhurried(law: StepLaw, number: int, known: Iterable[str], name: str) -> str | None:
+    """Return why the rate of an output cannot be limited, if it cannot."""
+    if f"running_value_{number}" in known:
+        return f"{name} runs or stands"
+    if not {f"low_limit_{number}", f"high_limit_{number}"} <= set(known):
+        return f"the law has no limits of {name} that could be moved with it"
+    for block in law.blocks:
+        if isinstance(block, PidBlock) and block.form.anti_windup == "clamping":
+            return (
+                "clamping would keep the integral within the reach of the rate limit; the law "
+                "with another anti-windup, or with a rate limit of its own, can have one"
+            )
+    return None
+
+
+def _named(signal: Signal, name: str) -> Signal:
+    """Return a signal of the law under the name that it has in the process."""
+    return Signal(name, signal.unit, signal.display_unit, signal.low, signal.high, signal.initial)

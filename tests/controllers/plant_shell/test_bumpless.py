@@ -1,0 +1,161 @@
+"""Every change of who moves an output, and every way back, without a bump."""
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+from shell_rig import Scans, at_rest
+
+from clepsydra.controllers.plant_shell.settings import PlantShell
+from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
+from clepsydra.study.designs import DESIGNS
+
+DEAD_TIME = Path(__file__).parents[2] / "dead-time.toml"
+#: Families that take an output up in one scan.
+AT_ONCE = [
+    ("PI, SIMC", "quadruple-tank"),
+    ("PI, SIMC, static decoupling", "quadruple-tank"),
+    ("PI, variable structure", "quadruple-tank"),
+    ("LQI, Bryson", "quadruple-tank"),
+    ("LQI, gain scheduling", "quadruple-tank"),
+    ("LQI, recomputed", "quadruple-tank"),
+    ("2DOF polynomial, LQ", "quadruple-tank"),
+    ("Feedback linearisation", "quadruple-tank"),
+    ("Fuzzy PI", "quadruple-tank"),
+    ("2DOF polynomial, LQ", DEAD_TIME),
+]
+#: Families that remember measurements, and how far they go in the scan after taking up.
+IN_TIME = [
+    ("PID, phase margin", "quadruple-tank", 1e-5),
+    ("PID, SIMC", DEAD_TIME, 2e-4),
+    ("Smith predictor, LQ", DEAD_TIME, 1e-4),
+]
+BUMP = 1e-9
+
+
+@cache
+def designed(name, process):
+    analysis = analyse(load_process(process))
+    return analysis, DESIGNS[name](analysis)
+
+
+class Rig:
+    def __init__(self, name, process):
+        self.analysis, self.controller = designed(name, process)
+        self.period = self.analysis.operating_point.process.sampling_period
+        signals = {s.name: s for s in self.controller.law.outputs}
+        self.span = signals["manipulated_1"].span
+        low = signals["manipulated_1"].low
+        self.numbers = range(1, len(self.controller.manipulated) + 1)
+        safe = dict.fromkeys(self.controller.manipulated, low + 0.4 * self.span)
+        self.safe = low + 0.4 * self.span
+        self.moved = low + 0.55 * self.span
+        shelled = with_plant_shell(self.controller, self.period, PlantShell(fail_safe=safe))
+        self.loop = Scans(shelled, self.period, **at_rest(shelled, self.analysis.model))
+        self.loop.scans(20)
+
+    def all(self, what, value):
+        return {f"{what}_{i}": value for i in self.numbers}
+
+    def elsewhere(self, share=0.02):
+        """Other measurements, and setpoints that ask for nothing more than these."""
+        inputs = {s.name: s for s in self.controller.law.inputs}
+        given = {}
+        for k in range(1, len(self.controller.measurements) + 1):
+            name = f"measurement_{k}"
+            given[name] = self.loop.inputs[name] + share * inputs[name].span
+        for j, name in enumerate(self.controller.setpoints, start=1):
+            k = self.controller.measurements.index(name) + 1
+            given[f"setpoint_{j}"] = given[f"measurement_{k}"]
+        return given
+
+    def sensors(self, good):
+        count = len(self.controller.measurements)
+        return {f"sensor_{k}": float(good) for k in range(1, count + 1)}
+
+    def bump(self, outputs, value):
+        return max(abs(outputs[f"manipulated_{i}"] - value) for i in self.numbers) / self.span
+
+
+@pytest.mark.parametrize(("name", "process"), AT_ONCE)
+@pytest.mark.parametrize(("mode", "what"), [(0, "manual"), (2, "tracking")])
+def test_automatic_goes_on_where_a_hand_or_another_controller_stopped(name, process, mode, what):
+    rig = Rig(name, process)
+    outputs = rig.loop.scans(5, **rig.all("mode", mode), **rig.all(what, rig.moved))
+    assert rig.bump(outputs, rig.moved) == 0.0
+    assert rig.bump(rig.loop.scan(**rig.all("mode", 1)), rig.moved) <= BUMP
+
+
+@pytest.mark.parametrize(("name", "process"), AT_ONCE)
+@pytest.mark.parametrize("waits", [0, 7])
+def test_the_way_back_from_fail_safe(name, process, waits):
+    """Acknowledged with the first good scan, and later; the measurement has changed meanwhile."""
+    rig = Rig(name, process)
+    delay = int(-(-4.0 // rig.period))
+    outputs = rig.loop.scans(delay + 12, **rig.sensors(False))
+    assert rig.bump(outputs, rig.safe) == 0.0
+    elsewhere = rig.elsewhere()
+    for _ in range(waits):
+        assert rig.bump(rig.loop.scan(**rig.sensors(True), **elsewhere), rig.safe) == 0.0
+    outputs = rig.loop.scan(acknowledge=1, **rig.sensors(True), **elsewhere)
+    scans = int(rig.loop.values["take_up_scans"])
+    for _ in range(scans):
+        assert rig.bump(outputs, rig.safe) <= BUMP
+        outputs = rig.loop.scan(acknowledge=0)
+    # In force again: no more than what is left after taking up.
+    assert rig.bump(outputs, rig.safe) <= (BUMP if scans < 20 else 1e-4)
+
+
+@pytest.mark.parametrize(("name", "process"), AT_ONCE)
+def test_a_warm_start_takes_up_the_present_measurement(name, process):
+    rig = Rig(name, process)
+    rig.loop.scans(5, **rig.all("mode", 0), **rig.all("manual", rig.moved))
+    rig.loop.scan(**rig.all("mode", 1))
+    outputs = rig.loop.scan(start=1, **rig.elsewhere())
+    for _ in range(int(rig.loop.values["take_up_scans"])):
+        assert rig.bump(outputs, rig.moved) <= BUMP
+        outputs = rig.loop.scan(start=0)
+    assert rig.bump(outputs, rig.moved) <= BUMP
+
+
+def after_warm_start(rig, scans):
+    """How far an output goes in the first scan in force after so many of taking up."""
+    rig.loop.values["take_up_scans"] = scans
+    before = [rig.loop.scan()[f"manipulated_{i}"] for i in rig.numbers][-1]
+    outputs = rig.loop.scan(start=1, **rig.elsewhere())
+    for _ in range(int(scans)):
+        assert abs(outputs[f"manipulated_{rig.numbers[-1]}"] - before) <= BUMP * rig.span
+        outputs = rig.loop.scan(start=0)
+    return abs(outputs[f"manipulated_{rig.numbers[-1]}"] - before) / rig.span
+
+
+@pytest.mark.parametrize(("name", "process", "bound"), IN_TIME)
+def test_a_law_that_remembers_measurements_takes_more_scans(name, process, bound):
+    """With one scan only the change of the measurement by 2 % would be a bump."""
+    scans = Rig(name, process).loop.values["take_up_scans"]
+    assert 2 <= scans <= 20
+    assert after_warm_start(Rig(name, process), scans) <= bound
+    assert after_warm_start(Rig(name, process), 1.0) > 100.0 * bound
+
+
+def test_a_warm_start_waits_for_the_sensors():
+    rig = Rig("PI, SIMC", "quadruple-tank")
+    before = rig.loop.scan()["manipulated_1"]
+    rig.loop.scan(start=1, **rig.sensors(False))
+    rig.loop.scans(2, start=0)
+    elsewhere = rig.elsewhere()
+    for _ in range(3):
+        outputs = rig.loop.scan(**rig.sensors(True), **elsewhere)
+        assert abs(outputs["manipulated_1"] - before) / rig.span <= BUMP
+
+
+def test_fail_safe_begins_and_ends_in_manual_where_the_hand_says():
+    rig = Rig("PI, SIMC", "quadruple-tank")
+    rig.loop.scans(8, **rig.sensors(False))
+    outputs = rig.loop.scan(**rig.all("mode", 0), **rig.all("manual", rig.safe))
+    assert rig.bump(outputs, rig.safe) == 0.0
+    rig.loop.scans(3, **rig.all("manual", rig.moved), **rig.sensors(True))
+    outputs = rig.loop.scans(2, **rig.all("mode", 1))
+    assert rig.bump(outputs, rig.moved) <= BUMP

@@ -1,0 +1,174 @@
+"""Setpoint ramps and rate limits, in closed form, and with the law's own anti-windup."""
+
+import math
+
+import numpy as np
+import pytest
+from shell_rig import AT_REST, Scans, one_loop, shelled_loop
+
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.plant_shell.settings import PlantShell
+from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.controllers.plant_shell.status import read_status
+
+RAMP = PlantShell(setpoint_rate={"level_1": 0.5})
+RATE = PlantShell(rate_limit={"pump_1": 0.25})
+
+
+def followed(loop):
+    return loop.state["ramped_setpoint_1"]
+
+
+def test_a_setpoint_moves_at_its_rate_and_arrives_in_every_bit():
+    loop = shelled_loop(0.5, RAMP)
+    loop.scan()
+    target = 6.1000000000000005
+    for k in range(1, 7):
+        outputs = loop.scan(setpoint_1=target)
+        assert followed(loop) == (5.0 + 0.25 * k if k < 5 else target)
+        assert ("setpoint_ramps" in read_status(int(outputs["status_1"]))) == (k < 5)
+    for k in range(1, 7):
+        loop.scan(setpoint_1=5.0)
+        assert followed(loop) == pytest.approx(max(5.0, target - 0.25 * k), abs=1e-14)
+
+
+def test_the_law_gets_what_the_ramp_says():
+    loop, bare = shelled_loop(1.0, RAMP), Scans(one_loop(), 1.0, **AT_REST)
+    loop.scan(), bare.scan()
+    for k in range(1, 12):
+        found = loop.scan(setpoint_1=9.0)["manipulated_1"]
+        assert found == bare.scan(setpoint_1=min(9.0, 5.0 + 0.5 * k))["manipulated_1"]
+
+
+def test_the_ramp_begins_at_the_measurement_when_automatic_begins():
+    loop = shelled_loop(1.0, RAMP)
+    loop.scans(3, mode_1=0, measurement_1=7.0)
+    assert followed(loop) == 7.0
+    loop.scan(mode_1=1)
+    assert followed(loop) == 6.5
+    # A faulty measurement leaves the last good one.
+    loop.scan(mode_1=0, measurement_1=math.nan)
+    loop.scan()
+    assert followed(loop) == 6.5 and loop.state["good_measurement_1"] == 7.0
+
+
+def test_without_a_rate_manual_passes_the_setpoint_on():
+    loop, bare = shelled_loop(1.0), Scans(one_loop(), 1.0, **AT_REST)
+    random = np.random.default_rng(3)
+    for _ in range(300):
+        given = {
+            "mode_1": float(random.integers(0, 3)), "setpoint_1": random.uniform(0, 9),
+            "measurement_1": random.uniform(0, 9), "manual_1": random.uniform(-1, 12),
+            "tracking_1": random.uniform(-1, 12),
+        }  # fmt: skip
+        found, expected = loop.scan(**given), bare.scan(**given)
+        assert found["manipulated_1"] == expected["manipulated_1"]
+        assert found["status_1"] == expected["status_1"]
+        assert loop.state["integral_1"] == bare.state["integral_1"]
+
+
+def test_a_setpoint_that_is_not_a_number_leaves_the_last_one():
+    for settings in (PlantShell(), RAMP):
+        loop = shelled_loop(1.0, settings)
+        loop.scans(3, setpoint_1=6.0)
+        before = followed(loop)
+        outputs = loop.scan(setpoint_1=math.nan)
+        assert followed(loop) == before == 6.0
+        assert read_status(int(outputs["status_1"])) == ("automatic", "invalid_input")
+        moved = outputs["manipulated_1"]
+        assert loop.scan()["manipulated_1"] > moved  # it controls on
+
+
+def test_a_first_setpoint_that_is_not_a_number_asks_for_what_is_there():
+    loop = shelled_loop(1.0)
+    loop.scan(setpoint_1=math.nan, measurement_1=6.25)
+    assert followed(loop) == 6.25
+
+
+def test_a_wrong_time_step_stops_the_ramp_only():
+    loop = shelled_loop(1.0, RAMP)
+    loop.scans(2)
+    loop.scan(setpoint_1=8.0, time_step=math.nan)
+    assert followed(loop) == 5.0
+    loop.scan(time_step=1.0)
+    assert followed(loop) == 5.5
+
+
+def test_an_output_moves_at_its_rate_and_the_status_word_says_so():
+    loop = shelled_loop(0.5, RATE)
+    loop.scan()
+    for k in range(1, 20):
+        outputs = loop.scan(setpoint_1=9.0)
+        assert outputs["manipulated_1"] == pytest.approx(3.0 + 0.125 * k, abs=1e-12)
+        assert read_status(int(outputs["status_1"])) == ("automatic", "at_rate_limit")
+
+
+def test_a_hand_is_slowed_too_and_limits_win():
+    loop = shelled_loop(1.0, RATE)
+    outputs = loop.scans(4, mode_1=0, manual_1=9.0)
+    assert outputs["manipulated_1"] == 4.0
+    loop.values["high_limit_1"] = 2.0
+    outputs = loop.scan()
+    assert outputs["manipulated_1"] == 2.0
+    assert read_status(int(outputs["status_1"])) == ("at_high_limit",)
+
+
+def test_at_the_real_limit_it_is_the_limit_that_is_told():
+    loop = shelled_loop(1.0, RATE)
+    outputs = loop.scans(100, setpoint_1=15.0)
+    assert outputs["manipulated_1"] == 10.0
+    assert read_status(int(outputs["status_1"])) == ("automatic", "at_high_limit")
+
+
+class Tank:
+    """y' = (u − u°)/50 − (y − y°)/100 about rest, sampled exactly."""
+
+    def __init__(self):
+        self.level, self.share = 5.0, math.exp(-1.0 / 100.0)
+
+    def move(self, output):
+        final = 5.0 + 2.0 * (output - 3.0)
+        self.level = final + (self.level - final) * self.share
+
+
+def overshoot(step):
+    """Of a step of the setpoint from 5 to 8, and how far from it the level is in the end."""
+    tank, levels = Tank(), []
+    for _ in range(600):
+        tank.move(step(tank.level))
+        levels.append(tank.level)
+    return (max(levels) - 8.0) / 3.0, max(abs(level - 8.0) for level in levels[-100:])
+
+
+@pytest.mark.parametrize("anti_windup", ["back_calculation", "conditional_integration"])
+def test_the_laws_own_anti_windup_heeds_the_rate_limit(anti_windup):
+    """Beside it the same limiter behind the law, of which the law knows nothing."""
+    values = {"proportional_gain_1": 5.0, "integral_time_1": 40.0, "tracking_time_1": 5.0}
+    form = PidForm(anti_windup=anti_windup)
+    slow = PlantShell(rate_limit={"pump_1": 0.02})
+    shelled = shelled_loop(1.0, slow, form=form, **values)
+    protected, left = overshoot(
+        lambda level: shelled.scan(measurement_1=level, setpoint_1=8.0)["manipulated_1"]
+    )
+    bare, last = Scans(one_loop(form, **values), 1.0, **AT_REST), [3.0]
+
+    def limited_outside(level):
+        asked = bare.scan(measurement_1=level, setpoint_1=8.0)["manipulated_1"]
+        last[0] = min(max(asked, last[0] - 0.02), last[0] + 0.02)
+        return last[0]
+
+    unprotected, swings = overshoot(limited_outside)
+    assert unprotected > 0.3 and swings > 0.5
+    assert protected < 0.1 and left < 1e-3
+
+
+def test_a_law_with_a_rate_limit_of_its_own_keeps_it():
+    shelled = with_plant_shell(one_loop(rate_limited=True, rate_limit_1=0.5), 1.0, RATE)
+    assert shelled.values["rate_limit_1"] == 0.25
+    assert [p.name for p in shelled.law.parameters].count("rate_limit_1") == 1
+    loop = Scans(shelled, 1.0, **AT_REST)
+    outputs = loop.scan(setpoint_1=9.0)
+    assert outputs["manipulated_1"] == 3.25
+    assert "at_rate_limit" in read_status(int(outputs["status_1"]))
+    kept = with_plant_shell(one_loop(rate_limited=True, rate_limit_1=0.5), 1.0)
+    assert kept.values["rate_limit_1"] == 0.5

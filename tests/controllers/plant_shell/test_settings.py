@@ -1,0 +1,192 @@
+"""Settings of the shell, what is refused, and where its numbers come from."""
+
+from dataclasses import replace
+
+import pytest
+from shell_rig import LEVEL, Scans, one_loop
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.plant_shell.settings import PlantShell
+from clepsydra.controllers.plant_shell.shell import shell_sources, with_plant_shell
+from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS
+from clepsydra.controllers.python_law import python_law
+from clepsydra.controllers.wiring import check_wiring
+from clepsydra.program.step_law import Equations, step_law
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"ranges": {"level_1": (5.0, 5.0)}},
+        {"ranges": {"level_1": (0.0, float("nan"))}},
+        {"ranges": {"level_1": 3.0}},
+        {"ranges": [("level_1", 0.0)]},
+        {"sensor_delay": {"level_1": -1.0}},
+        {"sensor_delay": {"level_1": "4 s"}},
+        {"setpoint_rate": {"level_1": 0.0}},
+        {"rate_limit": {"pump_1": -2.0}},
+        {"fail_safe": {"pump_1": float("inf")}},
+        {"fail_safe": {"pump_1": True}},
+        {"scan_tolerance": 0.0},
+        {"scan_tolerance": 1.5},
+    ],
+)
+def test_values_out_of_range_are_refused(wrong):
+    with pytest.raises(InputError):
+        PlantShell(**wrong)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"ranges": {"level_2": (0.0, 1.0)}}, "measurement of the controller: level_1"),
+        ({"sensor_delay": {"pump_1": 1.0}}, "measurement of the controller: level_1"),
+        ({"setpoint_rate": {"level": 1.0}}, "perhaps 'level_1' was meant"),
+        ({"rate_limit": {"level_1": 1.0}}, "manipulated variable of the controller: pump_1"),
+        ({"fail_safe": {"pump_2": 1.0}}, "perhaps 'pump_1' was meant"),
+        ({"fail_safe": {"pump_1": 10.5}}, "0 to 10 V"),
+    ],
+)
+def test_settings_that_do_not_fit_the_controller_are_refused(settings, words):
+    with pytest.raises(InputError, match=words):
+        with_plant_shell(one_loop(), 1.0, PlantShell(**settings))
+
+
+@pytest.mark.parametrize("period", [0.0, -1.0, float("nan"), "1 s", True, 1e10])
+def test_a_sampling_period_that_is_none_is_refused(period):
+    with pytest.raises(InputError, match="sampling period"):
+        with_plant_shell(one_loop(), period)
+
+
+def test_what_is_no_controller_or_no_settings_is_refused():
+    with pytest.raises(InputError, match="Controller"):
+        with_plant_shell(one_loop().law, 1.0)
+    with pytest.raises(InputError, match="PlantShell"):
+        with_plant_shell(one_loop(), 1.0, {"ranges": {}})
+
+
+def test_a_law_in_python_is_refused_with_the_remedy():
+    law = python_law(
+        "still",
+        lambda state, inputs, parameters, time_step: ({}, {"manipulated_1": 3.0}),
+        inputs=[Signal("measurement_1")],
+        outputs=[Signal("manipulated_1")],
+    )
+    controller = Controller(
+        "still", "own law", "", law, {"low_limit_1": 0.0, "high_limit_1": 10.0},
+        {"last_output_1": 3.0}, ("level_1",), (), ("pump_1",),
+    )  # fmt: skip
+    with pytest.raises(InputError, match="write it as expressions, by step_law"):
+        with_plant_shell(controller, 1.0)
+
+
+def whole_law(inputs, **options):
+    """A law that gives its own status word, and asks for 4."""
+    return step_law(
+        "own",
+        inputs=[Signal(name) for name in inputs],
+        parameters=[Signal(name, initial=2.0) for name in options.get("parameters", ())],
+        state=[],
+        outputs=[Signal("manipulated_1", "V", low=0.0, high=10.0), Signal("status_1")],
+        equations=lambda s: Equations(
+            {}, {"manipulated_1": 4.0, "status_1": 17.0 - 16.0 * s.get("sensor_1", 1.0)}
+        ),
+    )
+
+
+ALL = ("measurement_1", "sensor_1", "mode_1", "manual_1", "tracking_1", "time_step")
+
+
+def own_controller(law, **values):
+    return Controller("own", "own law", "", law, values, {}, ("level_1",), (), ("pump_1",))
+
+
+def test_a_law_without_modes_is_refused():
+    for missing in ALL[1:]:
+        law = whole_law([name for name in ALL if name != missing])
+        with pytest.raises(InputError, match=missing):
+            with_plant_shell(own_controller(law), 1.0)
+
+
+def test_a_law_without_limits_has_no_rate_limit_and_still_fails_safe():
+    controller = own_controller(whole_law(ALL))
+    shelled = with_plant_shell(controller, 1.0, PlantShell(fail_safe={"pump_1": 1.0}))
+    assert "rate_limit_1" not in shelled.values
+    assert any("no limits of pump_1" in note for note in shelled.notes)
+    with pytest.raises(InputError, match="no limits"):
+        with_plant_shell(controller, 1.0, PlantShell(rate_limit={"pump_1": 1.0}))
+    loop = Scans(shelled, 1.0)
+    assert loop.scans(4, sensor_1=0, mode_1=1)["manipulated_1"] == 4.0
+    assert loop.scan()["manipulated_1"] == 1.0
+    assert loop.state["last_output_1"] == 1.0
+
+
+def test_a_name_of_the_shell_in_the_law_is_refused():
+    law = whole_law(ALL, parameters=("sampling_period",))
+    with pytest.raises(InputError, match="leaves this name to the shell"):
+        with_plant_shell(own_controller(law, sampling_period=2.0), 1.0)
+    shelled = with_plant_shell(one_loop(), 1.0)
+    with pytest.raises(InputError, match="leaves this name to the shell"):
+        with_plant_shell(shelled, 1.0)
+
+
+def test_clamping_has_no_rate_limit_beside_it():
+    clamped = one_loop(PidForm(anti_windup="clamping"))
+    assert any("clamping" in note for note in with_plant_shell(clamped, 1.0).notes)
+    with pytest.raises(InputError, match="clamping"):
+        with_plant_shell(clamped, 1.0, PlantShell(rate_limit={"pump_1": 1.0}))
+
+
+def test_where_each_number_comes_from():
+    settings = PlantShell(ranges={"level_1": (0.0, 5.0)}, rate_limit={"pump_1": 2.0})
+    shelled = with_plant_shell(one_loop(), 1.0, settings)
+    sources = shell_sources(shelled)
+    added = {p.name for p in shelled.law.parameters} - set(one_loop().values)
+    assert set(sources) == added
+    assert sources["range_low_1"] == sources["rate_limit_1"] == "setting of the plant shell"
+    assert sources["sensor_delay_1"] == "default: 4 s"
+    assert sources["setpoint_rate_1"] == "default: no ramp"
+    plain = shell_sources(with_plant_shell(one_loop(), 1.0))
+    assert plain["range_high_1"] == "range of level_1 in the process file"
+    assert plain["rate_limit_1"] == "default: no rate limit"
+    assert plain["fail_safe_1"] == "default: low limit of pump_1"
+    assert shell_sources(one_loop()) == {}
+
+
+def test_the_result_is_a_whole_controller():
+    bare = one_loop()
+    shelled = with_plant_shell(bare, 1.0)
+    assert shelled.bare is bare
+    assert (shelled.name, shelled.family, shelled.design) == (bare.name, bare.family, bare.design)
+    assert set(shelled.values) == {p.name for p in shelled.law.parameters}
+    assert set(shelled.initial_state) == {s.name for s in shelled.law.state}
+    assert shelled.values["low_limit_1"] == bare.values["low_limit_1"]
+    assert shelled.program().name == "multiloop_pi_with_shell"
+    again = replace(shelled, values=shelled.values | {"sensor_delay_1": 2.0})
+    assert again.program().parameters[-1].name == "take_up_scans"
+
+
+def test_the_bits_are_sixteen_and_in_the_comment():
+    values = [bit.value for bit in SHELL_STATUS_BITS.values()]
+    assert values == [2**k for k in range(13)] and max(values) < 2**16
+    outputs = {s.name: s for s in with_plant_shell(one_loop(), 1.0).law.outputs}
+    for bit in SHELL_STATUS_BITS.values():
+        assert f" {bit.value} " in outputs["status_1"].description
+    assert outputs["status_1"].kind == "integer"
+
+
+def test_free_outputs_are_wired_to_the_controller_and_checked():
+    shelled = with_plant_shell(one_loop(), 1.0)
+    assert shelled.output_wires["watchdog"] == "controller.watchdog"
+    law, signals = shelled.law, (["level_1"], ["level_1"], ["pump_1"])
+    with pytest.raises(InputError, match="watchdog"):
+        check_wiring(law, *signals, "PI", free=shelled.free_inputs)
+    for wrong in ("whatchdog", "status_1"):
+        with pytest.raises(InputError, match="free outputs"):
+            check_wiring(law, *signals, "PI", free=shelled.free_inputs, free_outputs=(wrong,))
+    plain = multiloop_pid_law(1, measured=[LEVEL])
+    check_wiring(plain, *signals, "PI")

@@ -1,0 +1,98 @@
+"""With sound signals and no settings a shell changes nothing, in any bit."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.deploy.printing.whole_numbers import check_whole_results
+from clepsydra.linear.analysis import analyse
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.loop import Loop
+from clepsydra.process.reader import load_process
+from clepsydra.program.program import EXACT
+from clepsydra.study.designs import DESIGNS
+
+DEAD_TIME = Path(__file__).parents[2] / "dead-time.toml"
+FAMILIES = [
+    ("PI, SIMC", "quadruple-tank"),
+    ("PI, SIMC, dynamic decoupling", "quadruple-tank"),
+    ("PI, variable structure", "quadruple-tank"),
+    ("PID, phase margin", "quadruple-tank"),
+    ("LQI, Bryson", "quadruple-tank"),
+    ("LQI with Kalman filter", "quadruple-tank"),
+    ("2DOF polynomial, LQ", "quadruple-tank"),
+    ("Feedback linearisation", "quadruple-tank"),
+    ("Fuzzy PI", "quadruple-tank"),
+    ("Glover-McFarlane on PI, SIMC", "quadruple-tank"),
+    ("PI, gain scheduling", "averaging-tank"),
+    ("Smith predictor, LQ", DEAD_TIME),
+    ("Smith predictor, PI", DEAD_TIME),
+    ("Start/stop levels", "wet-well:start-stop"),
+]
+
+
+@cache
+def designed(name, process):
+    analysis = analyse(load_process(process))
+    return analysis, DESIGNS[name](analysis)
+
+
+@pytest.mark.parametrize(("name", "process"), FAMILIES)
+def test_a_loop_with_the_shell_is_the_loop_without_it(name, process):
+    analysis, controller = designed(name, process)
+    period = analysis.operating_point.process.sampling_period
+    shelled = with_plant_shell(controller, period)
+    scenario = default_scenario(analysis.model)
+    bare = Loop(controller, analysis.model).run(scenario)
+    found = Loop(shelled, analysis.model).run(scenario)
+    assert set(bare.values) == set(found.values)
+    for signal, values in bare.values.items():
+        assert np.array_equal(values.view(np.int64), found.values[signal].view(np.int64)), signal
+    moved = [bare.values[u] for u in controller.manipulated]
+    assert any(len(np.unique(column)) > 1 for column in moved)
+
+
+@pytest.mark.parametrize(("name", "process"), FAMILIES)
+def test_the_shell_adds_only_what_every_target_computes_alike(name, process):
+    _, controller = designed(name, process)
+    program = with_plant_shell(controller, 1.0).program()
+    check_whole_results(program)
+    operations = list(program.block.operations())
+    own = {operation.code for operation in controller.program().block.operations()}
+    assert {operation.code for operation in operations} - own <= EXACT
+    assert not any(operation.fused for operation in operations)
+    names = [
+        entry.name
+        for group in (program.state, program.inputs, program.parameters, program.outputs)
+        for entry in group
+    ]
+    assert len(names) == len(set(names))
+
+
+def test_counted_loops_stay_loops_and_names_stay_names():
+    analysis = analyse(load_process("quadruple-tank"))
+    controller = DESIGNS["Fuzzy PI"](analysis)
+    bare, shelled = controller.program(), with_plant_shell(controller, 1.0).program()
+
+    def loops(program):
+        return [s.name for s in program.block.statements if hasattr(s, "count")]
+
+    assert loops(bare) == loops(shelled)
+    assert set(bare.names.values()) - set(shelled.names.values()) <= {
+        # What the shell gives the law is now named where it is made.
+        "measurement_is_number_1",
+        "measurement_is_number_2",
+    }
+
+
+def test_the_reference_solver_runs_it_too():
+    analysis = analyse(load_process("quadruple-tank"))
+    shelled = with_plant_shell(DESIGNS["PI, SIMC"](analysis), 1.0)
+    scenario = default_scenario(analysis.model)
+    loop = Loop(shelled, analysis.model)
+    fast, slow = loop.run(scenario), loop.run(scenario, solver="reference")
+    for name in shelled.manipulated:
+        assert np.max(np.abs(fast.values[name] - slow.values[name])) < 1e-5

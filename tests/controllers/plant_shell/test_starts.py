@@ -1,0 +1,147 @@
+"""Cold and warm start, the watchdog and the check of the scan time."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shell_rig import at_rest, shelled_loop
+
+from clepsydra.controllers.plant_shell.settings import PlantShell
+from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.controllers.plant_shell.status import read_status
+from clepsydra.engine.kernel import Kernel
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.study.designs import DESIGNS
+
+DEAD_TIME = Path(__file__).parents[2] / "dead-time.toml"
+
+
+def random_scans(program, samples, seed):
+    """Inputs of a plant that works, with some faults."""
+    random = np.random.default_rng(seed)
+    found = {}
+    for signal in program.inputs:
+        stem = signal.name.rpartition("_")[0]
+        if stem == "mode":
+            found[signal.name] = random.choice([0.0, 1.0, 1.0, 1.0, 2.0], size=samples)
+        elif stem == "sensor":
+            found[signal.name] = (random.random(samples) < 0.9).astype(float)
+        elif signal.name in ("start", "acknowledge"):
+            found[signal.name] = np.zeros(samples)
+        elif signal.name == "time_step":
+            found[signal.name] = np.full(samples, 1.0)
+        else:
+            width = signal.span if math.isfinite(signal.span) else 1.0
+            low = signal.low if math.isfinite(signal.low) else 0.0
+            found[signal.name] = low + width * random.uniform(0.1, 0.9, samples)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "process"),
+    [
+        ("Smith predictor, LQ", DEAD_TIME),
+        ("Smith predictor, PI", DEAD_TIME),
+        ("PI, SIMC", "quadruple-tank"),
+        ("LQI with Kalman filter", "quadruple-tank"),
+        ("Start/stop levels", "wet-well:start-stop"),
+    ],
+)
+@pytest.mark.parametrize("before", [1, 3, 50])
+def test_a_cold_start_is_a_fresh_start_in_every_bit(name, process, before):
+    controller = DESIGNS[name](analyse(load_process(process)))
+    settings = PlantShell(
+        setpoint_rate=dict.fromkeys(controller.setpoints, 0.001),
+        sensor_delay=dict.fromkeys(controller.measurements, 2.0),
+    )
+    program = with_plant_shell(controller, 1.0, settings).program()
+    rings = [entry.length for entry in program.state if isinstance(entry, DelayRing)]
+    assert bool(rings) == name.startswith("Smith")
+    after = 80
+    history, later = random_scans(program, before, 1), random_scans(program, after, 2)
+    joined = {n: np.concatenate([history[n], later[n]]) for n in later}
+    joined["start"][before] = 2.0
+    restarted = Kernel(program).run(before + after, inputs=joined)
+    fresh = Kernel(program).run(after, inputs=later)
+    for signal in program.outputs:
+        found = restarted.output(signal.name)[0]
+        expected = fresh.output(signal.name)[0]
+        assert np.array_equal(found[before:].view(np.int64), expected.view(np.int64)), signal.name
+    if name == "Start/stop levels":  # these levels set every stage anew
+        return
+    # Without the cold start what went before is felt.
+    joined["start"][before] = 0.0
+    other = Kernel(program).run(before + after, inputs=joined).output("manipulated_1")[0]
+    assert not np.array_equal(other[before:], fresh.output("manipulated_1")[0])
+
+
+def test_a_start_forgets_how_long_a_fault_has_lasted():
+    for start in (1, 2):
+        loop = shelled_loop(1.0)
+        loop.scans(4, sensor_1=0)
+        assert loop.state["fault_scans_1"] == 4.0
+        outputs = loop.scan(start=start)
+        assert loop.state["fault_scans_1"] == 1.0
+        assert not int(outputs["status_1"]) & 1024
+
+
+def test_a_warm_start_keeps_what_is_latched_and_a_cold_one_does_not():
+    for start, kept in ((1, True), (2, False)):
+        loop = shelled_loop(1.0)
+        loop.scans(6, sensor_1=0)
+        outputs = loop.scan(start=start, sensor_1=1)
+        assert bool(int(outputs["status_1"]) & 1024) == kept
+
+
+def test_a_warm_start_in_manual_leaves_the_hand_alone():
+    loop = shelled_loop(1.0)
+    loop.scan()
+    assert loop.scan(start=1, mode_1=0, manual_1=7.0)["manipulated_1"] == 7.0
+
+
+def test_the_watchdog_counts_to_32767_and_over_again():
+    analysis = analyse(load_process("quadruple-tank"))
+    shelled = with_plant_shell(DESIGNS["PI, SIMC"](analysis), 1.0)
+    samples = 70_000
+    run = Kernel(shelled.program()).run(samples, inputs=at_rest(shelled, analysis.model))
+    count = run.output("watchdog")[0]
+    assert np.array_equal(count, np.arange(1, samples + 1) % 32768)
+    assert shelled.output_wires["watchdog"] == "controller.watchdog"
+
+
+def test_a_watchdog_that_memory_spoilt_counts_on_within_its_range():
+    loop = shelled_loop(1.0)
+    for spoilt in (-7.0, 40000.0):
+        loop.state["scans_counted"] = spoilt
+        assert 0 <= loop.scan()["watchdog"] <= 32767
+
+
+@pytest.mark.parametrize(
+    ("time_step", "off"),
+    [(0.5, False), (0.54, False), (0.56, True), (0.46, False), (0.44, True), (5.0, True)],
+)
+def test_the_scan_time_is_told_if_it_is_off_by_more_than_a_tenth(time_step, off):
+    loop = shelled_loop(0.5)
+    outputs = loop.scan(time_step=time_step)
+    assert ("scan_time_off" in read_status(int(outputs["status_1"]))) == off
+    # The scan of a start is not judged.
+    outputs = loop.scan(start=1)
+    assert "scan_time_off" not in read_status(int(outputs["status_1"]))
+
+
+@pytest.mark.parametrize("time_step", [0.0, -1.0, math.nan, math.inf])
+def test_a_time_step_that_is_none_has_its_own_bit(time_step):
+    outputs = shelled_loop(0.5).scan(time_step=time_step)
+    assert read_status(int(outputs["status_1"])) == ("automatic", "invalid_time_step")
+
+
+def test_the_measured_time_step_is_what_the_law_gets():
+    """K/Ti e Δt with K = 2, Ti = 40 s, e = 1."""
+    loop = shelled_loop(0.5)
+    loop.scan()
+    before = loop.state["integral_1"]
+    loop.scan(setpoint_1=6.0, time_step=0.8)
+    assert loop.state["integral_1"] - before == pytest.approx(2.0 / 40.0 * 0.8, abs=1e-15)

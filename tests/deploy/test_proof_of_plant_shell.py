@@ -1,0 +1,149 @@
+"""The plant shell in engine, C and Structured Text: equal in every bit, and safe in time."""
+
+import dataclasses
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from deployed import CompiledC, InterpretedText, all_bits, run_both
+from test_proof import simulated
+
+from clepsydra.controllers.plant_shell.settings import PlantShell
+from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS
+from clepsydra.design.simc import design_simc
+from clepsydra.engine.kernel import Kernel
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.study.designs import DESIGNS
+
+SCANS = 10_000
+HELD = 20
+DEAD_TIME = Path(__file__).parents[1] / "dead-time.toml"
+
+
+def held(random, values, chance):
+    return np.repeat(random.choice(values, size=SCANS // HELD, p=chance), HELD)
+
+
+def scans(program, period, seed):
+    """A plant with noise, steps, hands, broken channels, short and long faults, and restarts."""
+    random = np.random.default_rng(seed)
+    found = {}
+    for signal in program.inputs:
+        name, stem = signal.name, signal.name.rpartition("_")[0]
+        low, span = signal.low, signal.span
+        if stem == "mode":
+            column = held(random, [0.0, 1.0, 2.0, 3.0], [0.1, 0.77, 0.1, 0.03])
+        elif stem == "sensor":
+            column = held(random, [0.0, 1.0], [0.1, 0.9])
+            single = random.random(SCANS) < 0.01
+            column[single] = 1.0 - column[single]
+        elif stem == "measurement":
+            # From 3 to 21.6 mA now and then, else within the range.
+            wide = low + span * np.repeat(random.uniform(-0.06, 1.11, SCANS // HELD), HELD)
+            noise = span * random.normal(scale=0.01, size=SCANS)
+            inside = low + span * np.repeat(random.uniform(0.1, 0.9, SCANS // HELD), HELD)
+            column = np.where(held(random, [0.0, 1.0], [0.8, 0.2]) > 0, wide, inside + noise)
+            broken = random.random(SCANS) < 0.005
+            column[broken] = random.choice([math.nan, math.inf, -math.inf, 1e301], broken.sum())
+        elif name == "start":
+            column = np.where(random.random(SCANS) < 0.01, random.integers(0, 3, SCANS), 0.0)
+        elif name == "acknowledge":
+            column = (random.random(SCANS) < 0.05).astype(float)
+        elif name == "time_step":
+            column = period * random.choice([1.0, 1.0, 1.0, 1.05, 1.3, 0.5], size=SCANS)
+            broken = random.random(SCANS) < 0.01
+            column[broken] = random.choice([0.0, -1.0, math.nan, math.inf], broken.sum())
+        else:
+            column = low + span * np.repeat(random.uniform(-0.1, 1.1, SCANS // HELD), HELD)
+            column[random.random(SCANS) < 0.005] = math.nan
+        found[name] = column
+    return found
+
+
+CASES = [
+    ("PI, SIMC", "quadruple-tank"),
+    ("Smith predictor, LQ", DEAD_TIME),
+    ("LQI with Kalman filter", "quadruple-tank"),
+]
+
+
+@pytest.mark.parametrize(("name", "process"), CASES)
+def test_engine_c_and_structured_text_are_equal_in_every_bit(name, process, tmp_path):
+    analysis = analyse(load_process(process))
+    controller = DESIGNS[name](analysis)
+    period = analysis.operating_point.process.sampling_period
+    spans = {
+        n: analysis.operating_point.process.signal(n).span
+        for n in (*controller.setpoints, *controller.manipulated)
+    }
+    settings = PlantShell(
+        sensor_delay=dict.fromkeys(controller.measurements, 3.7 * period),
+        setpoint_rate={n: spans[n] / (13.0 * period) for n in controller.setpoints},
+        rate_limit={n: spans[n] / (7.0 * period) for n in controller.manipulated},
+        fail_safe={n: spans[n] / 3.0 for n in controller.manipulated},
+    )
+    program = with_plant_shell(controller, period, settings).program()
+    inputs = scans(program, period, seed=len(name))
+    engine = simulated(program, inputs)
+    in_c, in_text = run_both(program, tmp_path, inputs)
+    # The engine shows what goes into a ring, the printed programs what the next scan reads.
+    for column, entry in enumerate(program.state, start=len(program.outputs)):
+        if isinstance(entry, DelayRing):
+            first = np.full(entry.length - 1, entry.signal.initial)
+            engine[:, column] = np.concatenate([first, engine[:, column]])[: len(engine)]
+    assert np.isfinite(engine).all()
+    assert np.array_equal(all_bits(engine), all_bits(in_c))
+    assert np.array_equal(all_bits(engine), all_bits(in_text))
+    for column, signal in enumerate(program.outputs):
+        if signal.name.startswith("status"):
+            word = engine[:, column].astype(int)
+            for bit in SHELL_STATUS_BITS.values():
+                assert np.any(word & bit.value) and not np.all(word & bit.value), bit
+        else:
+            assert len(np.unique(engine[:, column])) > 100, signal.name
+
+
+@pytest.mark.parametrize(("faulty", "fails"), [(39, False), (41, True)])
+def test_a_fault_of_3_9_s_rides_through_and_one_of_4_1_s_fails_safe(faulty, fails, tmp_path):
+    """Scans of 0.1 s, in the engine, in C and in Structured Text."""
+    process = dataclasses.replace(load_process("quadruple-tank"), sampling_period=0.1)
+    analysis = analyse(process)
+    controller = design_simc(analysis.model, analysis.pairing)
+    settings = PlantShell(fail_safe={"pump_1": 1.25})
+    program = with_plant_shell(controller, 0.1, settings).program()
+    before, after = 20, 30
+    samples = before + faulty + after
+    at = analysis.operating_point.as_dict()
+    inputs = {signal.name: np.full(samples, signal.initial) for signal in program.inputs}
+    for k, name in enumerate(controller.measurements, start=1):
+        inputs[f"measurement_{k}"][:] = at[name]
+    for j, name in enumerate(controller.setpoints, start=1):
+        inputs[f"setpoint_{j}"][:] = at[name] + 0.4
+    inputs["time_step"][:] = 0.1
+    inputs["sensor_1"][before : before + faulty] = 0.0
+    places = [[s.name for s in program.outputs].index(n) for n in ("manipulated_1", "status_1")]
+    run = Kernel(program).run(samples, inputs=inputs)
+    columns = [[run.output(n)[0] for n in ("manipulated_1", "status_1")]]
+    for instance in (CompiledC(program, tmp_path), InterpretedText(program)):
+        rows = [instance({n: float(c[k]) for n, c in inputs.items()}) for k in range(samples)]
+        columns.append([np.array([row[place] for row in rows]) for place in places])
+    for moved, status in columns:
+        word = status.astype(int)
+        held_at = moved[before - 1]
+        assert held_at > at["pump_1"]
+        last = before + min(faulty, 40)
+        assert np.all(moved[before:last] == held_at)
+        assert np.all((word[before:last] & 512) == 512)
+        assert np.any(word & 1024) == fails
+        if fails:
+            assert np.all(moved[before + 40 :] == 1.25)
+            assert np.all(word[before + 40 :] & 1024)
+        else:
+            assert np.all(np.diff(moved[before + faulty :]) > 0.0)
+            # The integral goes on where it was: one step further, as from scan to scan before.
+            step = moved[2] - moved[1]
+            assert moved[before + faulty] == pytest.approx(held_at + step, abs=1e-12)
