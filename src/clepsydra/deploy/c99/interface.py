@@ -7,15 +7,25 @@ from collections.abc import Sequence
 from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
 from clepsydra.deploy.printing.heading import comment, commented, heading
 from clepsydra.deploy.printing.identifiers import C_WORDS, check_distinct, check_identifier
+from clepsydra.deploy.printing.origin import Origin
+from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.program import Program
 
-_TYPES = {"real": "double", "integer": "int32_t", "boolean": "bool"}
-_WIDTH = 98
-_NOTES = (
-    "Needs IEEE 754 doubles, evaluated as doubles and without fused multiply-add",
-    "(gcc, clang: -ffp-contract=off, never -ffast-math); then it equals the simulation.",
-    "No allocation, no recursion, no static state: one state structure for each instance.",
-)
+#: A line with its comment is no wider than this [characters].
+WIDTH = 98
+_TYPES = {"integer": "int32_t", "boolean": "bool"}
+_REAL = {"double": "double", "single": "float"}
+_NUMBERS: dict[Precision, tuple[str, str]] = {
+    "double": (
+        "Needs IEEE 754 doubles, evaluated as doubles and without fused multiply-add",
+        "(gcc, clang: -ffp-contract=off, never -ffast-math); then it equals the simulation.",
+    ),
+    "single": (
+        "Needs IEEE 754 floats, evaluated as floats and without fused multiply-add (gcc, clang:",
+        "-ffp-contract=off, never -ffast-math); the simulation computes with doubles instead.",
+    ),
+}
+_NOTES = ("No allocation, no recursion, no static state: one state structure for each instance.",)
 _PLACEHOLDER = "  char nothing; /* a structure of C99 has at least one member */"
 
 
@@ -31,7 +41,7 @@ def check_names(program: Program) -> None:
     place = f"program {program.name}"
     check_identifier(program.name, place, "C", C_WORDS, ignore_case=False)
     groups: list[Sequence[Entry]] = [
-        program.state, program.inputs, program.parameters, program.outputs,
+        kept(program), program.inputs, program.parameters, program.outputs,
     ]  # fmt: skip
     for group in groups:
         entries = []
@@ -44,7 +54,22 @@ def check_names(program: Program) -> None:
         check_distinct(entries, "C", ignore_case=False)
 
 
-def print_header(program: Program) -> str:
+def kept(program: Program) -> tuple[Entry, ...]:
+    """Return what lives from sample to sample: the state, then the rings of loops.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block
+    >>> kept(Program("law", (Signal("x"),), (), (), (), Block(1, (), (0,))))[0].name
+    'x'
+    """
+    return (*program.state, *program.rings)
+
+
+def print_header(
+    program: Program, origin: Origin | None = None, precision: Precision = "double"
+) -> str:
     """Print the header: four structures and three functions.
 
     Examples
@@ -58,20 +83,20 @@ def print_header(program: Program) -> str:
     """
     name = program.name
     guard = f"{name.upper()}_H"
-    lines = head_comment(program)
+    structures = _Structures(program, origin, _REAL[precision])
+    lines = head_comment(program, origin, precision)
     lines += [f"#ifndef {guard}", f"#define {guard}", ""]
     lines += ["#include <stdbool.h>", "#include <stdint.h>", ""]
     lines += ["#ifdef __cplusplus", 'extern "C" {', "#endif", ""]
-    lines += _structure(f"{name}_parameters", "Parameters: constant or tuned.", program.parameters)
-    lines += _structure(f"{name}_state", "State: what the next sample needs.", program.state)
-    lines += _structure(f"{name}_inputs", "Inputs of one sample.", program.inputs)
-    lines += _structure(f"{name}_outputs", "Outputs of one sample.", program.outputs)
+    lines += structures.parameters() + structures.state()
+    lines += structures.plain("inputs", "Inputs of one sample.", program.inputs)
+    lines += structures.plain("outputs", "Outputs of one sample.", program.outputs)
     lines += [
         "/* Sets the parameters' values. */",
-        f"void {name}_default_parameters({name}_parameters *parameters);",
+        *default_parameters_head(name, ";"),
         "",
         "/* Sets the initial state. */",
-        f"void {name}_initialise({name}_state *state);",
+        *initialise_head(name, ";"),
         "",
         "/* Computes one sample: the outputs and the next state. */",
         *step_head(name, ";"),
@@ -83,7 +108,9 @@ def print_header(program: Program) -> str:
     return "\n".join(lines)
 
 
-def head_comment(program: Program) -> list[str]:
+def head_comment(
+    program: Program, origin: Origin | None = None, precision: Precision = "double"
+) -> list[str]:
     """Return the comment that both files begin with.
 
     Examples
@@ -95,7 +122,7 @@ def head_comment(program: Program) -> list[str]:
     >>> head_comment(program)[0]
     '/* double_it: one sample of a step law, in C99.'
     """
-    first, *rest = heading(program, "C99", _NOTES)
+    first, *rest = heading(program, "C99", (*_NUMBERS[precision], *_NOTES), origin)
     return [f"/* {first}", *(f" * {line}" for line in rest), " */", ""]
 
 
@@ -110,28 +137,89 @@ def step_head(name: str, end: str) -> list[str]:
                   const law_inputs *inputs,
                   law_outputs *outputs);
     """
-    indent = " " * len(f"void {name}_step(")
-    return [
-        f"void {name}_step(const {name}_parameters *parameters,",
-        f"{indent}{name}_state *state,",
-        f"{indent}const {name}_inputs *inputs,",
-        f"{indent}{name}_outputs *outputs){end}",
-    ]
+    arguments = [
+        f"const {name}_parameters *parameters", f"{name}_state *state",
+        f"const {name}_inputs *inputs", f"{name}_outputs *outputs",
+    ]  # fmt: skip
+    return _function_head(f"{name}_step", arguments, end)
 
 
-def _structure(name: str, title: str, entries: Sequence[Entry]) -> list[str]:
-    lines = [f"/* {title} */", "typedef struct {"]
-    for entry in entries:
-        signal = signal_of(entry)
-        size = ""
-        if is_ring(entry):
-            size = f"[{entry.length}]"
-        member = f"{_TYPES[signal.kind]} {signal.identifier}{size};"
-        lines += [f"  {line}" for line in commented(member, comment(entry), "/*", "*/", _WIDTH)]
-        if size:
-            lines.append(
-                f"  int32_t {signal.identifier}_position; /* [1] place of the oldest value */"
+def initialise_head(name: str, end: str) -> list[str]:
+    """Return the head of the function that sets the initial state.
+
+    Examples
+    --------
+    >>> initialise_head("law", ";")
+    ['void law_initialise(law_state *state);']
+    """
+    return _function_head(f"{name}_initialise", [f"{name}_state *state"], end)
+
+
+def default_parameters_head(name: str, end: str) -> list[str]:
+    """Return the head of the function that sets the parameters' values.
+
+    Examples
+    --------
+    >>> default_parameters_head("law", ";")
+    ['void law_default_parameters(law_parameters *parameters);']
+    """
+    arguments = [f"{name}_parameters *parameters"]
+    return _function_head(f"{name}_default_parameters", arguments, end)
+
+
+def _function_head(name: str, arguments: Sequence[str], end: str) -> list[str]:
+    """Write one argument a line: behind the bracket, or below the name where that is too wide."""
+    opening = f"void {name}("
+    rows = [*(f"{argument}," for argument in arguments[:-1]), f"{arguments[-1]}){end}"]
+    if len(opening) + max(map(len, rows)) > WIDTH:
+        return [opening, *(f"    {row}" for row in rows)]
+    indent = " " * len(opening)
+    return [opening + rows[0], *(indent + row for row in rows[1:])]
+
+
+class _Structures:
+    """Prints the structures; numbers that come from somewhere say so."""
+
+    def __init__(self, program: Program, origin: Origin | None, real: str) -> None:
+        self._program = program
+        self._origin = origin
+        self._types = {**_TYPES, "real": real}
+
+    def parameters(self) -> list[str]:
+        members = [
+            line
+            for entry in self._program.parameters
+            for line in self._member(entry, comment(entry, source=self._source(entry)))
+        ]
+        return self._structure("parameters", "Parameters: constant or tuned.", members)
+
+    def state(self) -> list[str]:
+        members = []
+        counted = {ring.name: "turn" for ring in self._program.rings}
+        for entry in kept(self._program):
+            about = comment(
+                entry, source=self._source(entry), counted=counted.get(entry.name, "sample")
             )
-    if not entries:
-        lines.append(_PLACEHOLDER)
-    return [*lines, f"}} {name};", ""]
+            members += self._member(entry, about)
+        return self._structure("state", "State: what the next sample needs.", members)
+
+    def plain(self, what: str, title: str, entries: Sequence[Entry]) -> list[str]:
+        members = [line for entry in entries for line in self._member(entry, comment(entry))]
+        return self._structure(what, title, members)
+
+    def _source(self, entry: Entry) -> str:
+        return self._origin.source_of(entry) if self._origin else ""
+
+    def _member(self, entry: Entry, about: str) -> list[str]:
+        signal = signal_of(entry)
+        size = f"[{entry.length}]" if is_ring(entry) else ""
+        member = f"{self._types[signal.kind]} {signal.identifier}{size};"
+        lines = commented(member, about, "/*", "*/", WIDTH - 2)
+        if size:
+            place = f"int32_t {signal.identifier}_position;"
+            lines += commented(place, "[1] place of the oldest value", "/*", "*/", WIDTH - 2)
+        return [f"  {line}" for line in lines]
+
+    def _structure(self, what: str, title: str, members: Sequence[str]) -> list[str]:
+        end = f"}} {self._program.name}_{what};"
+        return [f"/* {title} */", "typedef struct {", *(members or [_PLACEHOLDER]), end, ""]

@@ -1,65 +1,74 @@
-"""Statements of C99: declarations, assignments, counted loops, branches, tables."""
+"""Statements of C99: declarations, assignments, counted loops, branches, rings, tables."""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
-from clepsydra.deploy.printing.expressions import Notation, decimal, render
-from clepsydra.deploy.printing.listing import Assignment, CountedLoop, ListingStatement
-from clepsydra.program.program import LIBRARY
+from clepsydra.deploy.c99.notation import real_type
+from clepsydra.deploy.printing.entries import is_ring
+from clepsydra.deploy.printing.expressions import Expression, Notation, render
+from clepsydra.deploy.printing.listing import (
+    Assignment,
+    Branch,
+    CountedLoop,
+    ListingStatement,
+    RingTurn,
+)
 
-FUNCTIONS = {
-    "square_root": "sqrt", "absolute": "fabs", "floor": "floor", "ceiling": "ceil",
-    **{name: name for name in LIBRARY},
-}  # fmt: skip
-
-NOTATION = Notation(
-    language="C",
-    operators={
-        "add": "+", "subtract": "-", "multiply": "*", "divide": "/",
-        "less": "<", "less_equal": "<=", "equal": "==", "not_equal": "!=",
-        "and": "&&", "or": "||",
-    },
-    functions=FUNCTIONS,
-    negation="!",
-    statements=frozenset(),
-    repeating=frozenset({"minimum", "maximum"}),
-    infinity="HUGE_VAL",
-)  # fmt: skip
+_LINE = 98
 
 
-_LINE = 100
-
-
-def statement(entry: ListingStatement, depth: int) -> list[str]:
+def statement(entry: ListingStatement, notation: Notation, depth: int) -> list[str]:
     """Write a statement of a listing, one string a line.
 
     Examples
     --------
-    >>> from clepsydra.deploy.printing.expressions import Expression, variable
+    >>> from clepsydra.deploy.c99.notation import notation_of
+    >>> from clepsydra.deploy.printing.expressions import variable
     >>> total = Expression("add", (variable("a"), variable("b")))
-    >>> statement(Assignment("total", total), 1)
-    ['  const double total = a + b;']
+    >>> statement(Assignment("total", total), notation_of("single"), 1)
+    ['  const float total = a + b;']
     """
     if isinstance(entry, Assignment):
-        return _declare(entry, depth, "const ")
+        return _declare(entry, notation, depth, "const ")
     indent = "  " * depth
-    lines = [line for start in entry.start for line in _declare(start, depth, "")]
+    lines = [line for start in entry.start for line in _declare(start, notation, depth, "")]
     if isinstance(entry, CountedLoop):
         index, count = entry.index, entry.count
         lines.append(f"{indent}for (int32_t {index} = 0; {index} < {count}; ++{index}) {{")
     else:
-        lines.append(f"{indent}if ({render(entry.condition, NOTATION)}) {{")
+        lines.append(f"{indent}if ({render(entry.condition, notation)}) {{")
+    return [*lines, *_body(entry, notation, depth + 1), f"{indent}}}"]
+
+
+def _body(entry: CountedLoop | Branch, notation: Notation, depth: int) -> list[str]:
+    """Write what a loop repeats or a branch does, up to the next values of what it carries."""
+    turns: tuple[RingTurn, ...] = entry.rings if isinstance(entry, CountedLoop) else ()
+    lines = []
+    for turn in turns:
+        if turn.oldest:
+            kept = f"const {real_type(notation)} {turn.oldest}"
+            lines += assign(kept, _place(turn), depth)
     for inner in entry.body:
-        lines += statement(inner, depth + 1)
+        lines += statement(inner, notation, depth)
+    for turn in turns:
+        lines += assign(_place(turn), render(turn.written, notation), depth)
+        if is_ring(turn.ring):
+            lines += advance(f"state->{turn.ring.signal.identifier}", turn.ring.length, depth)
     for update in entry.update:
-        lines += assign(update.name, render(update.expression, NOTATION), depth + 1)
-    return [*lines, f"{indent}}}"]
+        lines += assign(update.name, render(update.expression, notation), depth)
+    return lines
 
 
-def _declare(assignment: Assignment, depth: int, qualifier: str) -> list[str]:
-    kind = "bool" if assignment.expression.is_truth else "double"
-    text = render(assignment.expression, NOTATION)
+def _place(turn: RingTurn) -> str:
+    member = f"state->{turn.ring.signal.identifier}"
+    return f"{member}[{member}_position]" if is_ring(turn.ring) else member
+
+
+def _declare(assignment: Assignment, notation: Notation, depth: int, qualifier: str) -> list[str]:
+    kind = "bool" if assignment.expression.is_truth else real_type(notation)
+    text = render(assignment.expression, notation)
     return assign(f"{qualifier}{kind} {assignment.name}", text, depth)
 
 
@@ -76,14 +85,27 @@ def assign(left: str, right: str, depth: int) -> list[str]:
     return [line] if len(line) <= _LINE else [f"{indent}{left} =", f"{indent}    {right};"]
 
 
-def array(left: str, values: Sequence[float]) -> list[str]:
-    """Write an array with its values, six on a line.
+def advance(member: str, length: int, depth: int) -> list[str]:
+    """Write the advance of a ring to the place of its next oldest value.
 
     Examples
     --------
-    >>> array("static const double table[2]", [0.1, 3.0])
+    >>> advance("state->flow", 5, 0)
+    ['state->flow_position = state->flow_position + 1 < 5 ? state->flow_position + 1 : 0;']
+    """
+    following = f"{member}_position + 1"
+    return assign(f"{member}_position", f"{following} < {length} ? {following} : 0", depth)
+
+
+def array(left: str, values: Sequence[float], notation: Notation) -> list[str]:
+    """Write an array with its values, as many on a line as fit.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.c99.notation import notation_of
+    >>> array("static const double table[2]", [0.1, 3.0], notation_of("double"))
     ['static const double table[2] = {', '  0.1, 3.0,', '};', '']
     """
-    texts = [decimal(value) for value in values]
-    rows = [", ".join(texts[first : first + 6]) for first in range(0, len(texts), 6)]
-    return [f"{left} = {{", *(f"  {row}," for row in rows), "};", ""]
+    texts = [render(Expression("constant", number=value), notation) for value in values]
+    rows = textwrap.wrap(f"{', '.join(texts)},", _LINE - 2, break_on_hyphens=False)
+    return [f"{left} = {{", *(f"  {row}" for row in rows), "};", ""]

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from clepsydra.base.errors import InputError
 from clepsydra.program.program import COMPARISONS, LOGIC
 
@@ -97,6 +99,10 @@ class Notation:
         Operations that need a few steps, and so a variable of their own to do them in.
     infinity : str
         The text of infinity; empty where the language has none.
+    single : bool
+        Whether numbers are single-precision ones.
+    suffix : str
+        What stands behind a number to give it its type.
 
     Examples
     --------
@@ -113,22 +119,31 @@ class Notation:
     repeating: frozenset[str]
     rounding: frozenset[str] = frozenset()
     infinity: str = ""
+    single: bool = False
+    suffix: str = ""
 
 
-def decimal(value: float) -> str:
-    """Write a finite number so that C and Structured Text read back the same double.
+def decimal(value: float, *, single: bool = False) -> str:
+    """Write a finite number so that C and Structured Text read back the same number.
 
-    The shortest decimal that rounds to the double, always with a point, the exponent behind
-    a capital E without a plus sign.
+    The shortest decimal that rounds to the double, or to the single-precision number, always
+    with a point, the exponent behind a capital E without a plus sign. A compiler may read a
+    single-precision number as a double first: the text survives both roundings.
 
     Examples
     --------
     >>> [decimal(value) for value in (1e300, 0.1, -0.0, 5e-324, 1e22, 3.0)]
     ['1.0E300', '0.1', '-0.0', '5.0E-324', '1.0E22', '3.0']
+    >>> decimal(0.10000000149011612, single=True)
+    '0.1'
     """
     if not math.isfinite(value):
         raise ValueError(f"{value} has no decimal form")
-    mantissa, _, exponent = repr(float(value)).partition("e")
+    text = repr(float(value))
+    if single:
+        shortest = str(np.float32(value))
+        text = shortest if np.float32(float(shortest)) == value else text
+    mantissa, _, exponent = text.partition("e")
     if "." not in mantissa:
         mantissa += ".0"
     return f"{mantissa}E{int(exponent)}" if exponent else mantissa
@@ -193,7 +208,7 @@ def _constant(number: float, notation: Notation) -> tuple[str, int]:
             f"a number that {notation.language} can write",
             "write the law with finite numbers, for example 1e300 for no limit",
         )
-    return decimal(number), sign
+    return decimal(number, single=notation.single) + notation.suffix, sign
 
 
 def _operator(expression: Expression, notation: Notation) -> tuple[str, int]:
@@ -218,7 +233,8 @@ def _choice(expression: Expression, notation: Notation) -> str:
     code, operands = expression.code, expression.operands
     texts = [_operand(operand, notation, _SIGNED) for operand in operands]
     if code == "number":
-        return f"{_operand(operands[0], notation, _ATOM)} ? 1.0 : 0.0"
+        one, zero = (_constant(value, notation)[0] for value in (1.0, 0.0))
+        return f"{_operand(operands[0], notation, _ATOM)} ? {one} : {zero}"
     if code == "select":
         return f"{_operand(operands[0], notation, _ATOM)} ? {texts[1]} : {texts[2]}"
     sign = ">" if code == "maximum" else "<"

@@ -13,6 +13,7 @@ from clepsydra.deploy.printing.listing import (
     CountedLoop,
     Listing,
     ListingStatement,
+    RingTurn,
     parts,
 )
 from clepsydra.program.program import Block, Conditional, Loop, Operation
@@ -58,11 +59,12 @@ def list_block(
     --------
     A value that is read twice gets a variable, one that is read once is written in its place:
 
-    >>> from clepsydra.deploy.c99.statements import NOTATION
+    >>> from clepsydra.deploy.c99.notation import notation_of
+    >>> notation = notation_of("double")
     >>> block = Block(1, (Operation(1, "multiply", (0, 0)), Operation(2, "add", (1, 1))), (2,))
-    >>> listing = list_block(block, [variable("x")], NOTATION, Identifiers([], ignore_case=False),
+    >>> listing = list_block(block, [variable("x")], notation, Identifiers([], ignore_case=False),
     ...                      labels={}, preferred={1: "square"})
-    >>> [statement.name for statement in listing.statements], render(listing.results[0], NOTATION)
+    >>> [statement.name for statement in listing.statements], render(listing.results[0], notation)
     (['square'], 'square + square')
     """
     lister = _Lister(notation, names)
@@ -111,8 +113,13 @@ class _Lister:
         index = names.new("i")
         # A carried value that nothing reads, inside or after the loop, needs no variable.
         own = loop.body.uses()
-        live = [k for k, target in enumerate(loop.targets) if target in uses or first + k in own]
-        needed = _with_results(loop.body, live)
+        count, rings = len(loop.targets), len(loop.rings)
+        live = [
+            k
+            for k, (target, result) in enumerate(zip(loop.targets, loop.body.results, strict=False))
+            if target in uses or own.get(first + k, 0) > (result == first + k)
+        ]
+        needed = _with_results(loop.body, [*live, *range(count, count + rings)])
         read = needed.uses()
         for number, table in enumerate(loop.tables):
             if number not in read:
@@ -123,18 +130,24 @@ class _Lister:
             entries.append(variable(f"{name}[{index}]"))
         carried = self._carried(loop, live, scope, labels)
         start = tuple(Assignment(carried[k], scope.values[loop.carried[k]]) for k in live)
+        oldest = [
+            names.new(f"oldest_{ring.signal.identifier}") if argument in read else ""
+            for argument, ring in enumerate(loop.rings, first + count)
+        ]
         inside = [
             *entries,
-            *(variable(carried[k]) if k in carried else _UNREAD for k in range(len(loop.targets))),
+            *(variable(carried[k]) if k in carried else _UNREAD for k in range(count)),
+            *map(variable, oldest),
             *(
                 scope.atom(value) if argument in read else _UNREAD
-                for argument, value in enumerate(loop.invariants, first + len(loop.targets))
+                for argument, value in enumerate(loop.invariants, first + count + rings)
             ),
         ]
         body, results = self.block(needed, inside, {}, {})
-        update = self._update(list(carried.values()), results, body)
+        update = self._update(list(carried.values()), results[: len(live)], body)
+        turns = map(RingTurn, loop.rings, oldest, results[len(live) :])
         scope.statements.append(
-            CountedLoop(index, loop.count, start, tuple(body), update, loop.name)
+            CountedLoop(index, loop.count, start, tuple(body), update, loop.name, tuple(turns))
         )
 
     def _conditional(

@@ -5,22 +5,30 @@ from __future__ import annotations
 import hashlib
 import math
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from clepsydra import __version__
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.entries import Entry, signal_of
+from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Loop, Operation, Program
+
+#: A line of a head comment is no wider than this [characters].
+_WIDTH = 94
+_CONSTANTS = (
+    "Numbers inside formulas belong to the equations of the law, in the SI units of its signals; "
+    "all others have their unit, and their source where it is known, in a comment."
+)
 
 
 def digest(program: Program) -> str:
     """Return a short digest of a program: signals, values, names and every operation.
 
-    One version of Clepsydra prints programs with the same digest as the same text, so they also
-    compute the same numbers from the same start.
+    One version of Clepsydra prints programs with the same digest as the same statements, so they
+    also compute the same numbers from the same start.
 
     Examples
     --------
@@ -53,6 +61,7 @@ def _block_lines(block: Block) -> Iterator[str]:
         if isinstance(statement, Loop):
             yield f"loop {statement.name!r} {statement.targets} {statement.count}"
             yield f"tables {statement.tables!r}"
+            yield f"rings {statement.rings!r}"
         else:
             yield f"conditional {statement.name!r} {statement.targets} {statement.condition}"
         yield f"over {statement.carried} {statement.invariants}"
@@ -60,8 +69,19 @@ def _block_lines(block: Block) -> Iterator[str]:
     yield f"results {block.results}"
 
 
-def heading(program: Program, language: str, notes: tuple[str, ...]) -> list[str]:
+def heading(
+    program: Program, language: str, notes: tuple[str, ...], origin: Origin | None = None
+) -> list[str]:
     """Return the lines of the head comment.
+
+    Parameters
+    ----------
+    program : Program
+        As it is printed: its digest is that of the numbers in the text.
+    language : str
+    notes : tuple of str
+        What the language's reader must know.
+    origin : Origin, optional
 
     Examples
     --------
@@ -74,26 +94,68 @@ def heading(program: Program, language: str, notes: tuple[str, ...]) -> list[str
     return [
         f"{program.name}: one sample of a step law, in {language}.",
         f"Printed by Clepsydra {__version__}; program digest {digest(program)}.",
+        *_wrapped(origin.lines() if origin else ()),
         "Do not edit: print it again from the law instead.",
         *notes,
+        *_wrapped([_CONSTANTS]),
     ]
 
 
-def comment(entry: Entry) -> str:
-    """Return unit, range and description of a signal for a comment.
+def _wrapped(lines: Iterable[str]) -> Iterator[str]:
+    for line in lines:
+        yield from textwrap.wrap(harmless(line), _WIDTH, subsequent_indent="  ")
+
+
+def comment(entry: Entry, *, source: str = "", counted: str = "sample") -> str:
+    """Return unit, range and description of a signal for a comment, and its number's source.
+
+    Parameters
+    ----------
+    entry : Signal or DelayRing
+    source : str
+        Where its number comes from.
+    counted : str
+        What a delay counts.
 
     Examples
     --------
-    >>> comment(Signal("level", "m", low=0.0, high=0.2, description="level of tank 1"))
-    '[m] 0 to 0.2; level of tank 1'
+    >>> level = Signal("level", "m", low=0.0, high=0.2, description="level of tank 1")
+    >>> comment(level), comment(level, source="operating point")
+    ('[m] 0 to 0.2; level of tank 1', '[m] 0 to 0.2; level of tank 1; operating point')
     """
     signal = signal_of(entry)
     parts = [] if signal.kind == "boolean" else [f"[{signal.unit}]{_bounds(signal)}"]
     if isinstance(entry, DelayRing):
-        parts.append(f"delayed by {entry.length} sample{'s' if entry.length > 1 else ''}")
+        parts.append(f"delayed by {entry.length} {counted}{'s' if entry.length > 1 else ''}")
     if signal.description:
         parts.append(signal.description)
-    return harmless("; ".join(parts) or "truth value")
+    return harmless("; ".join([*(parts or ["truth value"]), *([source] if source else [])]))
+
+
+def number_comment(entry: Entry, source: str = "") -> str:
+    """Return unit and source of a number, for a comment beside it.
+
+    Examples
+    --------
+    >>> number_comment(Signal("integral_time_1", "s"), "SIMC rules")
+    '[s] SIMC rules'
+    """
+    signal = signal_of(entry)
+    unit = "truth value" if signal.kind == "boolean" else f"[{signal.unit}]"
+    between = "; " if signal.kind == "boolean" else " "
+    return harmless(f"{unit}{between}{source}" if source else unit)
+
+
+def table_comment(origin: Origin | None) -> str:
+    """Return what a comment says of a table of a loop.
+
+    Examples
+    --------
+    >>> table_comment(None)
+    'numbers of the equations of the law, one for each turn of a loop'
+    """
+    source = f"; {origin.default_source}" if origin and origin.default_source else ""
+    return harmless(f"numbers of the equations of the law, one for each turn of a loop{source}")
 
 
 def _bounds(signal: Signal) -> str:
@@ -137,16 +199,15 @@ def harmless(text: str) -> str:
 
 
 def check_printable(program: Program) -> None:
-    """Refuse what is no program, and a program with a fused operation or a ring in a loop.
+    """Refuse what is no program, and a program with a fused operation.
 
     Structured Text has no fused operation, and a controller must compute the same bits
-    everywhere. A ring that advances with the turns of a loop is the transport delay of a
-    simulated process; a controller's delays count samples.
+    everywhere.
 
     Raises
     ------
     InputError
-        It is no program, some operation is fused, or a loop has rings.
+        It is no program, or some operation is fused.
 
     Examples
     --------
@@ -170,12 +231,5 @@ def check_printable(program: Program) -> None:
                 f"program {program.name}, value {operation.target}",
                 f"a fused {operation.code}",
                 "a program without fused operations",
-                "print the controller's own program, not a simulation that contains it",
+                "print the controller's own program, or a process without fused operations",
             )
-    for ring in program.rings:
-        raise InputError(
-            f"program {program.name}, {ring.name}",
-            f"a delay by {ring.length} turns of a loop",
-            "a program whose delays count samples",
-            "print the controller's own program, not a simulation that contains it",
-        )

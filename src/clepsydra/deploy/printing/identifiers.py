@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterable
 
 from clepsydra.base.errors import InputError
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
-#: Words of C99 and the types of its standard headers that a printed file includes, and the
-#: words of C++, since the header may be included there.
+#: Words of C99, types and macros of its standard headers that a printed file includes, the
+#: words of C++, since the header may be included there, and macros that compilers predefine.
 C_WORDS = frozenset(
     """
     auto break case char const continue default do double else enum extern float for goto if
@@ -20,7 +21,7 @@ C_WORDS = frozenset(
     reinterpret_cast static_cast template this throw try typeid typename using virtual wchar_t
     and and_eq bitand bitor compl not not_eq or or_eq xor xor_eq alignas alignof char16_t
     char32_t constexpr decltype noexcept nullptr static_assert thread_local int8_t int16_t
-    int32_t int64_t uint8_t uint16_t uint32_t uint64_t
+    int32_t int64_t uint8_t uint16_t uint32_t uint64_t INFINITY NAN HUGE_VAL HUGE_VALF linux unix
     """.split()  # noqa: SIM905
 )
 
@@ -44,6 +45,38 @@ STRUCTURED_TEXT_WORDS = frozenset(
     ROR SEL SHL SHR SIN SQRT SUB TAN TRUNC CTD CTU CTUD F_TRIG R_TRIG RS SR TOF TON TP
     """.split()  # noqa: SIM905
 )
+
+
+def identifier_of(text: str, words: frozenset[str] = C_WORDS | STRUCTURED_TEXT_WORDS) -> str:
+    """Return an identifier made from a title: lower case, words joined by underscores.
+
+    Accents are dropped. Where the title begins with a digit, or is a word of a language, "law_"
+    stands before it.
+
+    Parameters
+    ----------
+    text : str
+    words : frozenset of str
+        What it may not be, in upper or lower case.
+
+    Raises
+    ------
+    InputError
+        The text has no letter or digit of the Latin alphabet.
+
+    Examples
+    --------
+    >>> identifier_of("PI, SIMC, dynamic decoupling"), identifier_of("2DOF polynomial, LQ")
+    ('pi_simc_dynamic_decoupling', 'law_2dof_polynomial_lq')
+    """
+    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
+    name = re.sub(r"[^a-z0-9]+", "_", plain).strip("_")
+    if not name:
+        raise InputError(
+            f"name {text!r}", text, "a name with a letter from A to Z or a digit", "rename it"
+        )
+    taken = name[0].isdigit() or name in {word.lower() for word in words}
+    return f"law_{name}" if taken else name
 
 
 class Identifiers:

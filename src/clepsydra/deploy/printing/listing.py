@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from clepsydra.deploy.printing.expressions import Expression
+from clepsydra.program.delay_ring import DelayRing
 
 
 @dataclass(frozen=True)
@@ -24,8 +25,32 @@ class Assignment:
 
 
 @dataclass(frozen=True)
+class RingTurn:
+    """What one turn of a loop does with a ring that advances with the turns.
+
+    First the variable `oldest` gets the ring's oldest value; empty where the body does not read
+    it. After the body `written` takes that value's place and the ring advances.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.deploy.printing.expressions import variable
+    >>> flow = DelayRing(Signal("channel.flow", "m^3/s"), 40)
+    >>> RingTurn(flow, "oldest_channel_flow", variable("inflow")).ring.length
+    40
+    """
+
+    ring: DelayRing
+    oldest: str
+    written: Expression
+
+
+@dataclass(frozen=True)
 class CountedLoop:
     """``for index = 0 … count-1``: carried variables with start value, body and next value.
+
+    A turn reads the oldest values of the rings, runs the body, writes the rings and advances
+    them, and then updates the carried variables, which what is written may read.
 
     Examples
     --------
@@ -42,6 +67,7 @@ class CountedLoop:
     body: tuple[ListingStatement, ...]
     update: tuple[Assignment, ...]
     label: str
+    rings: tuple[RingTurn, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -96,6 +122,9 @@ class Listing:
                     yield from parts(assignment.expression)
             if isinstance(statement, Branch):
                 yield from parts(statement.condition)
+            if isinstance(statement, CountedLoop):
+                for turn in statement.rings:
+                    yield from parts(turn.written)
         for result in self.results:
             yield from parts(result)
 

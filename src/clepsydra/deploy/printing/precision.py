@@ -22,6 +22,8 @@ _SMALLEST = float(np.finfo(np.float32).tiny)
 #: Above this magnitude a value counts as not a number: of doubles (`LARGEST_NUMBER` of the
 #: controllers' blocks), and what takes its place among single-precision numbers.
 _NUMBER_BOUND, _SINGLE_BOUND = 1e300, float(np.float32(3e38))
+#: What keeps a divisor from being zero, and what takes its place.
+_LEAST_DIVISOR, _LEAST_SINGLE = 1e-300, _SMALLEST
 
 
 def check_precision(precision: str) -> None:
@@ -49,8 +51,8 @@ def in_precision(program: Program, precision: Precision) -> Program:
     """Return a program whose numbers all are numbers of a precision.
 
     In single precision every constant, table entry, parameter and initial value is rounded to
-    the nearest single-precision number, and the bound above which a value counts as not a number
-    becomes 3e38.
+    the nearest single-precision number; the bound above which a value counts as not a number,
+    1e300, becomes 3e38, and the divisor that stands in for zero, 1e-300, becomes 1.2e-38.
 
     Raises
     ------
@@ -116,6 +118,8 @@ def _single(value: float, place: str) -> float:
         return value
     if abs(value) == _NUMBER_BOUND:
         return math.copysign(_SINGLE_BOUND, value)
+    if abs(value) == _LEAST_DIVISOR:
+        return math.copysign(_LEAST_SINGLE, value)
     if not _SMALLEST <= abs(value) <= _LARGEST:
         raise InputError(
             place, value, f"a number of REAL: magnitude from {_SMALLEST:.3g} to {_LARGEST:.3g}",

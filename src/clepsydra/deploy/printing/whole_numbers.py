@@ -5,14 +5,28 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.entries import signal_of
+from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.program import COMPARISONS, LOGIC, Block, Conditional, Operation, Program
 
 INTEGER_LOW, INTEGER_HIGH = -(2.0**31), 2.0**31 - 1.0
 #: Sums and products of whole numbers up to this size are exact.
 _EXACT = 2.0**53
+#: Every whole number up to this size is a single-precision number; the next one is none.
+SINGLE_WHOLE = 2.0**24
+#: Lowest and highest integer that is computed with, and what the user is told.
+_INTEGERS: dict[Precision, tuple[float, float, str]] = {
+    "double": (INTEGER_LOW, INTEGER_HIGH, "a whole number of at most 32 bits"),
+    "single": (
+        -SINGLE_WHOLE,
+        SINGLE_WHOLE,
+        f"a whole number from {-SINGLE_WHOLE:.0f} to {SINGLE_WHOLE:.0f} in single precision",
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -38,17 +52,25 @@ _TRUTH = WholeRange(0.0, 1.0)
 _ANY = WholeRange(-math.inf, math.inf, maybe_nan=True)
 
 
-def check_whole_results(program: Program) -> None:
+def check_whole_results(program: Program, precision: Precision = "double") -> None:
     """Refuse a program whose integer or boolean results may be anything else.
 
     A conversion to an integer type rounds in one language, cuts off in another and is undefined
-    outside the type's range; so it is printed only where nothing of that can happen.
+    outside the type's range; so it is printed only where nothing of that can happen. In single
+    precision integers are computed with as numbers of 24 bits: results must be proved to stay
+    within these, and inputs and parameters declared to, by their range or their value.
+
+    Parameters
+    ----------
+    program : Program
+    precision : {"double", "single"}
 
     Raises
     ------
     InputError
-        A state or output is declared integer and may leave the 32-bit integers, or is declared
-        boolean and may be other than 0 or 1, or an initial value is none.
+        A state or output is declared integer and may leave the 32-bit integers, or those of 24
+        bits in single precision, or is declared boolean and may be other than 0 or 1; or an
+        initial value is none; or a ring of a loop is declared integer or boolean.
 
     Examples
     --------
@@ -59,32 +81,49 @@ def check_whole_results(program: Program) -> None:
     >>> program = Program("law", (), inputs, (), (Signal("low", kind="boolean"),), block)
     >>> check_whole_results(program)
     """
-    ranges = whole_ranges(program)
+    ranges = whole_ranges(program, precision)
     declared = [*map(signal_of, program.state), *program.outputs]
     for signal, value in zip(declared, program.block.results, strict=True):
-        _check(program, signal, ranges.get(value))
+        _check(program, signal, ranges.get(value), precision)
+    for ring in program.rings:
+        _check(program, ring.signal, None, precision)
     for signal in [*map(signal_of, program.state), *program.inputs, *program.parameters]:
         initial = signal.initial
-        _check(program, signal, _whole(initial), what="initial value of ", value=initial)
+        what = "initial value of "
+        _check(program, signal, _whole(initial), precision, what=what, value=initial)
+    if precision == "single":
+        for signal in program.inputs:
+            _check_declared(program, signal)
+
+
+def _check_declared(program: Program, signal: Signal) -> None:
+    """Refuse an integer input whose range goes beyond the whole numbers of single precision."""
+    known = signal.low >= -SINGLE_WHOLE and signal.high <= SINGLE_WHOLE
+    if signal.kind == "integer" and not known:
+        raise InputError(
+            f"program {program.name}, {signal.name}",
+            f"an integer from {signal.low:.12g} to {signal.high:.12g}",
+            f"a range within {-SINGLE_WHOLE:.0f} and {SINGLE_WHOLE:.0f} in single precision",
+            "declare its range (low, high), or print it in double precision",
+        )
 
 
 def _check(
     program: Program,
     signal: Signal,
     found: WholeRange | None,
+    precision: Precision,
     *,
     what: str = "",
     value: object = None,
 ) -> None:
     place = f"program {program.name}, {what}{signal.name}"
     shown = value if what else _shown(found)
-    if signal.kind == "integer" and not (found and found.within(INTEGER_LOW, INTEGER_HIGH)):
-        raise InputError(
-            place,
-            shown,
-            "a whole number of at most 32 bits",
-            "round it with floor and limit it with fmin and fmax, or declare it real",
-        )
+    low, high, expected = _INTEGERS[precision]
+    if signal.kind == "integer" and not (found and found.within(low, high)):
+        remedy = "round it with floor and limit it with fmin and fmax, or declare it real"
+        wider = ", or print it in double precision" if precision == "single" else ""
+        raise InputError(place, shown, expected, remedy + wider)
     if signal.kind == "boolean" and not (found and found.within(0.0, 1.0)):
         raise InputError(place, shown, "0 or 1", "write it as a comparison, or declare it real")
 
@@ -96,12 +135,14 @@ def _shown(found: WholeRange | None) -> str:
     return f"a whole number from {found.low:.12g} to {found.high:.12g}{beside}"
 
 
-def whole_ranges(program: Program) -> dict[int, WholeRange]:
+def whole_ranges(program: Program, precision: Precision = "double") -> dict[int, WholeRange]:
     """Return bounds of every value of a program that is certainly a whole number.
 
     Interval arithmetic along the list of operations: integer signals are 32-bit integers,
     boolean signals and comparisons 0 or 1; what comes out of a counted loop or of a real
-    signal is not known to be whole.
+    signal is not known to be whole. In single precision the bounds are rounded outwards: a
+    rounded whole number is whole, and rounding changes no order. There a state counts as within
+    ±2^24: so it starts, and `check_whole_results` demands that it goes on so.
 
     Examples
     --------
@@ -112,30 +153,40 @@ def whole_ranges(program: Program) -> dict[int, WholeRange]:
     WholeRange(low=0.0, high=1.0, maybe_nan=False)
     """
     ranges: dict[int, WholeRange] = {}
+    states, others = WholeRange(INTEGER_LOW, INTEGER_HIGH), WholeRange(INTEGER_LOW, INTEGER_HIGH)
+    if precision == "single":
+        states, others = WholeRange(-SINGLE_WHOLE, SINGLE_WHOLE), _in_single(others)
     entries = [*map(signal_of, program.state), *program.inputs, *program.parameters]
     for value, signal in enumerate(entries):
         if signal.kind == "integer":
-            ranges[value] = WholeRange(INTEGER_LOW, INTEGER_HIGH)
+            ranges[value] = states if value in program.state_arguments else others
         elif signal.kind == "boolean":
             ranges[value] = _TRUTH
-    _follow(program.block, ranges)
+    _follow(program.block, ranges, precision)
     return ranges
 
 
-def _follow(block: Block, ranges: dict[int, WholeRange]) -> None:
+def _follow(block: Block, ranges: dict[int, WholeRange], precision: Precision) -> None:
     for statement in block.statements:
         if isinstance(statement, Operation):
             found = _range_of(statement, [ranges.get(value) for value in statement.arguments])
             if found is not None:
-                ranges[statement.target] = found
+                ranges[statement.target] = found if precision == "double" else _in_single(found)
         elif isinstance(statement, Conditional):
-            _follow_conditional(statement, ranges)
+            _follow_conditional(statement, ranges, precision)
 
 
-def _follow_conditional(conditional: Conditional, ranges: dict[int, WholeRange]) -> None:
+def _in_single(found: WholeRange) -> WholeRange:
+    low, high = (float(np.float32(bound)) for bound in (found.low, found.high))
+    return WholeRange(min(low, found.low), max(high, found.high), found.maybe_nan)
+
+
+def _follow_conditional(
+    conditional: Conditional, ranges: dict[int, WholeRange], precision: Precision
+) -> None:
     given = enumerate(conditional.carried + conditional.invariants)
     inside = {argument: ranges[value] for argument, value in given if value in ranges}
-    _follow(conditional.body, inside)
+    _follow(conditional.body, inside, precision)
     for target, start, result in zip(
         conditional.targets, conditional.carried, conditional.body.results, strict=True
     ):

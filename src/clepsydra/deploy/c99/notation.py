@@ -1,0 +1,86 @@
+"""How C99 writes operations and numbers, and what it must hold to, in each precision."""
+
+from __future__ import annotations
+
+from clepsydra.deploy.printing.expressions import Notation
+from clepsydra.deploy.printing.precision import Precision
+from clepsydra.program.program import LIBRARY
+
+_FUNCTIONS = {
+    "square_root": "sqrt", "absolute": "fabs", "floor": "floor", "ceiling": "ceil",
+    **{name: name for name in LIBRARY},
+}  # fmt: skip
+_OPERATORS = {
+    "add": "+", "subtract": "-", "multiply": "*", "divide": "/",
+    "less": "<", "less_equal": "<=", "equal": "==", "not_equal": "!=",
+    "and": "&&", "or": "||",
+}  # fmt: skip
+
+
+def notation_of(precision: Precision) -> Notation:
+    """Return how C writes operations on double or on float (single).
+
+    Examples
+    --------
+    >>> notation = notation_of("single")
+    >>> notation.functions["square_root"], notation.infinity, notation.suffix
+    ('sqrtf', 'HUGE_VALF', 'f')
+    """
+    single = precision == "single"
+    mark = "f" if single else ""
+    return Notation(
+        language="C",
+        operators=_OPERATORS,
+        functions={code: f"{name}{mark}" for code, name in _FUNCTIONS.items()},
+        negation="!",
+        statements=frozenset(),
+        repeating=frozenset({"minimum", "maximum"}),
+        infinity="HUGE_VALF" if single else "HUGE_VAL",
+        single=single,
+        suffix=mark,
+    )
+
+
+def real_type(notation: Notation) -> str:
+    """Return the type of a real number.
+
+    Examples
+    --------
+    >>> real_type(notation_of("double")), real_type(notation_of("single"))
+    ('double', 'float')
+    """
+    return "float" if notation.single else "double"
+
+
+def arithmetic_check(notation: Notation) -> list[str]:
+    """Return what stops a compiler whose arithmetic is another one.
+
+    Doubles may be evaluated in the type of a float's evaluation (FLT_EVAL_METHOD 1), floats may
+    not; the methods 16, 32 and 64 name a smallest type of evaluation [bits].
+
+    Examples
+    --------
+    >>> arithmetic_check(notation_of("single"))[0]
+    '#if FLT_RADIX != 2 || FLT_MANT_DIG != 24 || FLT_MAX_EXP != 128'
+    """
+    if notation.single:
+        number, whole = "float", "FLT_MANT_DIG != 24 || FLT_MAX_EXP != 128"
+        widened = "FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16 && FLT_EVAL_METHOD != 32"
+    else:
+        number, whole = "double", "DBL_MANT_DIG != 53 || DBL_MAX_EXP != 1024"
+        widened = "FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD == 2 || FLT_EVAL_METHOD > 64"
+    return [
+        f"#if FLT_RADIX != 2 || {whole}",
+        f'#error "{number} is another number than that of IEEE 754: results would differ"',
+        "#endif",
+        f"#if {widened}",
+        f'#error "this compiler does not evaluate {number}s as {number}s: results would differ"',
+        "#endif",
+        "#ifdef __FAST_MATH__",
+        '#error "compile without -ffast-math: results would differ"',
+        "#endif",
+        "#ifdef __clang__",
+        "#pragma STDC FP_CONTRACT OFF",
+        "#endif",
+        "",
+    ]

@@ -1,0 +1,57 @@
+"""How much memory the state of printed C takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from clepsydra.deploy.c99.interface import kept
+from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.deploy.printing.precision import Precision
+from clepsydra.program.program import Program
+
+_REAL = {"double": 8, "single": 4}
+_POSITION = 4
+
+
+def state_size(program: Program, precision: Precision = "double") -> int:
+    """Return the size of the state structure, for one instance [bytes].
+
+    As compilers lay structures out where every type stands at a multiple of its own size (64-bit
+    processors, ARM): on 32-bit x86 of Unix, where doubles stand at multiples of four bytes, it
+    may be four bytes less.
+
+    Parameters
+    ----------
+    program : Program
+    precision : {"double", "single"}
+
+    Examples
+    --------
+    A state of three numbers and a truth value, and a delay by ten samples with its position:
+
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.delay_ring import DelayRing
+    >>> from clepsydra.program.program import Block
+    >>> state = (Signal("a"), Signal("b"), Signal("c"), Signal("hand", kind="boolean"),
+    ...          DelayRing(Signal("flow", "m^3/s"), 10))
+    >>> program = Program("law", state, (), (), (), Block(5, (), (0, 1, 2, 3, 4)))
+    >>> state_size(program), state_size(program, "single")
+    (120, 60)
+    """
+    size, widest = 0, 1
+    for width, count in _members(program, precision):
+        size += -size % width + width * count
+        widest = max(widest, width)
+    return max(size + -size % widest, 1)
+
+
+def _members(program: Program, precision: Precision) -> Iterator[tuple[int, int]]:
+    """Yield the width of each member [bytes] and how many there are of it."""
+    widths = {"real": _REAL[precision], "integer": 4, "boolean": 1}
+    for entry in kept(program):
+        width = widths[signal_of(entry).kind]
+        if is_ring(entry):
+            yield width, entry.length
+            yield _POSITION, 1
+        else:
+            yield width, 1

@@ -1,0 +1,41 @@
+"""One designed controller of each family of laws, as the program that is printed."""
+
+from functools import cache
+
+from clepsydra.deploy.exportable import exportable
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
+from clepsydra.program.program import Program
+from clepsydra.study.designs import DESIGNS
+
+PROCESSES = {
+    "PI, SIMC": "quadruple-tank",
+    "PID, phase margin": "quadruple-tank",
+    "PI, variable structure": "quadruple-tank",
+    "PI, gain scheduling": "three-tanks",
+    "LQI with Kalman filter": "quadruple-tank",
+    "LQI, gain scheduling": "quadruple-tank",
+    "2DOF polynomial, LQ": "quadruple-tank",
+    "Smith predictor, PI": "eight-tanks",
+    "Feedback linearisation": "quadruple-tank",
+    "Glover-McFarlane on PI, SIMC": "quadruple-tank",
+    "Fuzzy PI": "quadruple-tank",
+    "Start/stop levels": "wet-well:start-stop",
+}
+
+
+@cache
+def analysed(process: str):
+    return analyse(load_process(process))
+
+
+@cache
+def family(name: str):
+    """Return the bare program, and the controller in its plant shell with its origin."""
+    analysis = analysed(PROCESSES[name])
+    controller = DESIGNS[name](analysis)
+    return controller.program(), exportable(controller, analysis.operating_point)
+
+
+def bare(name: str) -> Program:
+    return family(name)[0]

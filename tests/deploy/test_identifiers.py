@@ -1,0 +1,63 @@
+"""Titles as identifiers of every target."""
+
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from clepsydra.base.errors import InputError
+from clepsydra.deploy.printing.identifiers import (
+    C_WORDS,
+    STRUCTURED_TEXT_WORDS,
+    check_identifier,
+    identifier_of,
+)
+from clepsydra.study.designs import DESIGNS
+
+
+@pytest.mark.parametrize(
+    ("title", "name"),
+    [
+        ("PI, SIMC, dynamic decoupling", "pi_simc_dynamic_decoupling"),
+        ("2DOF polynomial, LQ", "law_2dof_polynomial_lq"),
+        ("  H∞: Glover-McFarlane on PI (SIMC) ", "h_glover_mcfarlane_on_pi_simc"),
+        ("Åström & Hägglund", "astrom_hagglund"),
+        ("wet-well:start-stop", "wet_well_start_stop"),
+        ("a__b_", "a_b"),
+        ("Program", "law_program"),
+        ("double", "law_double"),
+        ("NOT", "law_not"),
+        ("nan", "law_nan"),
+    ],
+)
+def test_a_title_becomes_a_name(title, name):
+    assert identifier_of(title) == name
+
+
+@pytest.mark.parametrize("title", ["", "…", "水位", "_ _"])
+def test_a_title_without_letters_is_refused(title):
+    with pytest.raises(InputError, match="a letter from A to Z or a digit; rename it"):
+        identifier_of(title)
+
+
+def accepted(name: str) -> bool:
+    check_identifier(name, "title", "C", C_WORDS, ignore_case=False)
+    check_identifier(name, "title", "Structured Text", STRUCTURED_TEXT_WORDS, ignore_case=True)
+    return True
+
+
+@given(st.text(min_size=1))
+def test_whatever_comes_out_every_target_takes(title):
+    if re.search("[A-Za-z0-9]", title):
+        assert accepted(identifier_of(title))
+
+
+def test_every_design_has_a_name_of_its_own():
+    names = [identifier_of(title) for title in DESIGNS]
+    assert len(set(names)) == len(names) and all(map(accepted, names))
+
+
+def test_the_words_to_avoid_can_be_given():
+    assert identifier_of("Program", frozenset()) == "program"
+    assert identifier_of("Law", frozenset({"LAW"})) == "law_law"
