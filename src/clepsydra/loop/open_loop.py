@@ -15,13 +15,11 @@ from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.balance import Balance, balances
 from clepsydra.loop.happenings import Happening, happenings
 from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
+from clepsydra.loop.process_period import process_period
 from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.solver import Solver, check_solver
 from clepsydra.loop.step_size import check_substeps
 from clepsydra.process.process import Process
-from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.program import Program
-from clepsydra.program.reader import inline
 
 if TYPE_CHECKING:
     import pandas
@@ -145,7 +143,7 @@ class _OpenLoop:
         contents = {
             s.name: float(v) for s, v in zip(process.motion.contents, self.contents, strict=True)
         }
-        kernel = Kernel(self._program())
+        kernel = Kernel(process_period(process, self.motion, self.recorded, shown="start"))
         given = {name: np.append(values, values[-1]) for name, values in self.profiles.items()}
         result = kernel.run(self.samples + 1, inputs=given, state=rest | contents)
         values = {s.name: result.output(s.name)[0] for s in kernel.program.outputs}
@@ -196,32 +194,6 @@ class _OpenLoop:
                 f"simulation of {self.process.name}, profiles", sorted(lengths),
                 "profiles of one length, at least one sample", "give one value a sample",
             )  # fmt: skip
-
-    def _program(self) -> Program:
-        process, motion = self.process, self.process.motion
-        state = self.motion.state
-        names = [s.name for s in (*state, *self.outside, *process.parameters)]
-        builder = BlockBuilder(len(names))
-        value = {name: index for index, name in enumerate(names)}
-        parameters = [value[p.name] for p in process.parameters]
-        contents = [value[s.name] for s in motion.contents]
-        shown = inline(builder, motion.to_state, [*contents, *parameters], fused=True)
-        measured = inline(builder, process.measure, [*shown, *parameters], fused=True)
-        outside = [value[s.name] for s in self.outside]
-        following = self.motion.move(
-            builder, [value[s.name] for s in state], [*outside, *parameters]
-        )
-        block = builder.finish(
-            [*following, *shown, *measured, *(value[s.name] for s in self.recorded)]
-        )
-        return Program(
-            f"{process.name}, open loop",
-            state,
-            self.outside,
-            process.parameters,
-            (*process.state, *process.measurements, *self.recorded),
-            block,
-        )
 
     def _collect(self, values: dict[str, np.ndarray], substeps: int) -> Simulation:
         process, motion = self.process, self.process.motion
