@@ -1,117 +1,141 @@
-"""The interface of printed Structured Text: names, and sections of commented declarations."""
+"""The interface of a printed function block: names, and declared variables with comments."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
-from clepsydra.deploy.printing.expressions import Expression, render
-from clepsydra.deploy.printing.heading import comment, commented
-from clepsydra.deploy.printing.identifiers import (
-    STRUCTURED_TEXT_WORDS,
-    check_distinct,
-    check_identifier,
-)
-from clepsydra.deploy.structured_text.statements import NOTATION
+from clepsydra.deploy.printing.heading import comment
+from clepsydra.deploy.printing.identifiers import check_distinct, check_identifier
+from clepsydra.deploy.printing.origin import Origin
+from clepsydra.deploy.structured_text.dialect import Dialect
+from clepsydra.deploy.structured_text.pou import Section, Variable
+from clepsydra.deploy.structured_text.wording import Wording
 from clepsydra.program.program import Program
 
-_TYPES = {"real": "LREAL", "integer": "DINT", "boolean": "BOOL"}
-_WIDTH = 98
+_LANGUAGE = "Structured Text"
 
 
-def check_names(program: Program) -> None:
-    """Refuse names that Structured Text does not accept or cannot tell apart.
+def check_names(program: Program, dialect: Dialect) -> None:
+    """Refuse names that a dialect does not accept or cannot tell apart.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> from clepsydra.program.program import Block
+    >>> program = Program("law", (), (Signal("tank_1.level"),), (), (), Block(1, (), ()))
+    >>> check_names(program, dialect_of("scl"))
+    """
+    place = f"program {program.name}"
+    _check_name(program.name, place, dialect)
+    entries = [(program.name, place)]
+    for entry in (*program.inputs, *program.parameters, *program.outputs, *held(program)):
+        name = signal_of(entry).identifier
+        _check_name(name, f"{place}, {entry.name}", dialect)
+        entries.append((name, f"{place}, {entry.name}"))
+        if is_ring(entry):
+            entries.append((f"{name}_position", f"{place}, position in {entry.name}"))
+    check_distinct(entries, _LANGUAGE, ignore_case=True)
+
+
+def _check_name(name: str, place: str, dialect: Dialect) -> None:
+    check_identifier(name, place, _LANGUAGE, dialect.all_words, ignore_case=True)
+    if 0 < dialect.longest_name < len(name):
+        raise InputError(
+            place, name, f"at most {dialect.longest_name} characters for {dialect.systems}",
+            "give it a shorter name",
+        )  # fmt: skip
+
+
+def held(program: Program) -> tuple[Entry, ...]:
+    """Return what lives from scan to scan: the state, then the rings of loops.
 
     Examples
     --------
     >>> from clepsydra.program.program import Block
-    >>> check_names(Program("law", (), (Signal("tank_1.level"),), (), (), Block(1, (), ())))
+    >>> held(Program("law", (Signal("x"),), (), (), (), Block(1, (), (0,))))[0].name
+    'x'
     """
-    language, words = NOTATION.language, STRUCTURED_TEXT_WORDS
-    place = f"program {program.name}"
-    check_identifier(program.name, place, language, words, ignore_case=True)
-    entries = [(program.name, place)]
-    for entry in (*program.inputs, *program.parameters, *program.outputs, *program.state):
-        name = signal_of(entry).identifier
-        check_identifier(name, f"{place}, {entry.name}", language, words, ignore_case=True)
-        entries.append((name, f"{place}, {entry.name}"))
-        if is_ring(entry):
-            entries.append((f"{name}_position", f"{place}, position in {entry.name}"))
-    check_distinct(entries, language, ignore_case=True)
+    return (*program.state, *program.rings)
 
 
-def section(
-    keyword: str, title: str, entries: Sequence[Entry], declare: Callable[[Entry], list[str]]
-) -> list[str]:
-    """Return the declarations of one kind of variable, or nothing where there are none.
+class Interface:
+    """Declares the signals of a program.
+
+    Parameters
+    ----------
+    wording : Wording
+    origin : Origin or None
+        Where the numbers of states and parameters come from.
 
     Examples
     --------
-    >>> section("VAR_INPUT", "inputs", [Signal("level", "m", initial=0.1)], declaration)
-    ['VAR_INPUT (* inputs *)', '  level : LREAL := 0.1; (* [m] *)', 'END_VAR']
+    >>> from clepsydra.deploy.printing.identifiers import Identifiers
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> wording = Wording(dialect_of("codesys"), "double", Identifiers([], ignore_case=True))
+    >>> mode = Signal("mode", kind="integer", initial=1.0, low=0.0, high=2.0)
+    >>> declared = Interface(wording, None).variable(mode)
+    >>> declared.name, declared.type, declared.initial, declared.comment
+    ('mode', 'DINT', ('1',), '[1] 0 to 2')
     """
-    if not entries:
-        return []
-    lines = [line for entry in entries for line in declare(entry)]
-    return [f"{keyword} (* {title} *)", *(f"  {line}" for line in lines), "END_VAR"]
 
+    def __init__(self, wording: Wording, origin: Origin | None) -> None:
+        self._wording = wording
+        self._origin = origin
 
-def declaration(entry: Entry) -> list[str]:
-    """Declare an input or a parameter with its default.
+    def sections(self, program: Program) -> list[Section]:
+        """Return inputs, parameters, outputs and state of a program."""
+        parameters = [self._with_source(entry) for entry in program.parameters]
+        state = [variable for entry in program.state for variable in self._held(entry, "sample")]
+        state += [variable for ring in program.rings for variable in self._held(ring, "turn")]
+        return [
+            Section(
+                "VAR_INPUT",
+                "",
+                (
+                    ("inputs of one sample", self._variables(program.inputs)),
+                    ("parameters", tuple(parameters)),
+                ),
+            ),
+            Section("VAR_OUTPUT", "", (("outputs", self._variables(program.outputs)),)),
+            Section("VAR", "RETAIN", (("state", tuple(state)),)),
+        ]
 
-    Examples
-    --------
-    >>> declaration(Signal("mode", kind="integer", initial=1.0, low=0.0, high=2.0))
-    ['mode : DINT := 1; (* [1] 0 to 2 *)']
-    """
-    signal = signal_of(entry)
-    return _commented(
-        f"{signal.identifier} : {_TYPES[signal.kind]} := {_literal(signal)};", comment(entry)
-    )
+    def variable(self, entry: Entry) -> Variable:
+        """Declare a signal with its initial value."""
+        signal = signal_of(entry)
+        return Variable(
+            signal.identifier,
+            self._wording.type_of(signal.kind),
+            (self.initial(signal),),
+            comment=comment(entry),
+        )
 
+    def initial(self, signal: Signal) -> str:
+        """Write the initial value of a signal in its type."""
+        if signal.kind == "integer":
+            return str(int(signal.initial))
+        if signal.kind == "boolean":
+            return "TRUE" if signal.initial else "FALSE"
+        return self._wording.number(signal.initial, f"initial value of {signal.name}")
 
-def output_declaration(entry: Entry) -> list[str]:
-    """Declare an output; it gets its value in every call.
+    def _variables(self, signals: Sequence[Signal]) -> tuple[Variable, ...]:
+        return tuple(map(self.variable, signals))
 
-    Examples
-    --------
-    >>> output_declaration(Signal("manipulated_1", "V"))
-    ['manipulated_1 : LREAL; (* [V] *)']
-    """
-    signal = signal_of(entry)
-    return _commented(f"{signal.identifier} : {_TYPES[signal.kind]};", comment(entry))
+    def _with_source(self, entry: Entry, counted: str = "sample") -> Variable:
+        source = self._origin.source_of(entry) if self._origin else ""
+        return replace(self.variable(entry), comment=comment(entry, source=source, counted=counted))
 
-
-def _commented(line: str, text: str) -> list[str]:
-    return commented(line, text, "(*", "*)", _WIDTH)
-
-
-def state_declaration(entry: Entry) -> list[str]:
-    """Declare a state with its initial value; a delay ring is an array and a position.
-
-    Examples
-    --------
-    >>> from clepsydra.program.delay_ring import DelayRing
-    >>> state_declaration(DelayRing(Signal("flow", "m^3/s"), 3))[0]
-    'flow : ARRAY[0..2] OF LREAL := [3(0.0)]; (* [m^3/s]; delayed by 3 samples *)'
-    """
-    if not is_ring(entry):
-        return declaration(entry)
-    name, length, kind = entry.signal.identifier, entry.length, _TYPES[entry.signal.kind]
-    value = _literal(entry.signal)
-    return [
-        *_commented(
-            f"{name} : ARRAY[0..{length - 1}] OF {kind} := [{length}({value})];", comment(entry)
-        ),
-        f"{name}_position : DINT := 0; (* [1] place of the oldest value *)",
-    ]
-
-
-def _literal(signal: Signal) -> str:
-    """Write the initial value of a signal in its type."""
-    if signal.kind == "integer":
-        return str(int(signal.initial))
-    if signal.kind == "boolean":
-        return "TRUE" if signal.initial else "FALSE"
-    return render(Expression("constant", number=signal.initial), NOTATION)
+    def _held(self, entry: Entry, counted: str) -> list[Variable]:
+        declared = self._with_source(entry, counted)
+        if not is_ring(entry):
+            return [declared]
+        name, length = declared.name, entry.length
+        values = declared.initial * length
+        return [
+            Variable(name, declared.type, values, length, declared.comment),
+            Variable(f"{name}_position", "DINT", ("0",), comment="[1] place of the oldest value"),
+        ]

@@ -1,0 +1,133 @@
+"""A program organisation unit as text of a dialect."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from itertools import groupby
+
+from clepsydra.deploy.printing.heading import commented, harmless
+from clepsydra.deploy.structured_text.dialect import Dialect
+from clepsydra.deploy.structured_text.pou import Section, Unit, Variable
+
+_WIDTH = 98
+_VALUES_A_LINE = 6
+
+
+def unit_text(unit: Unit, dialect: Dialect) -> list[str]:
+    """Return the lines of a unit in a dialect.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> section = Section("VAR", "RETAIN", (("state", (Variable("x", "LREAL", ("0.5",)),)),))
+    >>> unit = Unit("FUNCTION_BLOCK", "half", ("Half.",), (section,), ("x := 0.5 * x;",))
+    >>> print("\\n".join(unit_text(unit, dialect_of("codesys"))))
+    (* Half. *)
+    FUNCTION_BLOCK half
+    VAR RETAIN
+      (* state *)
+      x : LREAL := 0.5;
+    END_VAR
+    x := 0.5 * x;
+    END_FUNCTION_BLOCK
+    """
+    begin = [dialect.begin] if dialect.begin else []
+    end = f"END_{_keyword(unit, dialect)}"
+    return [*declaration_lines(unit, dialect), *begin, *unit.body, end]
+
+
+def declaration_lines(unit: Unit, dialect: Dialect) -> list[str]:
+    """Return the lines of a unit down to its statements: comment, title, declarations.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> unit = Unit("PROGRAM", "main", ("Nothing yet.",), (), ())
+    >>> declaration_lines(unit, dialect_of("codesys"))
+    ['(* Nothing yet. *)', 'PROGRAM main']
+    """
+    title = f"{_keyword(unit, dialect)} {dialect.quoted(unit.name)}"
+    head = comment_lines(unit.head, dialect)
+    # What stands before the attributes belongs to no block, so there the comment goes inside.
+    opening = [title, *dialect.attributes, *head] if dialect.attributes else [*head, title]
+    return [*opening, *(line for section in unit.sections for line in _section(section, dialect))]
+
+
+def _keyword(unit: Unit, dialect: Dialect) -> str:
+    return unit.kind if dialect.programs else "FUNCTION_BLOCK"
+
+
+def comment_lines(lines: Sequence[str], dialect: Dialect) -> list[str]:
+    """Return lines of text as one comment.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> comment_lines(["One.", "Two."], dialect_of("codesys"))
+    ['(* One.', '   Two. *)']
+    >>> comment_lines(["One.", "Two."], dialect_of("scl"))
+    ['// One.', '// Two.']
+    """
+    safe = [
+        row
+        for line in lines
+        for row in textwrap.wrap(harmless(line), _WIDTH - 4, subsequent_indent="  ")
+    ]
+    if not safe:
+        return []
+    if dialect.line_comments:
+        return [dialect.commented(line) for line in safe]
+    first, *rest = safe
+    found = [f"(* {first}", *(f"   {line}" for line in rest)]
+    found[-1] += " *)"
+    return found
+
+
+def _section(section: Section, dialect: Dialect) -> list[str]:
+    if not any(True for _ in section.variables):
+        return []
+    lines = [f"{section.keyword} {section.qualifier}".rstrip()]
+    for title, variables in section.groups:
+        if variables:
+            lines.append(f"  {dialect.commented(title)}")
+        for entry in variables:
+            lines += [f"  {line}" for line in _declaration(entry, dialect)]
+    return [*lines, "END_VAR"]
+
+
+def _declaration(entry: Variable, dialect: Dialect) -> list[str]:
+    kind = dialect.quoted(entry.type) if entry.is_block else entry.type
+    if entry.is_array:
+        kind = f"ARRAY[0..{entry.length - 1}] OF {kind}"
+    head = f"{entry.name} : {kind}"
+    texts = _values(entry, dialect) if entry.is_array else list(entry.initial)
+    if entry.is_array:
+        rows = [
+            ", ".join(texts[first : first + _VALUES_A_LINE])
+            for first in range(0, len(texts), _VALUES_A_LINE)
+        ]
+        if len(rows) > 1:
+            lines = [*(f"  {row}," for row in rows[:-1]), f"  {rows[-1]}];"]
+            return [*_commented(f"{head} := [", entry.comment, dialect), *lines]
+        texts = [f"[{rows[0]}]"]
+    value = f" := {texts[0]}" if texts else ""
+    return _commented(f"{head}{value};", entry.comment, dialect)
+
+
+def _values(entry: Variable, dialect: Dialect) -> list[str]:
+    if not dialect.repeated_values:
+        return list(entry.initial)
+    texts = []
+    for value, run in groupby(entry.initial):
+        count = len(list(run))
+        texts += [f"{count}({value})"] if count > 2 else [value] * count
+    return texts
+
+
+def _commented(line: str, text: str, dialect: Dialect) -> list[str]:
+    if not text:
+        return [line]
+    if dialect.line_comments:
+        return [f"{line} {dialect.commented(text)}"]
+    return commented(line, text, "(*", "*)", _WIDTH)

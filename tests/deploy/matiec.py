@@ -1,0 +1,120 @@
+"""Printed Structured Text made to run by matiec, the compiler of OpenPLC and Beremiz."""
+
+import ctypes
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.deploy.proof.instance import Instance
+from clepsydra.deploy.structured_text.printer import print_structured_text
+
+_CTYPES = {"LREAL": "double", "REAL": "float", "DINT": "int32_t", "BOOL": "uint8_t"}
+
+
+class Matiec:
+    """The compiler `iec2c` with its library, named by CLEPSYDRA_MATIEC or found on the path."""
+
+    def __init__(self) -> None:
+        named = os.environ.get("CLEPSYDRA_MATIEC")
+        found = named if named and Path(named).is_file() else shutil.which("iec2c")
+        self.compiler = shutil.which("gcc") or shutil.which("cc")
+        if not found or not self.compiler:
+            pytest.skip(
+                "matiec's iec2c (CLEPSYDRA_MATIEC or on the path) or a C compiler is missing"
+            )
+        self.program = Path(found).resolve()
+        self.library = next(
+            (folder for folder in (self.program.parent / "lib", self.program.parents[1] / "lib",
+                                   self.program.parents[1] / "share/matiec/lib")
+             if (folder / "ieclib.txt").is_file()), None,
+        )  # fmt: skip
+        if self.library is None:
+            pytest.skip(f"the library of {self.program} is not beside it")
+
+    def translate(self, text: str, folder: Path) -> None:
+        """Translate a text into C; what the compiler says fails the test."""
+        folder.mkdir(parents=True, exist_ok=True)
+        source = folder / "printed.st"
+        source.write_text(text, encoding="utf-8")
+        command = [str(self.program), "-f", "-I", str(self.library), "-T", str(folder), str(source)]
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert done.returncode == 0 and "error" not in done.stderr, done.stderr[:2000] + text
+
+    def build(self, source: str, folder: Path, name: str) -> ctypes.CDLL:
+        """Compile C that includes what was generated, without fusing any operation."""
+        path, target = folder / f"{name}_wrapper.c", folder / f"{name}.so"
+        path.write_text(source, encoding="utf-8")
+        options = ["-std=gnu99", "-O1", "-w", "-ffp-contract=off", "-shared", "-fPIC"]
+        places = [f"-I{folder}", f"-I{self.library / 'C'}"]
+        command = [self.compiler, *options, *places, "-o", str(target), str(path), "-lm"]
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr[:2000]
+        return ctypes.CDLL(str(target))
+
+
+HEAD = """#include "iec_std_lib.h"
+TIME __CURRENT_TIME;
+BOOL __DEBUG = 0;
+"""
+
+BLOCK = (
+    HEAD
+    + """#include "accessor.h"
+#include "POUS.h"
+#include "POUS.c"
+static {block} instance;
+void start(void) {{ {block}_init__(&instance, 0); }}
+void scan(const double *given, double *found)
+{{
+{writes}
+    {block}_body__(&instance);
+{reads}
+}}
+"""
+)
+
+
+class CompiledByMatiec(Instance):
+    """A function block of matiec's C as a shared library, one instance of its state."""
+
+    def __init__(self, program, folder: Path, precision="double") -> None:
+        super().__init__(program)
+        self._signals = (*program.inputs, *program.parameters)
+        matiec = Matiec()
+        text = print_structured_text(program, precision=precision, dialect="matiec")
+        matiec.translate(text, folder)
+        writes = [
+            f"    instance.{signal.identifier.upper()}.value = given[{place}];"
+            for place, signal in enumerate(self._signals)
+        ]
+        shown = [f"instance.{signal.identifier.upper()}.value" for signal in program.outputs]
+        for entry in program.state:
+            name = f"instance.{signal_of(entry).identifier.upper()}"
+            place = f".table[{name}_POSITION.value]" if is_ring(entry) else ""
+            shown.append(f"{name}.value{place}")
+        reads = [f"    found[{place}] = {value};" for place, value in enumerate(shown)]
+        source = BLOCK.format(
+            block=program.name.upper(), writes="\n".join(writes), reads="\n".join(reads)
+        )
+        self._library = matiec.build(source, folder, program.name)
+        self._given = (ctypes.c_double * max(1, len(self._signals)))()
+        self._given[:] = [signal.initial for signal in self._signals] or [0.0]
+        self._found = (ctypes.c_double * max(1, len(shown)))()
+        self._count = len(shown)
+        self._library.start()
+
+    def __call__(self, inputs):
+        """Run one scan and return the outputs in order."""
+        for place, signal in enumerate(self._signals):
+            if signal.name in inputs:
+                self._given[place] = inputs[signal.name]
+        self._library.scan(self._given, self._found)
+        return self._found[: len(self.program.outputs)]
+
+    def state(self):
+        """The state after the last scan."""
+        return self._found[len(self.program.outputs) : self._count]

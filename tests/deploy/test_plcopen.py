@@ -1,0 +1,170 @@
+"""PLCopen XML: what comes back from it is what was printed."""
+
+import dataclasses
+import re
+from xml.etree import ElementTree
+
+import pytest
+from structured_text_programs import every_kind
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.deploy.plcopen.document import XHTML, flavour_of
+from clepsydra.deploy.plcopen.printer import print_plcopen, print_plcopen_project
+from clepsydra.deploy.printing.origin import Origin
+from clepsydra.deploy.process_program import process_program
+from clepsydra.deploy.structured_text.dialect import dialect_of
+from clepsydra.deploy.structured_text.function_block import function_block
+from clepsydra.deploy.structured_text.pou import Section, Unit, Variable
+from clepsydra.deploy.structured_text.printer import print_structured_text
+from clepsydra.deploy.structured_text.project import print_test_project
+from clepsydra.design.simc import design_simc
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
+
+ORIGIN = Origin('Law <1> & "2"', "a tank", "By hand.", 1.0, {"late": "at rest"}, "found by hand")
+SECTIONS = {"inputVars": "VAR_INPUT", "outputVars": "VAR_OUTPUT", "localVars": "VAR",
+            "tempVars": "VAR_TEMP"}  # fmt: skip
+ELEMENTARY = ["BOOL", "DINT", "REAL", "LREAL"]
+
+
+def read(text: str, dialect: str) -> tuple[ElementTree.Element, str]:
+    namespace = flavour_of(dialect).namespace
+    return ElementTree.fromstring(text), f"{{{namespace}}}"
+
+
+def formatted(element: ElementTree.Element, namespace: str, path: str) -> str:
+    found = element.find("/".join(f"{namespace}{step}" for step in path.split("/")))
+    if found is None:
+        return ""
+    (inside,) = found
+    assert inside.tag in (f"{{{XHTML}}}p", f"{{{XHTML}}}xhtml")
+    return inside.text or ""
+
+
+def variable_of(element: ElementTree.Element, namespace: str) -> Variable:
+    (kind,) = element.find(f"{namespace}type")
+    length = 0
+    if kind.tag == f"{namespace}array":
+        dimension, base = kind
+        assert dimension.get("lower") == "0"
+        length = int(dimension.get("upper")) + 1
+        (kind,) = base
+    is_block = kind.tag == f"{namespace}derived"
+    initial: list[str] = []
+    value = element.find(f"{namespace}initialValue")
+    if value is not None:
+        (value,) = value
+        if length:
+            for entry in value:
+                (simple,) = entry
+                initial += [simple.get("value")] * int(entry.get("repetitionValue", "1"))
+        else:
+            initial.append(value.get("value"))
+    name = kind.get("name") if is_block else kind.tag.removeprefix(namespace)
+    assert is_block or name in ELEMENTARY
+    comment = formatted(element, namespace, "documentation")
+    return Variable(element.get("name"), name, tuple(initial), length, comment, is_block)
+
+
+def unit_of(element: ElementTree.Element, namespace: str) -> Unit:
+    """Read a unit back; the titles of groups are in no document."""
+    sections = []
+    for child in element.find(f"{namespace}interface"):
+        tag = child.tag.removeprefix(namespace)
+        if tag in SECTIONS:
+            qualifier = "".join(q.upper() for q in ("retain", "constant") if child.get(q) == "true")
+            entries = tuple(variable_of(entry, namespace) for entry in child)
+            sections.append(Section(SECTIONS[tag], qualifier, (("", entries),)))
+    kind = {"functionBlock": "FUNCTION_BLOCK", "program": "PROGRAM"}[element.get("pouType")]
+    head = formatted(element, namespace, "interface/documentation").split("\n")
+    body = formatted(element, namespace, "body/ST").split("\n")
+    return Unit(kind, element.get("name"), tuple(head), tuple(sections), tuple(body))
+
+
+def without_titles(unit: Unit) -> Unit:
+    sections = [
+        Section(section.keyword, section.qualifier, (("", tuple(section.variables)),))
+        for section in unit.sections
+        if list(section.variables)
+    ]
+    return dataclasses.replace(unit, sections=tuple(sections))
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+@pytest.mark.parametrize("dialect", ["codesys", "matiec"])
+def test_a_block_comes_back_as_it_was_printed(dialect, precision):
+    text = print_plcopen(every_kind(), origin=ORIGIN, dialect=dialect, precision=precision)
+    root, namespace = read(text, dialect)
+    (element,) = root.iter(f"{namespace}pou")
+    printed = function_block(every_kind(), dialect_of(dialect), precision, ORIGIN)
+    assert unit_of(element, namespace) == without_titles(printed)
+    assert text.startswith('<?xml version="1.0" encoding="utf-8"?>\n<project xmlns="http://www.plc')
+
+
+def test_the_text_of_the_block_is_in_the_document():
+    """Declarations with comments and statements are those of the Structured Text."""
+    text = print_structured_text(every_kind(), origin=ORIGIN)
+    root, namespace = read(print_plcopen(every_kind(), origin=ORIGIN), "codesys")
+    (element,) = root.iter(f"{namespace}pou")
+    declared = formatted(element, namespace, "addData/data/InterfaceAsPlainText")
+    body = formatted(element, namespace, "body/ST")
+    assert f"{declared}\n{body}\nEND_FUNCTION_BLOCK\n" == text
+
+
+def test_the_order_of_the_schema():
+    """What TC6 demands of the order of elements, and of the attributes."""
+    for dialect in ("codesys", "matiec"):
+        root, namespace = read(print_plcopen(every_kind(), dialect=dialect), dialect)
+
+        def children(element, namespace=namespace):
+            return [child.tag.removeprefix(namespace) for child in element]
+
+        assert children(root) == ["fileHeader", "contentHeader", "types", "instances"]
+        header = root.find(f"{namespace}fileHeader")
+        required = {"companyName", "productName", "productVersion", "creationDateTime"}
+        assert required <= set(header.keys())
+        for unit in root.iter(f"{namespace}pou"):
+            order = ["interface", "actions", "transitions", "body", "addData", "documentation"]
+            assert sorted(children(unit), key=order.index) == children(unit)
+            inside = children(unit.find(f"{namespace}interface"))
+            assert inside[-1] == "documentation" and set(inside[:-1]) == set(SECTIONS)
+        for variable in root.iter(f"{namespace}variable"):
+            order = ["type", "initialValue", "documentation"]
+            assert sorted(children(variable), key=order.index) == children(variable)
+
+
+@pytest.mark.parametrize("dialect", ["codesys", "matiec"])
+def test_the_test_project(dialect):
+    analysis = analyse(load_process("quadruple-tank"))
+    controller = with_plant_shell(design_simc(analysis.model, analysis.pairing), 1.0)
+    arguments = (
+        dataclasses.replace(controller.program(), name="tank_pi"),
+        process_program(analysis.operating_point, 1),
+        controller.input_wires | controller.output_wires,
+        0.5,
+    )
+    text = print_plcopen_project(*arguments, origin=ORIGIN, dialect=dialect)
+    assert text == print_plcopen_project(*arguments, origin=ORIGIN, dialect=dialect)
+    root, namespace = read(text, dialect)
+    units = [unit_of(element, namespace) for element in root.iter(f"{namespace}pou")]
+    assert [unit.name for unit in units] == ["tank_pi", "quadruple_tank", "tank_pi_test"]
+    instances = [v for _, v in units[2].declared() if v.is_block]
+    assert [(v.name, v.type) for v in instances] == [
+        ("controller", "tank_pi"), ("plant", "quadruple_tank")]  # fmt: skip
+    in_text = print_test_project(*arguments, origin=ORIGIN, dialect=dialect)
+    for unit in units:
+        assert "\n".join(unit.body) in in_text
+    tasks = [task.attrib for task in root.iter(f"{namespace}task")]
+    if dialect == "matiec":
+        assert tasks == [{"name": "sampling", "priority": "0", "interval": "T#500ms"}]
+        (instance,) = root.iter(f"{namespace}pouInstance")
+        assert instance.get("typeName") == "tank_pi_test"
+        assert re.search(r'<configuration name="Config0">\s*<resource name="Res0">', text)
+    else:
+        assert not tasks
+
+
+def test_tia_portal_reads_none():
+    with pytest.raises(InputError, match="TIA Portal reads no PLCopen XML"):
+        print_plcopen(every_kind(), dialect="scl")
