@@ -1,0 +1,1 @@
+"""Functional Mock-up Units of controllers and processes, with their C sources."""

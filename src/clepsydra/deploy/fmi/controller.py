@@ -1,0 +1,90 @@
+"""A controller as a model for co-simulation: one scan at the start of each sampling period."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from clepsydra.base.errors import InputError
+from clepsydra.deploy.fmi.dependencies import output_dependencies
+from clepsydra.deploy.fmi.model import FmuModel, variables_of
+from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.deploy.printing.origin import Origin
+from clepsydra.program.program import Program
+
+_FUNCTIONS = """\
+/* The outputs that a scan with the present inputs would give; the state stays. */
+static void model_show(model_memory *memory)
+{{
+  {name}_state state = memory->state;
+  {name}_step(&memory->parameters, &state, &memory->inputs, &memory->outputs);
+}}
+
+/* One scan. */
+static void model_advance(model_memory *memory)
+{{
+  {name}_step(&memory->parameters, &memory->state, &memory->inputs, &memory->outputs);
+}}
+"""
+
+
+def controller_model(program: Program, origin: Origin) -> FmuModel:
+    """Return the model of a controller that is sampled.
+
+    In a communication step from t to t + h the scans that fall due from t on and before t + h
+    run with the inputs as they were set, and the outputs hold until the next scan: with the
+    sampling period as communication step there is one scan in each, at its start. Before the
+    first step the outputs are those of a scan that leaves the state as it is. An input
+    ``time_step`` starts as the sampling period.
+
+    Parameters
+    ----------
+    program : Program
+        Of the controller, with its numbers: ``controller.program()``.
+    origin : Origin
+        With the sampling period.
+
+    Raises
+    ------
+    InputError
+        The sampling period is no finite number above zero, or two variables have one name.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> program = design_simc(analysis.model, analysis.pairing).program()
+    >>> model = controller_model(program, Origin("PI", "quadruple-tank", "SIMC", 1.0))
+    >>> model.variables[0].name, model.outputs[0].name, model.reference("time_step")
+    ('proportional_gain_1', 'manipulated_1', 25)
+    """
+    period = origin.sampling_period
+    if not 0.0 < period < float("inf"):
+        raise InputError(
+            f"program {program.name}, sampling period", f"{period!r} s", "a time above 0 s",
+            "give the period that the controller was designed for",
+        )  # fmt: skip
+    inputs = [
+        replace(signal, initial=period) if signal.name == "time_step" else signal
+        for signal in program.inputs
+    ]
+    states = [signal_of(entry) for entry in program.state if not is_ring(entry)]
+    rings = {entry.name for entry in program.state if is_ring(entry)}
+    depends_on = [
+        tuple(name for name in names if name not in rings) for names in output_dependencies(program)
+    ]
+    return FmuModel(
+        programs=(program,),
+        variables=(
+            *variables_of(program.parameters, "parameters", "parameter", "tunable"),
+            *variables_of(inputs, "inputs", "input", "discrete"),
+            *variables_of(states, "state", "local", "discrete"),
+            *variables_of(program.outputs, "outputs", "output", "discrete", depends_on),
+        ),
+        functions=_FUNCTIONS.format(name=program.name),
+        step=period,
+        scans=True,
+        title=f"{origin.subject} for {origin.process}",
+        origin=origin,
+    )

@@ -1,0 +1,199 @@
+"""A process as a model for model exchange: its derivatives and events, for the importer."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.fmi.dependencies import output_dependencies
+from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, variables_of
+from clepsydra.deploy.fmi.process import held_signal
+from clepsydra.deploy.fmi.side_program import call_beside
+from clepsydra.deploy.printing.origin import Origin
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.motion_block import motion_at_rest
+from clepsydra.process.process import Process
+from clepsydra.program.builder import BlockBuilder
+from clepsydra.program.program import Block, Program
+from clepsydra.program.reader import inline
+
+_SHOW = """\
+/* Derivatives, event indicators and outputs of the present states and inputs. */
+static void model_show(model_memory *memory)
+{{
+  {name}_step(&memory->parameters, &memory->state, &memory->inputs, &memory->outputs);
+}}
+"""
+
+
+def exchange_model(point: OperatingPoint, origin: Origin) -> FmuModel:
+    """Return the model of a process that the importer integrates.
+
+    Continuous states are the contents of the process: levels, volumes, amounts, positions.
+    Switches are event indicators, whose event happens where one becomes zero or positive; what
+    they set is remembered. Play and stiction follow at the end of each integrator step.
+
+    Parameters
+    ----------
+    point : OperatingPoint
+        Where it starts.
+    origin : Origin
+
+    Raises
+    ------
+    InputError
+        The process has transport delays, which no ordinary differential equation has.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.process.reader import load_process
+    >>> point = find_equilibrium(load_process("quadruple-tank"))
+    >>> model = exchange_model(point, Origin("the process", "quadruple-tank", "", 1.0))
+    >>> [variable.name for variable in model.derivatives][:2]
+    ['der(held.tank_1.level)', 'der(held.tank_2.level)']
+    """
+    process = point.process
+    _refuse_delays(process)
+    equations = _Equations(point)
+    motion = equations.motion()
+    members = {s.name: f"parameters.{s.identifier}" for s in process.parameters}
+    members |= {s.name: f"inputs.{s.identifier}" for s in motion.inputs}
+    size, events = len(process.motion.contents), len(process.motion.events)
+    contents, memories = motion.inputs[:size], motion.inputs[size : size + equations.memories]
+    depends = output_dependencies(motion)
+    results = variables_of(motion.outputs, "outputs", "output", "continuous", depends)
+    derivatives = [
+        replace(
+            result,
+            signal=replace(result.signal, name=f"der({content.name})"),
+            causality="local",
+            derivative_of=content.name,
+        )
+        for result, content in zip(results[:size], contents, strict=True)
+    ]
+    indicators = [replace(r, causality="local") for r in results[size : size + events]]
+    variables: list[FmuVariable] = [
+        *variables_of(process.parameters, "parameters", "parameter", "tunable"),
+        *variables_of(motion.inputs[size + equations.memories :], "inputs", "input", "continuous"),
+        *variables_of(contents, "inputs", "local", "continuous"),
+        *variables_of(memories, "inputs", "local", "discrete"),
+        *derivatives,
+        *indicators,
+        *results[size + events :],
+    ]
+    functions, beside = [_SHOW.format(name=motion.name)], []
+    if events:
+        beside.append(equations.switch())
+        functions.append(
+            call_beside("model_switch", "What the events that happen set.", beside[-1], members)
+        )
+    if equations.updates:
+        beside.append(equations.update())
+        functions.append(
+            call_beside("model_update", "What a step leaves behind.", beside[-1], members)
+        )
+    return FmuModel(
+        programs=(motion, *beside),
+        variables=tuple(variables),
+        functions="\n".join(functions),
+        step=0.0,
+        scans=False,
+        title=process.title,
+        origin=origin,
+        indicators=tuple(indicator.name for indicator in indicators),
+        updates=equations.updates,
+    )
+
+
+def _refuse_delays(process: Process) -> None:
+    for delay in process.motion.delays:
+        raise InputError(
+            f"model exchange FMU of {process.name}",
+            f"{delay.name}, a transport delay of {delay.time:g} s",
+            "a process without delays: an importer's integrator keeps no past",
+            "write the FMU for co-simulation, which keeps it",
+        )
+
+
+class _Equations:
+    """The programs over contents, memories, inputs, disturbances and parameters."""
+
+    def __init__(self, point: OperatingPoint) -> None:
+        process = point.process
+        self._process, self._name = process, process.file_stem.replace("-", "_")
+        at = motion_at_rest(point) | point.as_dict()
+        held = (*process.motion.contents, *process.motion.memories)
+        self.memories = len(process.motion.memories)
+        self._inputs = (
+            *(held_signal(replace(s, initial=at[s.name])) for s in held),
+            *(replace(s, initial=at[s.name]) for s in (*process.inputs, *process.disturbances)),
+        )
+        self._size = len(self._inputs) + len(process.parameters)
+
+    def motion(self) -> Program:
+        """Derivatives of the contents, guards of the events, states, measurements."""
+        process, motion = self._process, self._process.motion
+        builder = BlockBuilder(self._size)
+        everything = list(range(self._size))
+        contents = everything[: len(motion.contents)]
+        parameters = everything[len(self._inputs) :]
+        rates = inline(builder, motion.rates, everything)[: len(contents)]
+        guards = inline(builder, motion.guards, everything)
+        states = inline(builder, motion.to_state, [*contents, *parameters])
+        measured = inline(builder, process.measure, [*states, *parameters])
+        outputs = (
+            *(
+                Signal(f"derivative.{s.name}", _rate_unit(s.unit), description=f"of {s.name}")
+                for s in motion.contents
+            ),
+            *(Signal(f"guard.{name}", description=words) for name, words in motion.events),
+            *process.state,
+            *process.measurements,
+        )
+        block = builder.finish([*rates, *guards, *states, *measured])
+        return self._program("motion", outputs, block)
+
+    @property
+    def updates(self) -> bool:
+        """Whether any memory is another one at the end of a step."""
+        symbols = [
+            ca.SX.sym(name, size) for name, size in zip("czmudp", self._sizes(), strict=True)
+        ]
+        following = self._process.motion.updates(*symbols)
+        return not ca.is_equal(ca.densify(following), symbols[2], 1)
+
+    def switch(self) -> Program:
+        """The memories after the events whose guards are zero or positive."""
+        motion = self._process.motion
+        held = [ca.SX.sym(name, size) for name, size in zip("czmudp", self._sizes(), strict=True)]
+        after = motion.resets(motion.guards(*held) >= 0, *held)
+        return self._of_memories("switch", ca.Function("switch", held, [ca.densify(after)]))
+
+    def update(self) -> Program:
+        """The memories at the end of an integration step."""
+        return self._of_memories("update", self._process.motion.updates)
+
+    def _sizes(self) -> list[int]:
+        rates = self._process.motion.rates
+        return [rates.numel_in(index) for index in range(rates.n_in())]
+
+    def _of_memories(self, kind: str, function: ca.Function) -> Program:
+        builder = BlockBuilder(self._size)
+        block = builder.finish(inline(builder, function, range(self._size)))
+        first = len(self._process.motion.contents)
+        return self._program(kind, self._inputs[first : first + self.memories], block)
+
+    def _program(self, kind: str, outputs: tuple[Signal, ...], block: Block) -> Program:
+        return Program(
+            f"{self._name}_{kind}", (), self._inputs, self._process.parameters, outputs, block
+        )
+
+
+def _rate_unit(unit: str) -> str:
+    if unit == "1":
+        return "1/s"
+    return f"{unit[:-2]}" if unit.endswith(" s") else f"{unit}/s"

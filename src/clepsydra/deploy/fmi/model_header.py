@@ -1,0 +1,121 @@
+"""The header that describes a model to the C of the interface: memory, variables, functions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.fmi.model import FmuModel, FmuVariable
+from clepsydra.deploy.printing.expressions import decimal
+
+_ROLES = {"input": "ROLE_INPUT", "parameter": "ROLE_PARAMETER", "local": "ROLE_START"}
+_KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN"}
+
+
+def model_header(model: FmuModel, version: str) -> str:
+    """Return the text of model.h.
+
+    Examples
+    --------
+    See `clepsydra.deploy.fmi.sources.source_files`.
+    """
+    name = model.name
+    lines = [
+        f"/* {name}: its memory, its variables by value reference, and how it starts and moves. */",
+        "#ifndef MODEL_H",
+        "#define MODEL_H",
+        "",
+        *(f'#include "{program.name}.h"' for program in model.programs),
+        "",
+        f'#define MODEL_TOKEN "{model.token(version)}"',
+        f"#define MODEL_EXCHANGE {int(model.exchange)}",
+        f"#define MODEL_SCANS {int(model.scans)}",
+        f"#define MODEL_STEP {decimal(model.step)} /* [s] */",
+        "",
+        "typedef struct {",
+        *(f"  {name}_{part} {part};" for part in ("parameters", "inputs", "state", "outputs")),
+        "} model_memory;",
+        "",
+        "static const model_variable model_variables[] = {",
+        "  {ROLE_RESULT, KIND_REAL, 0}, /* 0: time */",
+        *(_row(number, variable) for number, variable in enumerate(model.variables, 1)),
+        "};",
+        f"static const size_t model_variable_count = {len(model.variables) + 1};",
+        "",
+        *_references(model),
+        *_start(model),
+        model.functions,
+        *_without_effect(model),
+        "#endif",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _without_effect(model: FmuModel) -> list[str]:
+    """Write the functions that this model has no use for."""
+    names = ("model_advance", "model_switch", "model_update")
+    lines = []
+    for name in (name for name in names if f"{name}(" not in model.functions):
+        lines += [f"static void {name}(model_memory *memory)", "{", "  (void)memory;", "}", ""]
+    return lines
+
+
+def _row(number: int, variable: FmuVariable) -> str:
+    role = _ROLES[variable.causality] if variable.settable else "ROLE_RESULT"
+    place = f"offsetof(model_memory, {variable.member})"
+    return f"  {{{role}, {_KINDS[variable.signal.kind]}, {place}}}, /* {number} */"
+
+
+def _references(model: FmuModel) -> list[str]:
+    """Write the value references of states, derivatives and indicators, and the nominal values.
+
+    An array of C has at least one element.
+    """
+    states = model.states
+
+    def array(kind: str, name: str, values: Sequence[str]) -> str:
+        return f"static const {kind} {name}[] = {{{', '.join(values or ['0'])}}};"
+
+    def numbers(variables: Sequence[FmuVariable]) -> list[str]:
+        return [str(model.reference(variable.name)) for variable in variables]
+
+    return [
+        f"static const size_t model_state_count = {len(states)};",
+        array("uint32_t", "model_states", numbers(states)),
+        array("uint32_t", "model_derivatives", numbers(model.derivatives)),
+        array("double", "model_nominals", [decimal(s.nominal) for s in states]),
+        f"static const size_t model_indicator_count = {len(model.indicators)};",
+        array(
+            "uint32_t",
+            "model_indicators",
+            [str(model.reference(indicator)) for indicator in model.indicators],
+        ),
+        "",
+    ]
+
+
+def _start(model: FmuModel) -> list[str]:
+    name = model.name
+    lines = [
+        "static void model_start(model_memory *memory)",
+        "{",
+        f"  {name}_default_parameters(&memory->parameters);",
+        f"  {name}_initialise(&memory->state);",
+    ]
+    for variable in model.variables:
+        if variable.settable and variable.member.startswith("inputs."):
+            lines.append(f"  memory->{variable.member} = {_literal(variable.signal)};")
+    return [*lines, "}", ""]
+
+
+def _literal(signal: Signal) -> str:
+    value = signal.initial
+    if signal.kind == "integer":
+        return "INT32_MIN" if value == -(2**31) else str(int(value))
+    if signal.kind == "boolean":
+        return "true" if value else "false"
+    if math.isnan(value):
+        return "NAN"
+    return decimal(value) if math.isfinite(value) else f"{'-' if value < 0 else ''}HUGE_VAL"

@@ -1,0 +1,121 @@
+"""A process as a model for co-simulation: it integrates itself in steps of its own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.fmi.dependencies import output_dependencies
+from clepsydra.deploy.fmi.model import FmuModel, variables_of
+from clepsydra.deploy.fmi.side_program import call_beside
+from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.deploy.printing.origin import Origin
+from clepsydra.deploy.process_program import HELD, process_program
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.step_size import check_substeps
+from clepsydra.process.process import Process
+from clepsydra.program.builder import BlockBuilder
+from clepsydra.program.program import Program
+from clepsydra.program.reader import inline
+
+_ADVANCE = """\
+/* One integration step. */
+static void model_advance(model_memory *memory)
+{{
+  {name}_step(&memory->parameters, &memory->state, &memory->inputs, &memory->outputs);
+}}
+"""
+
+
+def process_model(point: OperatingPoint, substeps: int, origin: Origin) -> FmuModel:
+    """Return the model of a process that integrates itself, as the simulation does.
+
+    A communication step is a whole number of integration steps; inputs and disturbances are held
+    over it. The outputs are the states and the measurements without noise at its end.
+
+    Parameters
+    ----------
+    point : OperatingPoint
+        Where it starts.
+    substeps : int
+        Integration steps in a sampling period.
+    origin : Origin
+
+    Raises
+    ------
+    InputError
+        The number of steps is none, or no delay of the process fits it.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.process.reader import load_process
+    >>> point = find_equilibrium(load_process("quadruple-tank"))
+    >>> model = process_model(point, 2, Origin("the process", "quadruple-tank", "", 1.0))
+    >>> model.step, [variable.name for variable in model.outputs][3:5]
+    (0.5, ['tank_4.level', 'level_1'])
+    """
+    process = point.process
+    check_substeps(substeps, process)
+    step = process.sampling_period / substeps
+    program = process_program(
+        replace(point, process=replace(process, sampling_period=step)), substeps=1
+    )
+    reading = _reading(process, program)
+    members = {s.name: f"parameters.{s.identifier}" for s in program.parameters}
+    members |= {s.name: f"state.{s.identifier}" for s in map(signal_of, program.state)}
+    members |= {s.name: f"outputs.{s.identifier}" for s in program.outputs}
+    show = call_beside("model_show", "The outputs of the present state.", reading, members)
+    held = [signal_of(entry) for entry in program.state if not is_ring(entry)]
+    contents = {s.name for s in reading.inputs}
+    return FmuModel(
+        programs=(program, reading),
+        variables=(
+            *variables_of(program.parameters, "parameters", "parameter", "tunable"),
+            *variables_of(program.inputs, "inputs", "input", "continuous"),
+            *(
+                variable
+                for signal in held
+                for variable in variables_of(
+                    [signal],
+                    "state",
+                    "local",
+                    "continuous" if signal.name in contents else "discrete",
+                )
+            ),
+            *variables_of(
+                program.outputs, "outputs", "output", "continuous", output_dependencies(reading)
+            ),
+        ),
+        functions="\n".join([show, _ADVANCE.format(name=program.name)]),
+        step=step,
+        scans=False,
+        title=process.title,
+        origin=origin,
+    )
+
+
+def _reading(process: Process, program: Program) -> Program:
+    """Return the program of states and measurements as functions of the contents."""
+    contents = [held_signal(signal) for signal in process.motion.contents]
+    builder = BlockBuilder(len(contents) + len(process.parameters))
+    parameters = range(len(contents), len(contents) + len(process.parameters))
+    states = inline(builder, process.motion.to_state, [*range(len(contents)), *parameters])
+    measured = inline(builder, process.measure, [*states, *parameters])
+    return Program(
+        f"{program.name}_reading",
+        (),
+        tuple(contents),
+        process.parameters,
+        (*process.state, *process.measurements),
+        builder.finish([*states, *measured]),
+    )
+
+
+def held_signal(signal: Signal) -> Signal:
+    """Return the signal of what a process holds, as `process_program` names it.
+
+    >>> held_signal(Signal("tank_1.level", "m")).name
+    'held.tank_1.level'
+    """
+    return replace(signal, name=f"{HELD}.{signal.name}", kind="real")

@@ -1,0 +1,126 @@
+"""Controller and process as two FMUs, joined by libcosim, which shares no code with FMPy.
+
+It reads FMI 2.0 for co-simulation and comes by ``pip install libcosimpy``. Where it is missing
+the tests are skipped, unless CLEPSYDRA_REQUIRE_IMPORTERS=1.
+"""
+
+import importlib.util
+import os
+
+import numpy as np
+import pytest
+from fmus import Imported, written
+from models import pi_model, process_of
+
+from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.process.reader import load_process
+
+SCANS = 300
+#: From this scan on there is a new setpoint.
+CHANGE, SETPOINT = 20, 7.0
+SECOND = 1_000_000_000  # libcosim counts nanoseconds
+
+
+@pytest.fixture(autouse=True)
+def _libcosim():
+    if importlib.util.find_spec("libcosimpy") is None:
+        if os.environ.get("CLEPSYDRA_REQUIRE_IMPORTERS") == "1":
+            pytest.fail("libcosimpy is not installed")
+        pytest.skip("libcosimpy is not installed")
+
+
+@pytest.fixture(scope="module")
+def loop(tmp_path_factory):
+    """Return the FMUs of process and controller, their folder, and the setpoints at rest."""
+    folder = tmp_path_factory.mktemp("loop")
+    point = find_equilibrium(load_process("quadruple-tank"))
+    paths = [written(model, folder, "2.0") for model in (process_of("quadruple-tank"), pi_model())]
+    return *paths, folder, point.measurements[:2]
+
+
+def by_libcosim(tank_path, controller_path, levels) -> np.ndarray:
+    """Return measurements and manipulated variables after each step [scans, 4]."""
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+    from libcosimpy.CosimManipulator import CosimManipulator
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    log_output_level(CosimLogLevel.ERROR)
+    execution = CosimExecution.from_step_size(step_size=SECOND)
+
+    def added(path, name):
+        place = execution.add_local_slave(CosimLocalSlave(str(path), name))
+        variables = execution.slave_variables(place)
+        return place, {v.name.decode(): v.reference for v in variables}
+
+    tank, of_tank = added(tank_path, "tank")
+    controller, of_controller = added(controller_path, "controller")
+    for k in (1, 2):
+        execution.connect_real_variables(
+            tank, of_tank[f"level_{k}"], controller, of_controller[f"measurement_{k}"]
+        )
+        execution.connect_real_variables(
+            controller, of_controller[f"manipulated_{k}"], tank, of_tank[f"pump_{k}"]
+        )
+        setpoint = of_controller[f"setpoint_{k}"]
+        execution.real_initial_value(controller, setpoint, float(levels[k - 1]))
+    observer, manipulator = CosimObserver.create_last_value(), CosimManipulator.create_override()
+    execution.add_observer(observer)
+    execution.add_manipulator(manipulator)
+    rows = []
+    for scan in range(SCANS):
+        if scan == CHANGE:
+            manipulator.slave_real_values(controller, [of_controller["setpoint_1"]], [SETPOINT])
+        assert execution.step()
+        measured = [of_tank[f"level_{k}"] for k in (1, 2)]
+        moved = [of_controller[f"manipulated_{k}"] for k in (1, 2)]
+        rows.append(
+            [
+                *observer.last_real_values(tank, measured),
+                *observer.last_real_values(controller, moved),
+            ]
+        )
+    return np.array(rows)
+
+
+def by_fmpy(tank_path, controller_path, folder, levels) -> np.ndarray:
+    """Do the same step by step: both step together, then each gets what the other one shows."""
+    tank, controller = Imported(tank_path, folder), Imported(controller_path, folder)
+    controller.set_all({f"setpoint_{k}": levels[k - 1] for k in (1, 2)})
+    tank.enter()
+    controller.enter()
+
+    def exchange():
+        controller.set_all({f"measurement_{k}": tank.get(f"level_{k}") for k in (1, 2)})
+        tank.set_all({f"pump_{k}": controller.get(f"manipulated_{k}") for k in (1, 2)})
+
+    exchange()
+    tank.fmu.exitInitializationMode()
+    controller.fmu.exitInitializationMode()
+    rows = []
+    for scan in range(SCANS):
+        if scan == CHANGE:
+            controller.set(setpoint_1=SETPOINT)
+        for fmu in (tank, controller):
+            fmu.step(float(scan), 1.0)
+        exchange()
+        shown = [tank.get(f"level_{k}") for k in (1, 2)]
+        rows.append([*shown, *(controller.get(f"manipulated_{k}") for k in (1, 2))])
+    tank.close()
+    controller.close()
+    return np.array(rows)
+
+
+def test_the_loop_runs_as_in_fmpy_bit_for_bit(loop):
+    tank, controller, folder, levels = loop
+    found = by_libcosim(tank, controller, levels)
+    expected = by_fmpy(tank, controller, folder, levels)
+    assert np.array_equal(found, expected)
+
+
+def test_the_loop_rests_and_then_reaches_its_setpoint(loop):
+    tank, controller, _, levels = loop
+    found = by_libcosim(tank, controller, levels)
+    assert found[:CHANGE, :2] == pytest.approx(np.tile(levels, (CHANGE, 1)), abs=1e-9)
+    assert found[-1, :2] == pytest.approx([SETPOINT, levels[1]], abs=0.02)

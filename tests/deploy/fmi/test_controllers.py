@@ -1,0 +1,259 @@
+"""FMUs of controllers, run by FMPy: every bit is the engine's, and the rules of the interface."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.validation import validate_fmu
+from fmus import VERSIONS, Imported, all_bits, cases, written
+from models import drawn, lqi_program, origin, pi_model, pi_program
+
+from clepsydra.deploy.exportable import exportable
+from clepsydra.deploy.fmi.controller import controller_model
+from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.design.fuzzy_control import design_fuzzy_pi
+from clepsydra.design.simc import design_simc
+from clepsydra.design.smith_predictor import design_smith_predictor
+from clepsydra.engine.kernel import Kernel
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
+
+SCANS = 1200
+
+
+def simulated(program, inputs) -> np.ndarray:
+    """Outputs, then states that are no rings, after each scan [scans, entries]."""
+    shown = [k for k, entry in enumerate(program.state) if not is_ring(entry)]
+    states = [replace(signal_of(program.state[k]), name=f"after.{k}") for k in shown]
+    results = (*program.block.results, *(program.next_state[k] for k in shown))
+    showing = replace(
+        program,
+        outputs=(*program.outputs, *states),
+        block=replace(program.block, results=results),
+    )
+    run = Kernel(showing).run(len(next(iter(inputs.values()))), inputs=inputs)
+    return np.column_stack([run.output(s.name)[0] for s in showing.outputs])
+
+
+def shelled(make, name):
+    analysis = analyse(load_process(name))
+    return exportable(make(analysis), analysis.operating_point).program
+
+
+PROGRAMS = {
+    "PI": pi_program,
+    "LQI with Kalman filter": lqi_program,
+    "PI in its shell": lambda: shelled(lambda a: design_simc(a.model, a.pairing), "quadruple-tank"),
+    "fuzzy in its shell": lambda: shelled(
+        lambda a: design_fuzzy_pi(a.model, a.pairing), "three-tanks"
+    ),
+    "Smith predictor": lambda: shelled(
+        lambda a: design_smith_predictor(a.model, a.pairing), "eight-tanks"
+    ),
+}
+
+
+QUICK = [("PI in its shell", "3.0"), ("PI in its shell", "2.0"), ("Smith predictor", "3.0")]
+
+
+@pytest.mark.parametrize(("name", "version"), cases(QUICK, PROGRAMS))
+def test_every_bit_is_that_of_the_engine(name, version, tmp_path):
+    program, period = PROGRAMS[name](), 0.7
+    path = written(controller_model(program, origin("a process", period)), tmp_path, version)
+    assert validate_fmu(str(path)) == []
+    inputs = drawn(program, SCANS, 5, period)
+    expected = simulated(program, inputs)
+    names = [s.name for s in program.outputs]
+    names += [entry.name for entry in program.state if not is_ring(entry)]
+    fmu = Imported(path, tmp_path).initialise()
+    found = np.empty_like(expected)
+    for scan in range(SCANS):
+        fmu.set_all({name: values[scan] for name, values in inputs.items()})
+        fmu.step(scan * period, period)
+        found[scan] = fmu.get_all(names)
+    fmu.close()
+    assert len({tuple(row) for row in all_bits(expected[:, : len(program.outputs)])}) > 100
+    assert np.array_equal(all_bits(found), all_bits(expected))
+
+
+@pytest.fixture(scope="module")
+def paths(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pi")
+    return {version: (written(pi_model(), folder, version), folder) for version in VERSIONS}
+
+
+@pytest.fixture(params=VERSIONS)
+def importing(request, paths):
+    """Return a function that makes instances and closes them all at the end."""
+    path, folder = paths[request.param]
+    made = []
+
+    def make(name: str = "one", token: str = "") -> Imported:
+        made.append(Imported(path, folder, name, token))
+        return made[-1]
+
+    yield make
+    for instance in made:
+        instance.close()
+
+
+#: A setpoint above its measurement.
+STEP = {"setpoint_1": 6.3, "measurement_1": 6.0, "setpoint_2": 6.0, "measurement_2": 6.0}
+
+
+def test_before_the_first_step_the_outputs_are_those_of_a_scan_that_leaves_no_trace(importing):
+    fmu = importing()
+    fmu.enter()
+    fmu.set_all(STEP)
+    before = fmu.get("manipulated_1"), fmu.get("last_output_1")
+    fmu.set(setpoint_1=6.2)
+    assert fmu.get("manipulated_1") != before[0]
+    fmu.set(setpoint_1=6.3)
+    fmu.fmu.exitInitializationMode()
+    assert (fmu.get("manipulated_1"), fmu.get("last_output_1")) == before
+    fmu.step(0.0, 1.0)
+    assert fmu.get("manipulated_1") == before[0]
+    assert fmu.get("last_output_1") != before[1]
+
+
+def test_outputs_hold_while_inputs_change_between_the_scans(importing):
+    fmu = importing().initialise()
+    fmu.set_all(STEP)
+    fmu.step(0.0, 1.0)
+    held = fmu.get("manipulated_1")
+    fmu.set(setpoint_1=9.0)
+    assert fmu.get("manipulated_1") == held
+
+
+def test_a_scan_runs_when_it_falls_due_however_the_steps_are_cut(importing):
+    """Communication steps of a third and of three periods: one scan in each period."""
+    whole, parts, long = (importing(name).initialise() for name in ("whole", "parts", "long"))
+    for fmu in (whole, parts, long):
+        fmu.set_all(STEP)
+    seen = []
+    for scan in range(6):
+        whole.step(float(scan), 1.0)
+        for part in range(3):
+            parts.step(scan + part / 3, 1 / 3)
+            seen.append(parts.get("manipulated_1") == whole.get("manipulated_1"))
+        if scan % 3 == 0:
+            long.step(float(scan), 3.0)
+    assert all(seen)
+    assert long.get("manipulated_1") == whole.get("manipulated_1")
+    assert long.get("integral_1") == parts.get("integral_1") == whole.get("integral_1")
+
+
+def test_parameters_are_set_before_the_start_and_tuned_later(importing):
+    """Proportional action alone: the output moves by the gain times the change of setpoint."""
+    moves = {}
+    for when in ("never", "before", "later"):
+        fmu = importing(when)
+        gain = fmu.get("proportional_gain_1")
+        fmu.set(integral_time_1=1e9)
+        if when == "before":
+            fmu.set(proportional_gain_1=2 * gain)
+        fmu.initialise()
+        fmu.set_all(STEP)
+        fmu.step(0.0, 1.0)
+        if when == "later":
+            fmu.set(proportional_gain_1=2 * gain)
+            assert fmu.get("proportional_gain_1") == 2 * gain
+        fmu.step(1.0, 1.0)
+        first = fmu.get("manipulated_1")
+        fmu.set(setpoint_1=STEP["setpoint_1"] + 0.1)
+        fmu.step(2.0, 1.0)
+        moves[when] = (fmu.get("manipulated_1") - first) / (0.1 * gain)
+    weight = fmu.get("setpoint_weight_1")
+    expected = {"never": weight, "before": 2 * weight, "later": 2 * weight}
+    assert moves == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_state_is_set_before_the_start_only(importing):
+    fmu = importing()
+    fmu.set(last_output_1=4.0)
+    fmu.initialise()
+    assert fmu.get("last_output_1") == 4.0
+    with pytest.raises(FMICallException):
+        fmu.set(last_output_1=5.0)
+    assert fmu.get("last_output_1") == 4.0
+    assert "cannot be set now" in fmu.said[-1]
+
+
+def run_on(fmu: Imported, first: int, scans: int) -> list[list[float]]:
+    found = []
+    for scan in range(first, first + scans):
+        fmu.set(setpoint_1=6.0 + np.sin(scan), measurement_1=6.0)
+        fmu.step(float(scan), 1.0)
+        found.append(fmu.get_all(["manipulated_1", "manipulated_2", "integral_1"]))
+    return found
+
+
+def test_a_state_is_kept_given_back_and_sent_as_bytes(importing):
+    fmu = importing().initialise()
+    run_on(fmu, 0, 5)
+    kept = fmu.state()
+    onward = run_on(fmu, 5, 7)
+    content = fmu.serialised(kept)
+    fmu.set_state(kept)
+    assert run_on(fmu, 5, 7) == onward
+    other = importing("other").initialise()
+    received = other.deserialised(content)
+    other.set_state(received)
+    assert run_on(other, 5, 7) == onward
+    for state in (kept, received):
+        fmu.free_state(state)
+    with pytest.raises(FMICallException):
+        other.deserialised(content[:-1])
+    assert "another size" in other.said[-1]
+    with pytest.raises(FMICallException):
+        other.deserialised(b"x" * len(content))
+    assert "no state of this model" in other.said[-1]
+
+
+def test_reset_starts_anew_and_instances_know_nothing_of_each_other(importing):
+    fmu, other = importing("one").initialise(), importing("two").initialise()
+    first = run_on(fmu, 0, 5)
+    fmu.fmu.terminate()
+    fmu.fmu.reset()
+    fmu.initialise()
+    assert run_on(fmu, 0, 5) == first
+    assert run_on(other, 0, 5) == first
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda fmu: fmu.step(0.0, float("nan")), "no number above 0 s"),
+        (lambda fmu: fmu.step(0.0, 0.0), "no number above 0 s"),
+        (lambda fmu: fmu.step(0.0, float("inf")), "no number above 0 s"),
+        (lambda fmu: fmu.step(3.0, 1.0), "the communication point is 3 s"),
+        (lambda fmu: fmu.step(float("nan"), 1.0), "the communication point is"),
+        (lambda fmu: fmu.step(0.0, 1e300), "too long"),
+        (lambda fmu: fmu.fmu.exitInitializationMode(), "not allowed in this phase"),
+        (lambda fmu: fmu.set(manipulated_1=1.0), "cannot be set now"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_in_words(call, text, importing):
+    fmu = importing().initialise()
+    with pytest.raises(FMICallException):
+        call(fmu)
+    assert text in fmu.said[-1]
+    fmu.step(0.0, 1.0)
+
+
+def test_an_unknown_variable_is_refused_with_its_number(importing):
+    fmu = importing().initialise()
+    number = 10_000
+    with pytest.raises(FMICallException):
+        (fmu.fmu.getFloat64 if fmu.third else fmu.fmu.getReal)([number])
+    assert f"value reference {number}" in fmu.said[-1]
+    mode = fmu.variables["mode_1"].valueReference
+    with pytest.raises(FMICallException):
+        (fmu.fmu.getFloat64 if fmu.third else fmu.fmu.getReal)([mode])
+    assert f"value reference {mode}" in fmu.said[-1]
+
+
+def test_the_token_of_another_model_is_refused(importing):
+    with pytest.raises(Exception, match="instantiate"):
+        importing("foreign", token="{00000000-0000-0000-0000-000000000000}")

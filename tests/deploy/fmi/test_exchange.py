@@ -1,0 +1,217 @@
+"""FMUs of processes for model exchange: derivatives, events, and a trajectory by CVode."""
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.validation import validate_fmu
+from fmus import VERSIONS, Imported, all_bits, cases, written
+from models import FRICTIONS, exchange_of, origin, rig
+
+from clepsydra.base.errors import InputError
+from clepsydra.deploy.fmi.exchange import exchange_model
+from clepsydra.linear.analysis import analyse
+from clepsydra.loop.motion_block import motion_at_rest
+from clepsydra.loop.open_loop import simulate
+from clepsydra.process.catalogue_names import catalogue_names
+from clepsydra.process.reader import load_process
+
+POINTS = 200
+
+
+def started(model, folder, version: str) -> Imported:
+    path = written(model, folder, version)
+    assert validate_fmu(str(path)) == []
+    return Imported(path, folder).initialise()
+
+
+class Equations:
+    """The functions of the motion, evaluated by CasADi."""
+
+    def __init__(self, point) -> None:
+        self.process, self.motion = point.process, point.process.motion
+        rest = motion_at_rest(point)
+        self.c = np.array([rest[s.name] for s in self.motion.contents])
+        self.m = np.array([rest[s.name] for s in self.motion.memories])
+        self.u, self.d = point.inputs.copy(), point.disturbances.copy()
+        self.p = self.process.parameter_values
+
+    def call(self, name, *before):
+        function = getattr(self.motion, name)
+        result = function(*before, self.c, [], self.m, self.u, self.d, self.p)
+        return np.array(result[0] if isinstance(result, tuple) else result).ravel()
+
+    def outputs(self) -> list[float]:
+        x = np.array(self.motion.to_state(self.c, self.p)).ravel()
+        return [*x, *np.array(self.process.measure(x, self.p)).ravel()]
+
+    def at_random(self, random) -> None:
+        scale = np.array([s.high if np.isfinite(s.high) else 1.0 for s in self.motion.contents])
+        self.c = scale * random.uniform(0.0, 1.1, len(scale))
+        for values, signals in ((self.u, self.process.inputs), (self.d, self.process.disturbances)):
+            for k, signal in enumerate(signals):
+                low, high = signal.low, signal.high
+                values[k] = random.uniform(*((low, high) if np.isfinite(high - low) else (0, 1)))
+
+
+def exact(point, folder, version: str) -> None:
+    """Compare derivatives, indicators and outputs at random points, memories as they come."""
+    process, equations = point.process, Equations(point)
+    fmu = started(exchange_model(point, origin(process.name, 1.0)), folder, version)
+    fmu.settle()
+    contents = [f"held.{s.name}" for s in process.motion.contents]
+    memories = [f"held.{s.name}" for s in process.motion.memories]
+    outputs = [s.name for s in (*process.state, *process.measurements)]
+    random, size = np.random.default_rng(4), len(contents)
+    assert np.array_equal(fmu.vector("ContinuousStates", size), equations.c)
+    fmu.fmu.enterContinuousTimeMode()
+    for _ in range(POINTS):
+        equations.at_random(random)
+        equations.m = np.array(fmu.get_all(memories))
+        fmu.set_states(equations.c)
+        names = [s.name for s in (*process.inputs, *process.disturbances)]
+        fmu.set_all(dict(zip(names, [*equations.u, *equations.d], strict=True)))
+        expected = equations.call("rates")
+        found = fmu.vector("Derivatives", size)
+        assert np.array_equal(all_bits(found), all_bits(expected))
+        assert fmu.get(f"der({contents[0]})") == expected[0]
+        guards = equations.call("guards")
+        if len(guards):
+            assert np.array_equal(
+                all_bits(fmu.vector("EventIndicators", len(guards))), all_bits(guards)
+            )
+        assert np.array_equal(all_bits(fmu.get_all(outputs)), all_bits(equations.outputs()))
+        equations.m = equations.call("updates")
+        fmu.fmu.completedIntegratorStep()
+        assert fmu.get_all(memories) == list(equations.m)
+        fmu.fmu.enterEventMode()
+        fired = equations.call("guards") >= 0
+        if fired.any():
+            once = equations.call("resets", fired)
+            (fmu.fmu.updateDiscreteStates if fmu.third else fmu.fmu.newDiscreteStates)()
+            assert fmu.get_all(memories) == list(once)
+            fmu.settle()
+        fmu.fmu.enterContinuousTimeMode()
+    fmu.close()
+
+
+QUICK = [("quadruple-tank", "2.0"), ("wet-well", "3.0")]
+
+
+@pytest.mark.parametrize(("name", "version"), cases(QUICK, catalogue_names()))
+def test_derivatives_guards_and_outputs_are_those_of_the_equations(name, version, tmp_path):
+    exact(analyse(load_process(name)).operating_point, tmp_path, version)
+
+
+@pytest.mark.parametrize(
+    ("friction", "version"), cases([(FRICTIONS[0], "3.0"), (FRICTIONS[1], "2.0")], FRICTIONS)
+)
+def test_memories_follow_at_the_end_of_a_step_and_at_events(friction, version, tmp_path):
+    exact(rig(tmp_path, friction), tmp_path, version)
+
+
+def integrated(path, profiles, times, outputs, tolerance: float = 1e-10):
+    """Integrate by FMPy's CVode; the inputs jump where the profiles change."""
+    names = list(profiles)
+    jumps = np.flatnonzero(np.any([np.diff(profiles[name]) for name in names], axis=0)) + 1
+    places = [0, *(place for jump in jumps for place in (jump - 1, jump)), len(times) - 1]
+    table = np.zeros(len(places), dtype=[("time", float), *((name, float) for name in names)])
+    table["time"] = times[[0, *np.repeat(jumps, 2), len(times) - 1]]
+    for name in names:
+        table[name] = profiles[name][places]
+    return fmpy.simulate_fmu(
+        str(path), stop_time=float(times[-1]), solver="CVode", relative_tolerance=tolerance,
+        output_interval=float(times[1]), input=table, output=outputs,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "version"), cases([("quadruple-tank", "2.0")], ["quadruple-tank"])
+)
+def test_cvode_goes_where_the_reference_goes(name, version, tmp_path):
+    point = analyse(load_process(name)).operating_point
+    path = written(exchange_of(name), tmp_path, version)
+    times = np.arange(121.0)
+    profiles = {
+        "pump_1": np.where(times < 40, 3.6, 2.7),
+        "pump_2": np.where(times < 70, 3.0, 3.5),
+        "inflow_1": np.where(times < 20, 0.0, 2e-6),
+    }
+    run = simulate(
+        point, {name: values[:-1] for name, values in profiles.items()}, substeps=1,
+        solver="reference",
+    )  # fmt: skip
+    outputs = [s.name for s in point.process.state]
+    found = integrated(path, profiles, times, outputs)
+    assert len(found["time"]) >= len(times)
+    for output in outputs:
+        there = np.interp(times, found["time"], found[output])
+        assert np.ptp(run.values[output]) > 1e-3
+        assert there == pytest.approx(run.values[output], abs=2e-8)
+
+
+@pytest.mark.parametrize(("name", "version"), cases([("wet-well", "3.0")], ["wet-well"]))
+def test_events_happen_where_the_reference_finds_them(name, version, tmp_path):
+    """The wet well fills and is pumped down again and again: its pumps start and stop by level."""
+    point = analyse(load_process(name)).operating_point
+    path = written(exchange_of(name), tmp_path, version)
+    period = point.process.sampling_period
+    times = period * np.arange(1201.0)
+    profiles = {"inflow": np.where((times > 400) & (times < 1200), 0.06, 0.005)}
+    run = simulate(
+        point, {name: values[:-1] for name, values in profiles.items()}, substeps=1,
+        solver="reference",
+    )  # fmt: skip
+    memories = [s.name for s in point.process.motion.memories]
+    outputs = [point.process.state[0].name, *(f"held.{name}" for name in memories)]
+    found = integrated(path, profiles, times, outputs)
+    switched = 0
+    for memory in memories:
+        expected = np.flatnonzero(np.diff(run.values[memory]))
+        changes = np.flatnonzero(np.diff(found[f"held.{memory}"]))
+        at = found["time"][changes + 1]
+        assert len(at) == len(expected), memory
+        # The reference records at samples: the event lies in the sample before.
+        assert np.all(at > times[expected] - 1e-6)
+        assert np.all(at <= times[expected + 1] + 1e-6)
+        switched += len(at)
+    assert switched >= 2
+    level = outputs[0]
+    there = np.interp(times, found["time"], found[level])
+    assert there == pytest.approx(run.values[level], abs=1e-6)
+
+
+def test_a_transport_delay_is_refused_and_co_simulation_named(tmp_path):
+    with pytest.raises(InputError, match=r"channel.*transport delay of 7.5 s.*co-simulation"):
+        exchange_model(rig(tmp_path, delay=True), origin("rig", 1.0))
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_the_modes_are_kept_apart(version, tmp_path):
+    fmu = started(exchange_of("quadruple-tank"), tmp_path, version)
+    with pytest.raises(FMICallException):
+        fmu.set_states(np.zeros(4))
+    assert "not allowed in this phase" in fmu.said[-1]
+    fmu.settle()
+    fmu.fmu.enterContinuousTimeMode()
+    with pytest.raises(FMICallException):
+        fmu.set_states(np.zeros(3))
+    assert "the model has 4 of them, not 3" in fmu.said[-1]
+    with pytest.raises(FMICallException):
+        fmu.set_all({"tank_1.area": 1.0})
+    assert "cannot be set now" in fmu.said[-1]
+    kept = fmu.state()
+    fmu.set_states([0.1, 0.1, 0.05, 0.05])
+    moved = fmu.vector("Derivatives", 4)
+    fmu.set_state(kept)
+    assert np.abs(fmu.vector("Derivatives", 4)).max() < 1e-15 < np.abs(moved).max()
+    fmu.free_state(kept)
+    fmu.close()
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_nominal_values_are_the_size_of_the_states(version, tmp_path):
+    fmu = started(exchange_of("quadruple-tank"), tmp_path, version)
+    expected = [s.high for s in load_process("quadruple-tank").state]
+    assert list(fmu.vector("NominalsOfContinuousStates", 4)) == expected
+    fmu.close()

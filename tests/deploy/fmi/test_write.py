@@ -1,0 +1,142 @@
+"""The archive: what is in it, that it is the same each time, and what is refused."""
+
+import ctypes
+import re
+import subprocess
+import sys
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+import fmpy
+import pytest
+from fmus import VERSIONS, written
+from models import exchange_of, origin, pi_model, pi_program, process_of
+
+from clepsydra.base.errors import InputError
+from clepsydra.deploy.fmi.controller import controller_model
+from clepsydra.deploy.fmi.write import write_fmu
+from clepsydra.deploy.proof.compiler import CompilationError, find_compiler
+
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+
+
+def functions_of(version: str) -> set[str]:
+    """The functions that the standard's own header declares."""
+    number = version[0]
+    text = (HEADERS / f"fmi{number}Functions.h").read_text(encoding="utf-8")
+    return set(re.findall(rf"\bfmi{number}[A-Z]\w*TYPE\s+(fmi{number}\w+);", text))
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("make", [pi_model, lambda: exchange_of("quadruple-tank")])
+def test_the_binary_has_every_function_of_the_standard_and_no_other(make, version, tmp_path):
+    model = make()
+    folder = fmpy.extract(str(written(model, tmp_path, version)), str(tmp_path / "unpacked"))
+    (binary,) = Path(folder, "binaries").glob("*/*")
+    assert binary.stem == model.name
+    library = ctypes.CDLL(str(binary))
+    declared = functions_of(version)
+    assert len(declared) > 40
+    assert [name for name in sorted(declared) if not hasattr(library, name)] == []
+    hidden = [f"{program.name}_step" for program in model.programs]
+    if sys.platform != "win32":
+        assert not any(hasattr(library, name) for name in hidden)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("make", [pi_model, lambda: exchange_of("wet-well")])
+def test_the_functions_fit_the_prototypes_of_the_standard(make, version, tmp_path):
+    """The standard's headers come first, and the compiler checks every definition by them."""
+    folder = fmpy.extract(str(written(make(), tmp_path, version)), str(tmp_path / "unpacked"))
+    number = version[0]
+    command = [
+        *find_compiler("tests").command, "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror",
+        "-fsyntax-only", f"-I{HEADERS}", "-include", f"fmi{number}Functions.h", f"fmi{number}.c",
+    ]  # fmt: skip
+    done = subprocess.run(
+        command, cwd=Path(folder, "sources"), capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_several_models_can_be_linked_into_one_program(version, tmp_path):
+    """With a prefix on the command line, as the standard has it for static linking."""
+    folder = fmpy.extract(str(written(pi_model(), tmp_path, version)), str(tmp_path / "unpacked"))
+    number, target = version[0], tmp_path / "object.so"
+    command = [
+        *find_compiler("tests").command, "-std=c99", f"-DFMI{number}_FUNCTION_PREFIX=own_",
+        "-shared", "-fPIC", "-o", str(target), f"fmi{number}.c", "quadruple_tank_pi.c", "-lm",
+    ]  # fmt: skip
+    subprocess.run(command, cwd=Path(folder, "sources"), check=True)
+    library = ctypes.CDLL(str(target))
+    assert hasattr(library, f"own_fmi{number}GetVersion")
+    assert not hasattr(library, f"fmi{number}GetVersion")
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_the_same_model_gives_the_same_file(version, tmp_path):
+    contents = []
+    for place in ("one", "two"):
+        (tmp_path / place).mkdir()
+        contents.append(written(pi_model(), tmp_path / place, version).read_bytes())
+    assert contents[0] == contents[1]
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_the_sources_build_what_the_description_says(version, tmp_path):
+    """Only the files that are named are compiled, as an importer would."""
+    model = process_of("quadruple-tank")
+    path = tmp_path / "sources.fmu"
+    write_fmu(path, model, None, version=version, sources_only=True)
+    with zipfile.ZipFile(path) as archive:
+        assert not any(name.startswith("binaries/") for name in archive.namelist())
+        archive.extractall(tmp_path)
+        if version == "3.0":
+            build = archive.read("sources/buildDescription.xml").decode()
+            named = re.findall(r'SourceFile name="([^"]+)"', build)
+        else:
+            text = archive.read("modelDescription.xml").decode()
+            named = re.findall(r'File name="([^"]+)"', text)
+    assert f"{model.name}.c" in named
+    sources = [tmp_path / "sources" / name for name in named]
+    library = find_compiler("tests").build(sources, tmp_path / "built.so")
+    number = version[0]
+    get_version = getattr(ctypes.CDLL(str(library)), f"fmi{number}GetVersion")
+    get_version.restype = ctypes.c_char_p
+    assert get_version() == version.encode()
+
+
+def test_without_a_compiler_the_binary_is_refused_with_the_remedy(tmp_path):
+    with pytest.raises(InputError, match="install gcc or clang, or write an FMU of sources only"):
+        write_fmu(tmp_path / "pi.fmu", pi_model(), None)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_unknown_version_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"3\.0 or 2\.0"):
+        write_fmu(tmp_path / "pi.fmu", pi_model(), find_compiler("tests"), version="1.0")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_name_that_c_does_not_accept_is_refused_and_nothing_is_left(tmp_path):
+    model = controller_model(replace(pi_program(), name="double"), origin("p", 1.0))
+    with pytest.raises(InputError, match="a name that is no word of C"):
+        write_fmu(tmp_path / "pi.fmu", model, find_compiler("tests"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_the_compiler_refuses_leaves_the_old_file_as_it_was(tmp_path):
+    path = tmp_path / "pi.fmu"
+    path.write_text("old")
+    wrong = replace(find_compiler("tests"), flags=("-no-such-flag",))
+    with pytest.raises(CompilationError):
+        write_fmu(path, pi_model(), wrong)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_missing_folder_is_refused_in_words(tmp_path):
+    with pytest.raises(InputError, match="choose another folder"):
+        write_fmu(tmp_path / "none" / "pi.fmu", pi_model(), None, sources_only=True)
