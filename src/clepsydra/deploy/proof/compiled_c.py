@@ -1,0 +1,207 @@
+"""Printed C, compiled and called: one instance of its state in a shared library."""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
+from clepsydra.deploy.printing.precision import Precision
+from clepsydra.deploy.proof.compiler import (
+    CompilationError,
+    Compiler,
+    find_compiler,
+    library_name,
+)
+from clepsydra.deploy.proof.instance import (
+    Array,
+    Instance,
+    Scans,
+    given_parameters,
+    scan_count,
+)
+from clepsydra.program.program import Program
+
+_REALS = {"double": ctypes.c_double, "single": ctypes.c_float}
+#: Tells the sizes of the structures, so that a member more or less does not pass unseen.
+_PROBE = """\
+#include "{name}.h"
+extern const uint64_t {name}_sizes[4];
+const uint64_t {name}_sizes[4] = {{
+  sizeof({name}_parameters), sizeof({name}_state), sizeof({name}_inputs), sizeof({name}_outputs)
+}};
+"""
+_KINDS = {"real": float, "integer": int, "boolean": bool}
+#: So many scans are run before their outputs and states are read.
+_CHUNK = 1000
+
+
+class CompiledC(Instance):
+    """The C of a program as a shared library, one instance of its state.
+
+    Parameters
+    ----------
+    program : Program
+    folder : Path
+        Where header, source and library are written; made if it is not there.
+    precision : {"double", "single"}
+    compiler : Compiler, optional
+        That of this machine if omitted.
+
+    Raises
+    ------
+    InputError
+        The program cannot be printed, or there is no compiler.
+    CompilationError
+        The compiler does not accept what was printed, or its structures are others.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block, Operation
+    >>> total = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
+    >>> program = Program("add_up", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), total)
+    >>> with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+    ...     adding = CompiledC(program, Path(folder))
+    ...     adding.run({"u": np.array([0.5, 0.25])}).tolist()
+    [[0.5, 0.5], [0.75, 0.75]]
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        folder: Path,
+        precision: Precision = "double",
+        compiler: Compiler | None = None,
+    ) -> None:
+        super().__init__(program)
+        compiler = compiler or find_compiler("proof of C")
+        printed = print_c(program, precision=precision)
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / printed.header_name).write_text(printed.header, encoding="utf-8")
+        source = folder / printed.source_name
+        source.write_text(printed.source, encoding="utf-8")
+        probe = folder / f"{program.name}_sizes.c"
+        probe.write_text(_PROBE.format(name=program.name), encoding="utf-8")
+        # A system that has loaded a library gives it again for the same path.
+        content = hashlib.sha256((printed.header + printed.source).encode()).hexdigest()[:12]
+        target = folder / library_name(f"{program.name}_{content}")
+        library = ctypes.CDLL(str(compiler.build([source, probe], target)))
+        self._step = getattr(library, f"{program.name}_step")
+        self._step.restype, self._step.argtypes = None, [ctypes.c_void_p] * 4
+        real = _REALS[precision]
+        groups = (program.parameters, (*program.state, *program.rings), program.inputs,
+                  program.outputs)  # fmt: skip
+        self._structures = [_structure(entries, real)() for entries in groups]
+        sizes = list((ctypes.c_uint64 * 4).in_dll(library, f"{program.name}_sizes"))
+        if sizes != [ctypes.sizeof(structure) for structure in self._structures]:
+            raise CompilationError(f"{printed.header_name}: its structures have other members")
+        self.parameters, self.memory, self._inputs, self._outputs = self._structures
+        defaults = library[f"{program.name}_default_parameters"]
+        defaults.restype = None
+        defaults(ctypes.byref(self.parameters))
+        self._printed = type(self.parameters).from_buffer_copy(self.parameters)
+        self._start = library[f"{program.name}_initialise"]
+        self._start.restype = None
+        self.initialise()
+
+    def initialise(self) -> None:
+        """Go back to the initial state."""
+        self._start(ctypes.byref(self.memory))
+
+    @property
+    def state_size(self) -> int:
+        """Size of the state [bytes]."""
+        return ctypes.sizeof(self.memory) if self.program.state or self.program.rings else 0
+
+    def __call__(self, inputs: Mapping[str, float]) -> list[float]:
+        """Run one scan and return the outputs in order."""
+        for signal in self.program.inputs:
+            setattr(self._inputs, signal.identifier, _KINDS[signal.kind](inputs[signal.name]))
+        for signal in given_parameters(self.program, inputs):
+            value, name = inputs[signal.name], signal.identifier
+            own = getattr(self._printed, name) if value != value else _KINDS[signal.kind](value)
+            setattr(self.parameters, name, own)
+        self._step(*map(ctypes.addressof, self._structures))
+        return [float(getattr(self._outputs, s.identifier)) for s in self.program.outputs]
+
+    def state(self) -> list[float]:
+        """Return the state in order; of a delay ring the value that the next scan reads."""
+        found = []
+        for entry in self.program.state:
+            name = signal_of(entry).identifier
+            value = getattr(self.memory, name)
+            if is_ring(entry):
+                value = value[getattr(self.memory, f"{name}_position")]
+            found.append(float(value))
+        return found
+
+    def run(self, inputs: Scans) -> Array:
+        """Run all scans; returns outputs and then states [scans, q + n]."""
+        scans = scan_count(inputs)
+        parts = [
+            self._chunk({name: column[start : start + _CHUNK] for name, column in inputs.items()})
+            for start in range(0, scans, _CHUNK)
+        ]
+        return np.concatenate(parts)
+
+    def _chunk(self, inputs: Scans) -> Array:
+        scans, program = scan_count(inputs), self.program
+        found = np.zeros(scans, dtype=np.dtype(type(self._outputs)))
+        kept = np.zeros(scans, dtype=np.dtype(type(self.memory)))
+        given = self._rows(self._inputs, program.inputs, inputs)
+        tuned = given_parameters(program, inputs)
+        parameters = self._rows(self._printed if tuned else self.parameters, tuned, inputs)
+        memory = ctypes.addressof(self.memory)
+        size = ctypes.sizeof(self.memory)
+        for k in range(scans):
+            self._step(
+                parameters.ctypes.data + k * parameters.itemsize,
+                memory,
+                given.ctypes.data + k * given.itemsize,
+                found.ctypes.data + k * found.itemsize,
+            )
+            ctypes.memmove(kept.ctypes.data + k * size, memory, size)
+        columns = [found[signal.identifier] for signal in program.outputs]
+        for entry in program.state:
+            name = signal_of(entry).identifier
+            column = kept[name]
+            if is_ring(entry):
+                column = column[np.arange(scans), kept[f"{name}_position"]]
+            columns.append(column)
+        return np.column_stack(columns).astype(float) if columns else np.zeros((scans, 0))
+
+    def _rows(
+        self, structure: ctypes.Structure, signals: Sequence[Signal], inputs: Scans
+    ) -> np.ndarray:
+        """Return a structure for each scan; what is not a number stays as it is printed."""
+        row = np.frombuffer(bytes(structure), dtype=np.dtype(type(structure)))
+        table = np.repeat(row, scan_count(inputs))
+        for signal in signals:
+            column = inputs[signal.name]
+            kept = np.isnan(column) & (structure is self._printed)
+            with np.errstate(all="ignore"):
+                table[signal.identifier][~kept] = column[~kept]
+        return table
+
+
+def _structure(entries: Sequence[Entry], real: Any) -> type[ctypes.Structure]:
+    kinds = {"real": real, "integer": ctypes.c_int32, "boolean": ctypes.c_bool}
+    fields: list[tuple[str, Any]] = []
+    for entry in entries:
+        signal = signal_of(entry)
+        kind = kinds[signal.kind]
+        if is_ring(entry):
+            fields.append((signal.identifier, kind * entry.length))
+            fields.append((f"{signal.identifier}_position", ctypes.c_int32))
+        else:
+            fields.append((signal.identifier, kind))
+    return type("Members", (ctypes.Structure,), {"_fields_": fields or [("n", ctypes.c_char)]})

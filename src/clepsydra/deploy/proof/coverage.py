@@ -1,0 +1,97 @@
+"""What the scans of a proof exercised, so that a proof of nothing is seen."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.deploy.proof.instance import Array
+from clepsydra.program.program import Program
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """What was seen of the outputs of a program.
+
+    Parameters
+    ----------
+    seen : tuple of str
+        Bits of status words and truth values that were on in one scan and off in another, as
+        "status_1 bit 4" (the bit of value 16).
+    unseen : tuple of str
+        Those that were not.
+    still : tuple of str
+        Outputs of real numbers that never moved.
+
+    Examples
+    --------
+    >>> Coverage(("status_1 bit 0",), ("status_1 bit 7",), ()).sentence
+    '1 of 2 status bits seen on and off; not status_1 bit 7'
+    """
+
+    seen: tuple[str, ...]
+    unseen: tuple[str, ...]
+    still: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, list[str]]:
+        """Return all of it for JSON."""
+        return {"seen": list(self.seen), "unseen": list(self.unseen), "still": list(self.still)}
+
+    @classmethod
+    def from_dict(cls, said: dict[str, list[str]]) -> Coverage:
+        """Return what `as_dict` described.
+
+        >>> Coverage.from_dict({"seen": ["status_1 bit 0"], "unseen": [], "still": []}).is_idle
+        False
+        """
+        return cls(tuple(said["seen"]), tuple(said["unseen"]), tuple(said["still"]))
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing was seen to change, so that a comparison says nothing."""
+        return not self.seen and bool(self.still)
+
+    @property
+    def sentence(self) -> str:
+        """What was seen, in a line."""
+        total = len(self.seen) + len(self.unseen)
+        said = f"{len(self.seen)} of {total} status bits seen on and off" if total else ""
+        if self.unseen:
+            said += f"; not {', '.join(self.unseen)}"
+        if self.still:
+            said += ("; " if said else "") + f"never moved: {', '.join(self.still)}"
+        return said
+
+
+def coverage(program: Program, table: Array) -> Coverage:
+    """Return what outputs and states [scans, q + n] show of a program.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block
+    >>> word = Signal("status_1", low=0.0, high=3.0, kind="integer")
+    >>> program = Program("law", (), (), (), (word,), Block(1, (), (0,)))
+    >>> coverage(program, np.array([[0.0], [1.0]])).unseen
+    ('status_1 bit 1',)
+    """
+    seen: list[str] = []
+    unseen: list[str] = []
+    still: list[str] = []
+    for column, signal in enumerate(program.outputs):
+        values = table[:, column]
+        if signal.kind == "real":
+            if len(np.unique(values[~np.isnan(values)])) < 2:
+                still.append(signal.name)
+        elif signal.kind == "boolean":
+            both = bool(values.any() and not values.all())
+            (seen if both else unseen).append(signal.name)
+        elif signal.name.startswith("status") and math.isfinite(signal.high):
+            word = values.astype(np.int64)
+            for bit in range(int(signal.high).bit_length()):
+                on = word >> bit & 1
+                name = f"{signal.name} bit {bit}"
+                (seen if 0 < on.sum() < len(on) else unseen).append(name)
+    return Coverage(tuple(seen), tuple(unseen), tuple(still))

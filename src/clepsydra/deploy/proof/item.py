@@ -1,0 +1,87 @@
+"""What a proof is about: a program, and where it belongs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.deploy.printing.origin import Origin
+from clepsydra.deploy.process_program import process_program
+from clepsydra.linear.linearise import linearise
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.scenario import Scenario
+from clepsydra.loop.step_size import substeps_for
+from clepsydra.program.program import Program
+
+
+@dataclass(frozen=True, eq=False)
+class ProofItem:
+    """A controller or a process to be proved, or the reason why there is nothing to prove.
+
+    Parameters
+    ----------
+    name : str
+        What the reader calls it: "PI, SIMC".
+    sampling_period : float
+        [s]
+    program : Program or None
+        What is printed; None where it cannot be. Of a process it is its `process_program`, with
+        as many steps as `substeps_for` says.
+    refusal : str
+        Why there is no program.
+    kind : {"controller", "process"}
+        A process gets scans in which nothing is broken, and FMUs for model exchange too.
+    origin : Origin or None
+        For the heads and comments of what is printed.
+    controller : Controller or None
+        Whose program it is, so that its single-precision C can control the process.
+    point : OperatingPoint or None
+        Where process or loop start.
+    scenario : Scenario or None
+        What the loop goes through; the default scenario of the process if omitted.
+
+
+    Examples
+    --------
+    >>> ProofItem("own law", 1.0, refusal="it is a Python function").program is None
+    True
+    """
+
+    name: str
+    sampling_period: float
+    program: Program | None = None
+    refusal: str = ""
+    kind: Literal["controller", "process"] = "controller"
+    origin: Origin | None = None
+    controller: Controller | None = None
+    point: OperatingPoint | None = None
+    scenario: Scenario | None = None
+
+
+def process_item(point: OperatingPoint, origin: Origin | None = None) -> ProofItem:
+    """Return the item of a process that starts at rest.
+
+    Parameters
+    ----------
+    point : OperatingPoint
+    origin : Origin, optional
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.process.reader import load_process
+    >>> item = process_item(find_equilibrium(load_process("quadruple-tank")))
+    >>> item.name, item.kind, item.refusal
+    ('Quadruple tank, minimum phase', 'process', '')
+    """
+    process = point.process
+    blank = ProofItem(
+        process.title, process.sampling_period, kind="process", origin=origin, point=point
+    )
+    try:
+        substeps = substeps_for(linearise(point))
+        return replace(blank, program=process_program(point, substeps))
+    except InputError as refusal:
+        return replace(blank, refusal=str(refusal))

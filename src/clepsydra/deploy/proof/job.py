@@ -1,0 +1,98 @@
+"""The work on one item of a proof: its scans and its runs, each made once."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from clepsydra.deploy.proof.compiled_c import CompiledC
+from clepsydra.deploy.proof.compiler import Compiler
+from clepsydra.deploy.proof.coverage import Coverage, coverage
+from clepsydra.deploy.proof.engine_run import engine_run
+from clepsydra.deploy.proof.instance import Array
+from clepsydra.deploy.proof.item import ProofItem
+from clepsydra.deploy.proof.scans import random_scans
+from clepsydra.program.program import Program
+
+
+class Job:
+    """The runs of one item that its rows share.
+
+    Parameters
+    ----------
+    item : ProofItem
+        With a program.
+    scans, seed : int
+    folder : Path
+        For what is built.
+    compiler : Compiler
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block, Operation
+    >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
+    >>> program = Program("double_it", (), (Signal("u"),), (), (Signal("y"),), double)
+    >>> job = Job(ProofItem("doubled", 1.0, program), 100, 1, Path(), Compiler(("gcc",), ""))
+    >>> job.engine.shape, job.coverage.still
+    ((100, 1), ())
+    """
+
+    def __init__(
+        self, item: ProofItem, scans: int, seed: int, folder: Path, compiler: Compiler
+    ) -> None:
+        self.item, self.scans, self.seed = item, scans, seed
+        self.folder, self.compiler = folder, compiler
+
+    @property
+    def program(self) -> Program:
+        """The program to be proved."""
+        assert self.item.program is not None
+        return self.item.program
+
+    @cached_property
+    def inputs(self) -> dict[str, Array]:
+        """The scans."""
+        item = self.item
+        sound = item.kind == "process"
+        period = item.sampling_period
+        return random_scans(self.program, self.scans, self.seed, period, broken=not sound)
+
+    @cached_property
+    def single_inputs(self) -> dict[str, Array]:
+        """The scans in single precision, as doubles."""
+        with np.errstate(all="ignore"):
+            return {
+                name: values.astype(np.float32).astype(float)
+                if np.asarray(values).dtype.kind == "f"
+                else values
+                for name, values in self.inputs.items()
+            }
+
+    @cached_property
+    def engine(self) -> Array:
+        """The engine over the scans: outputs and states [scans, q + n]."""
+        return engine_run(self.program, self.inputs)
+
+    @cached_property
+    def engine_of_single(self) -> Array:
+        """The engine, in double precision, over the scans in single precision."""
+        return engine_run(self.program, self.single_inputs)
+
+    @cached_property
+    def single_c(self) -> CompiledC:
+        """The C in single precision."""
+        return CompiledC(self.program, self.folder / "single", "single", self.compiler)
+
+    @cached_property
+    def run_of_single_c(self) -> Array:
+        """The C in single precision over the scans."""
+        self.single_c.initialise()
+        return self.single_c.run(self.single_inputs)
+
+    @cached_property
+    def coverage(self) -> Coverage:
+        """What the scans exercise in the engine."""
+        return coverage(self.program, self.engine)

@@ -1,0 +1,76 @@
+"""What a proof of a study is about: every controller that can be exported, and the process."""
+
+from __future__ import annotations
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.deploy.export import process_origin
+from clepsydra.deploy.exportable import exportable
+from clepsydra.deploy.process_program import process_program
+from clepsydra.deploy.proof.item import ProofItem
+from clepsydra.linear.linearise import linearise
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.scenario import Scenario
+from clepsydra.loop.step_size import substeps_for
+from clepsydra.study.result import StudyResult
+
+
+def proof_items(study: StudyResult) -> list[ProofItem]:
+    """Return the controllers of a study in the order of its ranking, then the process.
+
+    A controller that cannot be exported is an item without a program that says why.
+
+    Parameters
+    ----------
+    study : StudyResult
+
+    Examples
+    --------
+    >>> from clepsydra.study.study import run_study
+    >>> [item.name for item in proof_items(run_study("quadruple-tank", only="PI, SIMC"))]
+    ['PI, SIMC', 'Quadruple tank, minimum phase']
+    """
+    point = study.analysis.operating_point
+    controllers = [candidate.controller for candidate in study.ranking]
+    items = [_controller_item(each, point, study.scenario) for each in controllers]
+    return [*items, process_item(point)]
+
+
+def process_item(point: OperatingPoint) -> ProofItem:
+    """Return the process itself as what is to be proved.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.process.reader import load_process
+    >>> process_item(find_equilibrium(load_process("quadruple-tank"))).kind
+    'process'
+    """
+    process = point.process
+    return ProofItem(
+        process.title,
+        process.sampling_period,
+        process_program(point, substeps_for(linearise(point))),
+        kind="process",
+        origin=process_origin(point),
+        point=point,
+    )
+
+
+def _controller_item(
+    controller: Controller, point: OperatingPoint, scenario: Scenario
+) -> ProofItem:
+    period = point.process.sampling_period
+    try:
+        ready = exportable(controller, point)
+    except InputError as refusal:
+        return ProofItem(controller.name, period, refusal=str(refusal))
+    return ProofItem(
+        controller.name,
+        period,
+        ready.program,
+        origin=ready.origin,
+        controller=ready.controller,
+        point=point,
+        scenario=scenario,
+    )

@@ -1,0 +1,270 @@
+"""The proof: every program on every target, compared with the simulation."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from clepsydra import __version__
+from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.files import whole_file
+from clepsydra.deploy.printing.heading import digest
+from clepsydra.deploy.proof.compiler import find_compiler
+from clepsydra.deploy.proof.coverage import Coverage
+from clepsydra.deploy.proof.item import ProofItem
+from clepsydra.deploy.proof.job import Job
+from clepsydra.deploy.proof.memory import read_memory
+from clepsydra.deploy.proof.row import ProofRow
+from clepsydra.deploy.proof.scans import FEWEST
+from clepsydra.deploy.proof.targets import Target, targets_of
+
+
+class ProofProgress(NamedTuple):
+    """How far a proof has come.
+
+    Parameters
+    ----------
+    done, of : int
+        Rows.
+    name : str
+        The one in work.
+
+    Examples
+    --------
+    >>> ProofProgress(3, 15, "PI, SIMC: C").name
+    'PI, SIMC: C'
+    """
+
+    done: int
+    of: int
+    name: str
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What was compared with the simulation, and how it came out.
+
+    Parameters
+    ----------
+    rows : tuple of ProofRow
+    coverage : dict
+        Subject to what the scans exercised.
+    versions : tuple of str
+        Of Clepsydra and of all that ran the targets.
+    scans, seed : int
+    seconds : float
+    interrupted : bool
+        Whether it was ended before all rows were done.
+
+    Examples
+    --------
+    >>> Proof((), {}, (), 10_000, 1, 0.0).holds
+    False
+    """
+
+    rows: tuple[ProofRow, ...]
+    coverage: dict[str, Coverage] = field(default_factory=dict)
+    versions: tuple[str, ...] = ()
+    scans: int = FEWEST
+    seed: int = 1
+    seconds: float = 0.0
+    interrupted: bool = False
+
+    @property
+    def failures(self) -> tuple[ProofRow, ...]:
+        """The rows that are outside their bound or do not run."""
+        return tuple(row for row in self.rows if not row.holds)
+
+    @property
+    def refusals(self) -> tuple[ProofRow, ...]:
+        """The rows with nothing to run, with their reasons."""
+        return tuple(row for row in self.rows if row.verdict == "refused")
+
+    @property
+    def idle(self) -> tuple[str, ...]:
+        """Subjects in which nothing moved, so that the comparison says nothing."""
+        return tuple(name for name, seen in self.coverage.items() if seen.is_idle)
+
+    @property
+    def holds(self) -> bool:
+        """Whether something was compared, and all of it is within its bound."""
+        compared = any(row.verdict != "refused" for row in self.rows)
+        return compared and not (self.failures or self.idle or self.interrupted)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all of it for JSON."""
+        return {
+            "holds": self.holds,
+            "interrupted": self.interrupted,
+            "scans": self.scans,
+            "seed": self.seed,
+            "seconds": self.seconds,
+            "versions": list(self.versions),
+            "coverage": {name: seen.as_dict() for name, seen in self.coverage.items()},
+            "rows": [row.as_dict() for row in self.rows],
+        }
+
+
+def prove(
+    items: Sequence[ProofItem],
+    *,
+    scans: int = FEWEST,
+    seed: int = 1,
+    progress: Callable[[ProofProgress], None] | None = None,
+    folder: Path | None = None,
+    stem: str = "proof",
+) -> Proof:
+    """Run controllers and processes on every target and compare them with the simulation.
+
+    Each program runs through the same random scans (`scans.random_scans`) in the engine's kernel,
+    as C built by this machine's compiler, as Structured Text of each dialect read by a grammar
+    and an interpreter of their own, and as FMUs by FMPy; in single precision as C and as
+    Structured Text, which are compared with each other, and as C with the engine in double
+    precision, which is only told, with what it does to the scores of the loop.
+
+    Bounds in double precision: every bit where the program has nothing but + − × ÷ √, comparison
+    and rounding; otherwise 1e-12 of a signal's range, and no integer or boolean value may differ.
+
+    Parameters
+    ----------
+    items : sequence of ProofItem
+    scans : int
+        At least 10,000.
+    seed : int
+        Of the scans.
+    progress : callable, optional
+        Takes a `ProofProgress` before each row.
+    folder : Path, optional
+        Where the proof is written, as JSON and Markdown, after each row; rows that an earlier
+        proof there holds, of the same program, target, scans, seed and versions, are taken from
+        it. Control-C ends a proof with the rows so far, and the next one goes on.
+    stem : str
+        Name of the files, without ending.
+
+    Returns
+    -------
+    Proof
+
+    Raises
+    ------
+    InputError
+        There is no compiler, a package is missing, too few scans, a negative seed, or the
+        folder cannot be written.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block, Operation, Program
+    >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
+    >>> program = Program("double_it", (), (Signal("u"),), (), (Signal("y"),), double)
+    >>> proof = prove([ProofItem("doubled", 1.0, program)])
+    >>> proof.holds, proof.rows[0].verdict
+    (True, 'equal')
+    """
+    for what, value, least in (("scans", scans, FEWEST), ("seed", seed, 0)):
+        if value < least:
+            raise InputError(f"proof, {what}", value, f"at least {least:,}", "choose more")
+    compiler = find_compiler("proof")
+    jobs = {kind: targets_of(kind, compiler) for kind in ("controller", "process")}
+    versions = sorted({target.version for target in (*jobs["controller"], *jobs["process"])})
+    work = _Work(items, scans, seed, progress, folder, stem)
+    work.versions = (f"clepsydra {__version__}", *versions)
+    with tempfile.TemporaryDirectory(prefix="clepsydra-", ignore_cleanup_errors=True) as place:
+        try:
+            for number, item in enumerate(items):
+                if item.program is None:
+                    work.refuse(item)
+                    continue
+                job = Job(item, scans, seed, Path(place) / str(number), compiler)
+                work.do(job, jobs[item.kind])
+        except KeyboardInterrupt:
+            work.interrupted = True
+    return work.write()
+
+
+class _Work:
+    def __init__(
+        self,
+        items: Sequence[ProofItem],
+        scans: int,
+        seed: int,
+        progress: Callable[[ProofProgress], None] | None,
+        folder: Path | None,
+        stem: str,
+    ) -> None:
+        self._begun = time.monotonic()
+        self._items, self._scans, self._seed = items, scans, seed
+        self._tell = progress or (lambda _: None)
+        self._folder, self._stem = folder, stem
+        self._memory = read_memory(folder / f"{stem}.json") if folder else {}
+        self._rows: list[ProofRow] = []
+        self._coverage: dict[str, Coverage] = {}
+        self.versions: tuple[str, ...] = ()
+        self.interrupted = False
+
+    def refuse(self, item: ProofItem) -> None:
+        """Take up an item that has no program."""
+        self._rows.append(
+            ProofRow(
+                item.name, "every target", "double", "engine", "", 0, self._seed,
+                verdict="refused", reason=item.refusal,
+            )
+        )  # fmt: skip
+
+    def do(self, job: Job, targets: Sequence[Target]) -> None:
+        """Do every row of an item, or remember it."""
+        name, program = job.item.name, digest(job.program)
+        for target in targets:
+            self._say(f"{name}: {target.name}, {target.precision}", len(targets))
+            blank = ProofRow(
+                name, target.name, target.precision, target.against, program,
+                self._scans, self._seed, version=f"clepsydra {__version__}, {target.version}",
+            )  # fmt: skip
+            known = self._memory.get(blank.key)
+            if known is not None:
+                row, self._coverage[name] = replace(known.row, subject=name), known.coverage
+            else:
+                row = _done(target, job, blank)
+                self._coverage[name] = job.coverage
+            self._rows.append(row)
+            if self._folder and known is None:
+                self.write()
+
+    def _say(self, name: str, targets: int) -> None:
+        self._tell(ProofProgress(len(self._rows), len(self._items) * targets, name))
+
+    def write(self) -> Proof:
+        """Return the proof so far, and write it where it is to be written."""
+        proof = Proof(
+            tuple(self._rows),
+            dict(self._coverage),
+            self.versions,
+            self._scans,
+            self._seed,
+            time.monotonic() - self._begun,
+            self.interrupted,
+        )
+        if self._folder is not None:
+            from clepsydra.deploy.proof.markdown import proof_markdown
+
+            said = json.dumps(proof.as_dict(), indent=2, allow_nan=False) + "\n"
+            for ending, text in (("json", said), ("md", proof_markdown(proof))):
+                with whole_file(self._folder / f"{self._stem}.{ending}") as part:
+                    part.write_text(text, encoding="utf-8")
+        return proof
+
+
+def _done(target: Target, job: Job, blank: ProofRow) -> ProofRow:
+    begun = time.monotonic()
+    try:
+        row = target.row(job, blank)
+    except InputError as refusal:
+        row = replace(blank, verdict="refused", reason=str(refusal))
+    except ClepsydraError as failure:
+        row = replace(blank, verdict="fails", reason=str(failure))
+    return replace(row, seconds=round(time.monotonic() - begun, 3))

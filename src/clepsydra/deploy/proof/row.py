@@ -1,0 +1,115 @@
+"""A row of a proof: one program on one target, compared with the simulation."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any, Literal
+
+Verdict = Literal["equal", "within the bound", "differs", "told", "refused", "fails"]
+#: Verdicts with which a proof holds.
+HOLDING: tuple[Verdict, ...] = ("equal", "within the bound", "told", "refused")
+
+
+@dataclass(frozen=True)
+class ProofRow:
+    """One program on one target.
+
+    Parameters
+    ----------
+    subject : str
+        The controller or process.
+    target : str
+        "C", "Structured Text (codesys)", "FMU 3.0", …
+    precision : {"double", "single"}
+    against : str
+        What it is compared with: "engine", "C", "engine in double".
+    program : str
+        Digest of the program; empty where there is none.
+    scans, seed : int
+    exact : bool
+        Whether the program has nothing but + − × ÷ √, comparison and rounding.
+    largest : float
+        Largest difference, share of the signal's range.
+    signal : str
+        Where it is; empty where there is none.
+    scan : int
+        When it is, from 0; -1 where there is none.
+    differing : int
+        Numbers that differ in a bit.
+    decisions : int
+        Integer and boolean values that differ.
+    bound : float or None
+        Of the largest difference; None where it is only told.
+    verdict : str
+        "equal" in every bit, "within the bound", "differs"; "told" where there is no bound;
+        "refused" where there is nothing to run, and "fails" where it does not run.
+    reason : str
+        What was refused or failed, or what else is to be said.
+    seconds : float
+        Of printing, building and running.
+    version : str
+        Of what ran it: the compiler, the grammar, FMPy.
+    scores : dict
+        What single precision does to the scores of the loop, see
+        `clepsydra.deploy.proof.single_loop.ScoreChange`.
+
+    Examples
+    --------
+    >>> row = ProofRow("PI", "C", "double", "engine", "", 0, 1, verdict="refused", reason="Python")
+    >>> row.holds, ProofRow.from_dict(row.as_dict()) == row
+    (True, True)
+    """
+
+    subject: str
+    target: str
+    precision: str
+    against: str
+    program: str
+    scans: int
+    seed: int
+    exact: bool = True
+    largest: float = 0.0
+    signal: str = ""
+    scan: int = -1
+    differing: int = 0
+    decisions: int = 0
+    bound: float | None = None
+    verdict: Verdict = "equal"
+    reason: str = ""
+    seconds: float = 0.0
+    version: str = ""
+    scores: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the proof holds as far as this row goes."""
+        return self.verdict in HOLDING
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What two rows share that must come out the same."""
+        return (
+            self.program, self.target, self.precision, self.against, self.scans, self.seed,
+            self.version,
+        )  # fmt: skip
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all of it for JSON; an infinite difference is the text "infinite"."""
+        said = asdict(self)
+        if self.largest == float("inf"):
+            said["largest"] = "infinite"
+        return said
+
+    @classmethod
+    def from_dict(cls, said: dict[str, Any]) -> ProofRow:
+        """Return the row that `as_dict` described.
+
+        Raises
+        ------
+        KeyError, TypeError
+            It is no such description.
+        """
+        if set(said) != {entry.name for entry in fields(cls)}:
+            raise KeyError("no row of a proof")
+        largest = said["largest"]
+        return cls(**{**said, "largest": float("inf") if largest == "infinite" else float(largest)})

@@ -1,0 +1,121 @@
+"""What single precision does to a loop: the scores with the controller's C in floats."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.deploy.proof.compiled_c import CompiledC
+from clepsydra.deploy.proof.compiled_law import compiled_law
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.run import Run
+from clepsydra.loop.scenario import Scenario
+from clepsydra.study.ranking import Trial, rank
+from clepsydra.study.trial import scores_of
+
+#: The number by which a study ranks has changed where its third digit has.
+_THIRD_DIGIT = 0.005
+
+
+@dataclass(frozen=True)
+class ScoreChange:
+    """What becomes of the scores of a loop in single precision.
+
+    Parameters
+    ----------
+    ranking : float
+        The number by which a study ranks controllers (`clepsydra.study.ranking.RULE`), as a
+        multiple of that of the controller in double precision.
+    score : str
+        The score that changes most, "iae[level_1]"; empty where none changes.
+    change : float
+        By which share of itself; infinite where it is finite in one precision only.
+
+    Examples
+    --------
+    >>> ScoreChange(1.0004, "travel[pump_1]", 0.01).is_change
+    False
+    """
+
+    ranking: float
+    score: str
+    change: float
+
+    @property
+    def is_change(self) -> bool:
+        """Whether the ranking number changes in its third digit: by half a percent or more."""
+        return not abs(self.ranking - 1.0) < _THIRD_DIGIT
+
+
+def score_change(
+    controller: Controller,
+    model: LinearModel,
+    compiled: CompiledC,
+    scenario: Scenario | None = None,
+) -> ScoreChange:
+    """Run a loop with the controller and with its compiled C, and compare the scores.
+
+    Parameters
+    ----------
+    controller : Controller
+        In double precision.
+    model : LinearModel
+        Of its process at the point where the loop starts.
+    compiled : CompiledC
+        The program of the controller, in single precision.
+    scenario : Scenario, optional
+        The default scenario of the process if omitted.
+
+    Raises
+    ------
+    InputError
+        There is no scenario for the process.
+
+    Examples
+    --------
+    In double precision the C is the controller, to the last bit:
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+    ...     compiled = CompiledC(controller.program(), Path(folder))
+    ...     score_change(controller, analysis.model, compiled)
+    ScoreChange(ranking=1.0, score='', change=0.0)
+    """
+    scenario = default_scenario(model) if scenario is None else scenario
+    exported = replace(controller, law=compiled_law(controller.law, compiled))
+    runs = [Loop(each, model).run(scenario) for each in (controller, exported)]
+    scores = [scores_of(run) for run in runs]
+    largest, name = 0.0, ""
+    for key in scores[0]:
+        change = _relative(scores[0][key], scores[1].get(key, math.nan))
+        if change > largest:
+            largest, name = change, key
+    return ScoreChange(_ranking(runs, scores), name, largest)
+
+
+def _ranking(runs: list[Run], scores: list[dict[str, float]]) -> float:
+    """Return the mean error of the second run as a multiple of that of the first."""
+    trials = [
+        Trial(run.controller, run, found, maximum_sensitivity=1.0, warnings=())
+        for run, found in zip(runs, scores, strict=True)
+    ]
+    errors = {id(c.run): c.mean_error for c in rank(trials)}
+    first, second = (errors[id(run)] for run in runs)
+    return second / first
+
+
+def _relative(first: float, second: float) -> float:
+    if first == second or (math.isnan(first) and math.isnan(second)):
+        return 0.0
+    if not (math.isfinite(first) and math.isfinite(second)):
+        return math.inf
+    return abs(second - first) / max(abs(first), abs(second))

@@ -1,0 +1,183 @@
+"""Program units of Structured Text and what they declare."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from clepsydra.deploy.proof.text.tree import content, part, wrong
+from clepsydra.deploy.proof.text.values import ZEROS, literal
+
+if TYPE_CHECKING:
+    from tree_sitter import Node
+
+_UNITS = {"function_block_declaration": "FUNCTION_BLOCK", "program_declaration": "PROGRAM"}
+_SECTIONS = ("var_input", "var_output", "var_block", "var_temp")
+_QUIET = ("comment", "pragma")
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A declared variable.
+
+    Parameters
+    ----------
+    section : str
+        "VAR_INPUT", "VAR_OUTPUT", "VAR", "VAR CONSTANT", "VAR RETAIN" or "VAR_TEMP".
+    type : str
+        An elementary type, or the name of a function block in lower case.
+    initial : object
+        Its initial value, a list of an array; None of an instance.
+    length : int
+        Of an array, else 0.
+
+    Examples
+    --------
+    >>> Declared("VAR", "DINT", 3).length
+    0
+    """
+
+    section: str
+    type: str
+    initial: Any
+    length: int = 0
+
+    @property
+    def is_instance(self) -> bool:
+        """Whether it is an instance of a function block."""
+        return self.type not in ZEROS
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A function block or a program.
+
+    Parameters
+    ----------
+    kind : str
+        "FUNCTION_BLOCK" or "PROGRAM".
+    name : str
+    declared : dict
+        Name in lower case to what was declared.
+    body : tuple of Node
+        Its statements.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.proof.text.tree import parse
+    >>> unit = units_of(parse("PROGRAM p VAR Level : LREAL := 0.5; END_VAR END_PROGRAM"))["p"]
+    >>> unit.declared
+    {'level': Declared(section='VAR', type='LREAL', initial=0.5, length=0)}
+    """
+
+    kind: str
+    name: str
+    declared: dict[str, Declared] = field(default_factory=dict)
+    body: tuple[Node, ...] = ()
+
+
+def units_of(root: Node) -> dict[str, Unit]:
+    """Return the function blocks and programs of a text, by name in lower case.
+
+    Raises
+    ------
+    StructuredTextError
+        Something else stands in the text, or a declaration is wrong.
+
+    Examples
+    --------
+    See `Unit`.
+    """
+    found: dict[str, Unit] = {}
+    for node in root.children:
+        if node.type in (*_QUIET, "configuration_declaration"):
+            continue
+        if node.type not in _UNITS:
+            raise wrong(node, f"no meaning for {node.type}")
+        unit = _unit(node)
+        if unit.name.lower() in found:
+            raise wrong(node, f"{unit.name} is declared twice")
+        found[unit.name.lower()] = unit
+    return found
+
+
+def _unit(node: Node) -> Unit:
+    declared: dict[str, Declared] = {}
+    for child in node.named_children:
+        if child.type in _SECTIONS:
+            _declare(child, declared)
+    body = tuple(
+        child
+        for child in node.children_by_field_name("body")
+        if child.type not in ("empty_statement", *_QUIET)
+    )
+    known = {*_SECTIONS, *_QUIET, "empty_statement"}
+    for child in node.named_children:
+        if child.type not in known and child != part(node, "name") and child not in body:
+            raise wrong(child, f"no meaning for {child.type}")
+    return Unit(_UNITS[node.type], content(part(node, "name")), declared, body)
+
+
+def _declare(section: Node, declared: dict[str, Declared]) -> None:
+    keyword = section.children[0].type.upper()
+    qualifiers = [
+        content(qualifier).upper()
+        for child in section.children
+        if child.type == "var_qualifier_list"
+        for qualifier in child.children
+    ]
+    known = {(), ("CONSTANT",), ("RETAIN",)} if keyword == "VAR" else {()}
+    if tuple(qualifiers) not in known:
+        raise wrong(section, f"no meaning for {keyword} {' '.join(qualifiers)}")
+    for node in section.named_children:
+        if node.type in ("var_qualifier_list", *_QUIET):
+            continue
+        if node.type != "variable_declaration":
+            raise wrong(node, f"no meaning for {node.type}")
+        names = [n for n in node.children_by_field_name("names") if n.type == "identifier"]
+        for each in names:
+            name = content(each).lower()
+            if name in declared:
+                raise wrong(node, f"{name} is declared twice")
+            declared[name] = _variable(" ".join([keyword, *qualifiers]), node)
+
+
+def _variable(section: str, node: Node) -> Declared:
+    kind = part(node, "type")
+    values = [
+        child
+        for child in node.children_by_field_name("initial_value")
+        if child.type not in ("[", "]", ",")
+    ]
+    if kind.type == "array_type":
+        return _array(section, node, kind, values)
+    name = content(kind)
+    if name.upper() in ZEROS:
+        name = name.upper()
+        initial = literal(values[0], name) if values else ZEROS[name]
+        return Declared(section, name, initial)
+    if kind.type != "identifier" or section != "VAR" or values:
+        raise wrong(node, f"no meaning for {content(node)}")
+    return Declared(section, name.lower(), None)
+
+
+def _array(section: str, node: Node, kind: Node, values: list[Node]) -> Declared:
+    name = content(part(kind, "element_type")).upper()
+    if name not in ZEROS or section == "VAR_TEMP":
+        raise wrong(node, f"no meaning for {content(node)}")
+    bounds = part(kind, "range")
+    low, high = (int(content(part(bounds, end))) for end in ("lower", "upper"))
+    if low != 0:
+        raise wrong(node, "arrays start at 0 here")
+    entries: list[Any] = []
+    for value in values:
+        if value.type == "array_repetition":
+            count = int(content(part(value, "count")))
+            entries += [literal(value.named_children[1], name)] * count
+        else:
+            entries.append(literal(value, name))
+    if not values:
+        entries = [ZEROS[name]] * (high + 1)
+    if len(entries) != high + 1:
+        raise wrong(node, f"{len(entries)} values for {high + 1} entries")
+    return Declared(section, name, entries, high + 1)

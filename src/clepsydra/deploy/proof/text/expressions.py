@@ -1,0 +1,267 @@
+"""Expressions of Structured Text as expressions of Python, their types checked strictly."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from clepsydra.deploy.proof.text.declarations import Declared, Unit
+from clepsydra.deploy.proof.text.operations import (
+    ARITHMETIC,
+    COMPARED,
+    COMPARISONS,
+    FUNCTIONS,
+    quotient,
+    remainder,
+)
+from clepsydra.deploy.proof.text.tree import StructuredTextError, content, part, wrong
+from clepsydra.deploy.proof.text.values import LITERALS, REALS, in_range, literal
+
+if TYPE_CHECKING:
+    from tree_sitter import Node
+
+_LOAD, _STORE = ast.Load(), ast.Store()
+
+
+def entry(values: list[Any], place: int) -> Any:
+    """Return an entry of an array; an index outside of it is an error.
+
+    Examples
+    --------
+    >>> entry([1.0, 2.0], 2)
+    Traceback (most recent call last):
+        ...
+    clepsydra.deploy.proof.text.tree.StructuredTextError: index 2 outside 0..1
+    """
+    return values[checked(values, place)]
+
+
+def checked(values: list[Any], place: int) -> int:
+    """Return an index that lies inside an array.
+
+    Examples
+    --------
+    >>> checked([1.0, 2.0], 1)
+    1
+    """
+    if not 0 <= place < len(values):
+        raise StructuredTextError(f"index {place} outside 0..{len(values) - 1}")
+    return place
+
+
+@dataclass(frozen=True)
+class Typed:
+    """An expression and its type.
+
+    Examples
+    --------
+    >>> Typed("BOOL", ast.Constant(True)).type
+    'BOOL'
+    """
+
+    type: str
+    code: ast.expr
+
+
+class Expressions:
+    """Translates the expressions of one unit.
+
+    A literal of real numbers takes the type that stands beside it. No value is converted
+    without a function that says so.
+
+    Parameters
+    ----------
+    unit : Unit
+    units : mapping
+        All function blocks of the text by name in lower case.
+
+    Examples
+    --------
+    See `clepsydra.deploy.proof.text.interpreter.FunctionBlock`.
+    """
+
+    def __init__(self, unit: Unit, units: Mapping[str, Unit]) -> None:
+        self._unit, self._units = unit, units
+        self.read: set[str] = set()
+        #: What the translated code calls and the constants that it reads.
+        self.namespace: dict[str, Any] = {
+            "quotient": quotient, "remainder": remainder, "in_range": in_range, "entry": entry,
+            "checked": checked, "abs": abs,
+        }  # fmt: skip
+        self._divisors = 0
+
+    def known(self, node: Node, name: str) -> Declared:
+        """Return what a name stands for."""
+        if name not in self._unit.declared:
+            raise wrong(node, f"{name} is not declared")
+        return self._unit.declared[name]
+
+    def unit_of(self, node: Node, name: str) -> Unit:
+        """Return the function block that an instance is one of."""
+        kind = self.known(node, name).type
+        if kind not in self._units or self._units[kind].kind != "FUNCTION_BLOCK":
+            raise wrong(node, f"{name} is no instance of a function block of this text")
+        return self._units[kind]
+
+    def condition(self, node: Node) -> ast.expr:
+        """Translate an expression that must be BOOL."""
+        found = self.expression(node)
+        if found.type != "BOOL":
+            raise wrong(node, f"a condition of type {found.type}")
+        return found.code
+
+    def of_type(self, node: Node, type_name: str, what: str) -> ast.expr:
+        """Translate an expression that must be of a type."""
+        found = self.expression(node, type_name)
+        if found.type != type_name:
+            raise wrong(node, f"{what} is {type_name}, the value {found.type}")
+        return found.code
+
+    def index(self, node: Node, name: str) -> tuple[Declared, ast.expr]:
+        """Translate the index of an array, with the array's declaration."""
+        declared = self.known(node, name)
+        if not declared.length:
+            raise wrong(node, f"{name} is no array")
+        return declared, self.of_type(part(node, "index"), "DINT", "an index")
+
+    def expression(self, node: Node, wanted: str = "LREAL") -> Typed:
+        """Translate an expression; an untyped real literal becomes what is wanted."""
+        kinds = {
+            "identifier": self._variable,
+            "index_expression": self._entry,
+            "member_access_expression": self._member,
+        }
+        if node.type == "parenthesized_expression":
+            return self.expression(node.named_children[0], wanted)
+        if node.type in LITERALS or node.type == "typed_literal":
+            return self._literal(node, wanted)
+        if node.type in kinds:
+            return kinds[node.type](node)
+        if node.type == "unary_expression":
+            return self._unary(node, wanted)
+        if node.type == "binary_expression":
+            return self._binary(node, wanted)
+        if node.type == "call_expression":
+            return self._call(node, wanted)
+        raise wrong(node, f"no meaning for {node.type}")
+
+    def variable(self, name: str) -> ast.expr:
+        """Return what reads a variable."""
+        self.read.add(name)
+        return ast.Name(f"v_{name}", _LOAD)
+
+    def called(self, function: str, *arguments: ast.expr) -> ast.expr:
+        """Return what calls a function of the namespace."""
+        return ast.Call(ast.Name(function, _LOAD), list(arguments), [])
+
+    def constant(self, value: Any) -> ast.expr:
+        """Return what reads a constant of any type."""
+        if isinstance(value, (bool, int, float)):
+            return ast.Constant(value)
+        name = f"constant_{len(self.namespace)}"
+        self.namespace[name] = value
+        return ast.Name(name, _LOAD)
+
+    def _literal(self, node: Node, wanted: str) -> Typed:
+        if node.type == "typed_literal":
+            type_name = content(part(node, "type")).upper()
+        else:
+            possible = LITERALS[node.type]
+            type_name = wanted if wanted in possible else possible[0]
+        return Typed(type_name, self.constant(literal(node, type_name)))
+
+    def _variable(self, node: Node) -> Typed:
+        name = content(node).lower()
+        declared = self.known(node, name)
+        if declared.length or declared.is_instance:
+            raise wrong(node, f"{name} is no single value")
+        return Typed(declared.type, self.variable(name))
+
+    def _entry(self, node: Node) -> Typed:
+        name = content(part(node, "object")).lower()
+        declared, index = self.index(node, name)
+        return Typed(declared.type, self.called("entry", self.variable(name), index))
+
+    def _member(self, node: Node) -> Typed:
+        name, member = (content(part(node, p)).lower() for p in ("object", "member"))
+        unit = self.unit_of(node, name)
+        declared = unit.declared.get(member)
+        if declared is None or declared.section != "VAR_OUTPUT" or declared.length:
+            raise wrong(node, f"{member} is no output of {unit.name}")
+        memory = ast.Attribute(self.variable(name), "state", _LOAD)
+        return Typed(declared.type, ast.Subscript(memory, ast.Constant(member), _LOAD))
+
+    def _unary(self, node: Node, wanted: str) -> Typed:
+        operator = content(part(node, "operator")).upper()
+        operand = self.expression(part(node, "operand"), wanted)
+        if operator == "NOT" and operand.type == "BOOL":
+            return Typed("BOOL", ast.UnaryOp(ast.Not(), operand.code))
+        if operator == "-" and operand.type in ("LREAL", "REAL"):
+            return Typed(operand.type, ast.UnaryOp(ast.USub(), operand.code))
+        raise wrong(node, f"{operator} of {operand.type}")
+
+    def _binary(self, node: Node, wanted: str) -> Typed:
+        operator = content(part(node, "operator")).upper()
+        operator = "AND" if operator == "&" else operator
+        parts = part(node, "left"), part(node, "right")
+        left, right = (self.expression(each, wanted) for each in parts)
+        if left.type != right.type:
+            # The literal of two takes the type of the other one.
+            if _has_own_type(parts[0]):
+                right = self.expression(parts[1], left.type)
+            elif _has_own_type(parts[1]):
+                left = self.expression(parts[0], right.type)
+        kind = left.type
+        if kind != right.type:
+            raise wrong(node, f"{kind} {operator} {right.type}")
+        if operator in COMPARISONS and kind in COMPARED:
+            return Typed("BOOL", ast.Compare(left.code, [COMPARISONS[operator]], [right.code]))
+        if (kind, operator) in ARITHMETIC:
+            return Typed(kind, ast.BinOp(left.code, ARITHMETIC[kind, operator], right.code))
+        if (kind, operator) == ("LREAL", "/"):
+            return Typed(kind, self._quotient(left.code, right.code))
+        if (kind, operator) == ("DINT", "+"):
+            return Typed(kind, self.called("in_range", ast.BinOp(left.code, ast.Add(), right.code)))
+        if (kind, operator) == ("DINT", "MOD"):
+            return Typed(kind, self.called("remainder", left.code, right.code))
+        if operator == "**" and kind in REALS:
+            return self._applied(node, "EXPT", [left, right])
+        raise wrong(node, f"{operator} of {kind}")
+
+    def _quotient(self, left: ast.expr, right: ast.expr) -> ast.expr:
+        """Divide by what is not zero without a call: `left / d if (d := right) else …`."""
+        self._divisors += 1
+        name = f"divisor_{self._divisors}"
+        given = ast.NamedExpr(ast.Name(name, _STORE), right)
+        divisor = ast.Name(name, _LOAD)
+        divided = ast.BinOp(left, ast.Div(), divisor)
+        return ast.IfExp(given, divided, self.called("quotient", left, divisor))
+
+    def _call(self, node: Node, wanted: str) -> Typed:
+        name = content(part(node, "function")).upper()
+        given = part(node, "arguments").named_children
+        arguments = [self.expression(argument, wanted) for argument in given]
+        own = {a.type for a, n in zip(arguments, given, strict=True) if _has_own_type(n)}
+        if len(own) == 1:
+            # Literals take the type of what stands beside them.
+            arguments = [self.expression(argument, *own) for argument in given]
+        return self._applied(node, name, arguments)
+
+    def _applied(self, node: Node, name: str, arguments: list[Typed]) -> Typed:
+        types = tuple(argument.type for argument in arguments)
+        if (name, types) not in FUNCTIONS:
+            raise wrong(node, f"{name} of {', '.join(types) or 'nothing'} is unknown here")
+        result, compute = FUNCTIONS[name, types]
+        function = f"{name}_{'_'.join(types)}"
+        self.namespace[function] = compute
+        return Typed(result, self.called(function, *(argument.code for argument in arguments)))
+
+
+def _has_own_type(node: Node) -> bool:
+    """Whether an expression is something else than literals of real numbers."""
+    if node.type in ("parenthesized_expression", "unary_expression", "binary_expression"):
+        operands = [child for child in node.named_children if child.type != "comment"]
+        return any(_has_own_type(child) for child in operands)
+    return node.type != "real_literal"

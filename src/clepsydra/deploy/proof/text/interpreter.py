@@ -1,0 +1,151 @@
+"""Runs function blocks and programs of Structured Text, independent of the printer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from clepsydra.deploy.proof.text.configuration import Task, tasks_of
+from clepsydra.deploy.proof.text.declarations import Declared, Unit, units_of
+from clepsydra.deploy.proof.text.statements import compiled
+from clepsydra.deploy.proof.text.tree import StructuredTextError, parse
+from clepsydra.deploy.proof.text.values import admitted
+
+_Run = Callable[[dict[str, Any]], None]
+
+
+class StructuredText:
+    """A text of function blocks, programs and a configuration, ready to run.
+
+    The text is parsed by the public grammar tree-sitter-iec61131-3-st; an error anywhere in the
+    tree is refused. Types are as strict as the standard's: no implicit conversion, DINT in 32
+    bits, a variable is declared before it is used, an index stays inside its array. LREAL is the
+    IEEE 754 double and REAL the single-precision number; every operation is rounded to its type.
+    Reading a temporary variable before it was written is an error too. The statements are
+    translated to Python once, so that ten thousand scans take about a second.
+
+    Parameters
+    ----------
+    text : str
+
+    Raises
+    ------
+    InputError
+        The grammar is not installed.
+    StructuredTextError
+        The text is wrong; the message names the line.
+
+    Examples
+    --------
+    >>> text = StructuredText('''
+    ... FUNCTION_BLOCK half
+    ... VAR_INPUT u : REAL; END_VAR
+    ... VAR_OUTPUT y : REAL; END_VAR
+    ... y := 0.5 * u;
+    ... END_FUNCTION_BLOCK
+    ... PROGRAM quarter
+    ... VAR first : half; second : half; y : REAL; END_VAR
+    ... first(u := 3.0);
+    ... second(u := first.y);
+    ... y := second.y;
+    ... END_PROGRAM
+    ... ''')
+    >>> quarter = text.instance("quarter")
+    >>> quarter.run()
+    >>> float(quarter.state["y"])
+    0.75
+    """
+
+    def __init__(self, text: str) -> None:
+        root = parse(text)
+        self.units: dict[str, Unit] = units_of(root)
+        self.tasks: tuple[Task, ...] = tasks_of(root)
+        self._runs: dict[str, _Run] = {
+            name: compiled(unit, self.units) for name, unit in self.units.items()
+        }
+
+    def instance(self, name: str) -> FunctionBlock:
+        """Return a new instance of a function block or program, all it holds at its start.
+
+        Raises
+        ------
+        StructuredTextError
+            The text has no such unit.
+        """
+        unit = self.units.get(name.lower())
+        if unit is None:
+            raise StructuredTextError(f"the text has no {name}")
+        return FunctionBlock(unit, self._runs[name.lower()], self)
+
+
+class FunctionBlock:
+    """One instance of a function block or program: `state` holds all that lives between calls.
+
+    Examples
+    --------
+    See `StructuredText`.
+    """
+
+    def __init__(self, unit: Unit, run: _Run, text: StructuredText) -> None:
+        self.name, self.declared, self._run = unit.name, unit.declared, run
+        self.state: dict[str, Any] = {
+            name: _start(declared, text)
+            for name, declared in unit.declared.items()
+            if declared.section != "VAR_TEMP"
+        }
+        self._inputs = {n: d.type for n, d in unit.declared.items() if d.section == "VAR_INPUT"}
+        self._outputs = [n for n, d in unit.declared.items() if d.section == "VAR_OUTPUT"]
+
+    def __call__(self, **inputs: Any) -> dict[str, Any]:
+        """Write inputs, run once, and return the outputs by name in lower case.
+
+        Raises
+        ------
+        StructuredTextError
+            A name is no input, a value is none of its type, or the text does what is undefined.
+        """
+        for name, value in inputs.items():
+            if name.lower() not in self._inputs:
+                raise StructuredTextError(f"{name} is no input")
+            self.state[name.lower()] = admitted(self._inputs[name.lower()], value)
+        self.run()
+        return {name: self.state[name] for name in self._outputs}
+
+    def run(self) -> None:
+        """Run once with the inputs as they stand."""
+        try:
+            with np.errstate(all="ignore"):
+                self._run(self.state)
+        except UnboundLocalError as error:
+            name = str(error).partition("'v_")[2].partition("'")[0]
+            raise StructuredTextError(f"{name} is read before it was written") from None
+
+
+def _start(declared: Declared, text: StructuredText) -> Any:
+    if declared.is_instance:
+        return text.instance(declared.type)
+    return list(declared.initial) if declared.length else declared.initial
+
+
+def function_block(text: str) -> FunctionBlock:
+    """Return an instance of the one function block that a text holds.
+
+    Raises
+    ------
+    InputError, StructuredTextError
+        As `StructuredText`; or the text holds more or less than one.
+
+    Examples
+    --------
+    >>> count = function_block("FUNCTION_BLOCK count VAR_OUTPUT n : DINT; END_VAR n := n + 1; "
+    ...                        "END_FUNCTION_BLOCK")
+    >>> count(), count()
+    ({'n': 1}, {'n': 2})
+    """
+    whole = StructuredText(text)
+    if len(whole.units) != 1:
+        raise StructuredTextError("expected one function block and nothing else")
+    (name,) = whole.units
+    return whole.instance(name)

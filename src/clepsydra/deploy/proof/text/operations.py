@@ -1,0 +1,133 @@
+"""What operators and standard functions of Structured Text compute, type by type."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from clepsydra.deploy.proof.text.tree import StructuredTextError
+from clepsydra.deploy.proof.text.values import in_range
+
+
+def quotient(a: float, b: float) -> float:
+    """Divide doubles as IEEE 754 does, by zero too.
+
+    Examples
+    --------
+    >>> quotient(1.0, -0.0), quotient(-3.0, 0.0), quotient(0.0, 0.0)
+    (-inf, -inf, nan)
+    """
+    if b != 0.0:
+        return a / b
+    if a == 0.0 or math.isnan(a):
+        return math.nan
+    return math.copysign(math.inf, math.copysign(1.0, a) * math.copysign(1.0, b))
+
+
+def square_root(a: float) -> float:
+    """Return the square root as IEEE 754 does, not a number below zero.
+
+    Examples
+    --------
+    >>> square_root(2.25), square_root(-1.0), square_root(-0.0)
+    (1.5, nan, -0.0)
+    """
+    return math.sqrt(a) if a >= 0.0 else math.nan
+
+
+def remainder(a: int, b: int) -> int:
+    """Return the rest of a division that is cut off towards zero.
+
+    Examples
+    --------
+    >>> remainder(-7, 3)
+    -1
+    """
+    if b == 0:
+        raise StructuredTextError("MOD 0")
+    return int(math.fmod(a, b))
+
+
+def truncated(value: Any) -> int:
+    """Return a number cut off to a DINT.
+
+    Examples
+    --------
+    >>> truncated(-2.7)
+    -2
+    """
+    return in_range(math.trunc(_finite(value)))
+
+
+def rounded(value: Any) -> int:
+    """Return a number rounded to a DINT, halves to the even one.
+
+    Examples
+    --------
+    >>> rounded(2.5), rounded(-3.7)
+    (2, -4)
+    """
+    return in_range(round(_finite(value)))
+
+
+def _finite(value: Any) -> float:
+    if not math.isfinite(value):
+        raise StructuredTextError(f"{value} to DINT")
+    return float(value)
+
+
+def _of_numpy(function: Any, kind: type) -> Callable[..., Any]:
+    def compute(*arguments: Any) -> Any:
+        with np.errstate(all="ignore"):
+            return kind(function(*arguments))
+
+    return compute
+
+
+#: Operators on two values of a type, with the type of the result, that Python has too.
+ARITHMETIC: dict[tuple[str, str], ast.operator] = {
+    **{(kind, "+"): ast.Add() for kind in ("LREAL", "REAL")},
+    **{(kind, "-"): ast.Sub() for kind in ("LREAL", "REAL")},
+    **{(kind, "*"): ast.Mult() for kind in ("LREAL", "REAL")},
+    ("REAL", "/"): ast.Div(),
+    # Both operands are evaluated: what goes wrong in the second one is not overlooked.
+    ("BOOL", "AND"): ast.BitAnd(),
+    ("BOOL", "OR"): ast.BitOr(),
+}
+COMPARISONS: dict[str, ast.cmpop] = {
+    "<": ast.Lt(), "<=": ast.LtE(), ">": ast.Gt(), ">=": ast.GtE(), "=": ast.Eq(), "<>": ast.NotEq()
+}  # fmt: skip
+COMPARED = ("LREAL", "REAL", "DINT")
+
+_LREAL, _REAL, _DINT = ("LREAL",), ("REAL",), ("DINT",)
+_SHARED: dict[str, Any] = {
+    "EXP": np.exp, "LN": np.log, "SIN": np.sin, "COS": np.cos, "TAN": np.tan,
+    "ASIN": np.arcsin, "ACOS": np.arccos, "ATAN": np.arctan,
+}  # fmt: skip
+_OF_TWO: dict[str, Any] = {"ATAN2": np.arctan2, "EXPT": np.power}
+
+#: Name and types of the arguments of a function to type of the result and what computes it.
+FUNCTIONS: dict[tuple[str, tuple[str, ...]], tuple[str, Callable[..., Any]]] = {
+    ("ABS", _LREAL): ("LREAL", abs),
+    ("ABS", _REAL): ("REAL", abs),
+    ("SQRT", _LREAL): ("LREAL", square_root),
+    ("SQRT", _REAL): ("REAL", np.sqrt),
+    ("TRUNC", _LREAL): ("DINT", truncated),
+    ("TRUNC", _REAL): ("DINT", truncated),
+    ("TRUNC_DINT", _LREAL): ("DINT", truncated),
+    ("TRUNC_DINT", _REAL): ("DINT", truncated),
+    ("LREAL_TO_DINT", _LREAL): ("DINT", rounded),
+    ("REAL_TO_DINT", _REAL): ("DINT", rounded),
+    ("DINT_TO_LREAL", _DINT): ("LREAL", float),
+    ("DINT_TO_REAL", _DINT): ("REAL", np.float32),
+    ("REAL_TO_LREAL", _REAL): ("LREAL", float),
+    ("LREAL_TO_REAL", _LREAL): ("REAL", np.float32),
+    **{(name, _LREAL): ("LREAL", _of_numpy(f, float)) for name, f in _SHARED.items()},
+    **{(name, _REAL): ("REAL", _of_numpy(f, np.float32)) for name, f in _SHARED.items()},
+    **{(name, _LREAL * 2): ("LREAL", _of_numpy(f, float)) for name, f in _OF_TWO.items()},
+    **{(name, _REAL * 2): ("REAL", _of_numpy(f, np.float32)) for name, f in _OF_TWO.items()},
+}

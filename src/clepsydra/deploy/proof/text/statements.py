@@ -1,0 +1,173 @@
+"""Statements of Structured Text as statements of Python."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from clepsydra.deploy.proof.text.declarations import Declared, Unit
+from clepsydra.deploy.proof.text.expressions import Expressions
+from clepsydra.deploy.proof.text.tree import content, part, wrong
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from tree_sitter import Node
+
+_LOAD, _STORE = ast.Load(), ast.Store()
+_PASSIVE = ("empty_statement", "comment", "pragma")
+
+
+def compiled(unit: Unit, units: Mapping[str, Unit]) -> Callable[[dict[str, Any]], None]:
+    """Return a function of Python that runs the body of a unit once on its memory.
+
+    What the body reads is loaded from the memory into local variables, and what it writes is
+    stored at its end. A temporary variable is local only, so that one which is read before it
+    was written is an error of Python.
+
+    Raises
+    ------
+    StructuredTextError
+        A name is unknown, a type does not fit, or a statement has no meaning here.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.proof.text.declarations import units_of
+    >>> from clepsydra.deploy.proof.text.tree import parse
+    >>> text = "PROGRAM p VAR n : DINT; END_VAR n := n + 1; END_PROGRAM"
+    >>> memory = {"n": 4}
+    >>> compiled(units_of(parse(text))["p"], {})(memory)
+    >>> memory
+    {'n': 5}
+    """
+    return _Body(unit, units).function()
+
+
+class _Body:
+    def __init__(self, unit: Unit, units: Mapping[str, Unit]) -> None:
+        self._unit = unit
+        self._expressions = Expressions(unit, units)
+        self._written: set[str] = set()
+        self._controls: list[str] = []
+
+    def function(self) -> Callable[[dict[str, Any]], None]:
+        body = self._sequence(self._unit.body)
+        kept = [n for n, d in self._unit.declared.items() if d.section != "VAR_TEMP"]
+        used = self._expressions.read | self._written
+        memory = ast.Name("memory", _LOAD)
+
+        def member(name: str, context: ast.expr_context) -> ast.expr:
+            return ast.Subscript(memory, ast.Constant(name), context)
+
+        loads: list[ast.stmt] = [
+            ast.Assign([ast.Name(f"v_{name}", _STORE)], member(name, _LOAD))
+            for name in kept
+            if name in used
+        ]
+        stores: list[ast.stmt] = [
+            ast.Assign([member(name, _STORE)], ast.Name(f"v_{name}", _LOAD))
+            for name in kept
+            if name in self._written
+        ]
+        arguments = ast.arguments([], [ast.arg("memory")], None, [], [], None, [])
+        whole = [*loads, *body, *stores] or [ast.Pass()]
+        module = ast.parse("")
+        module.body = [ast.FunctionDef("run", arguments, whole, [])]
+        namespace = self._expressions.namespace
+        exec(compile(ast.fix_missing_locations(module), f"<{self._unit.name}>", "exec"), namespace)
+        run: Callable[[dict[str, Any]], None] = namespace["run"]
+        return run
+
+    def _sequence(self, nodes: Sequence[Node]) -> list[ast.stmt]:
+        kinds = {
+            "assignment_statement": self._assignment,
+            "if_statement": self._if,
+            "for_statement": self._for,
+            "invocation_statement": self._invocation,
+        }
+        statements: list[ast.stmt] = []
+        for node in nodes:
+            if node.type in _PASSIVE:
+                continue
+            if node.type not in kinds:
+                raise wrong(node, f"no meaning for {node.type}")
+            statements += kinds[node.type](node)
+        return statements
+
+    def _assignment(self, node: Node) -> list[ast.stmt]:
+        left, right = part(node, "left"), part(node, "right")
+        single = left.type == "identifier"
+        if not single and left.type != "index_expression":
+            raise wrong(node, f"no meaning for a value of {content(left)}")
+        name = content(left if single else part(left, "object")).lower()
+        declared = self._writable(node, name)
+        value = self._expressions.of_type(right, declared.type, name)
+        if single:
+            if declared.length or declared.is_instance:
+                raise wrong(node, f"{name} is no single value")
+            self._written.add(name)
+            return [ast.Assign([ast.Name(f"v_{name}", _STORE)], value)]
+        _, index = self._expressions.index(left, name)
+        array = self._expressions.variable(name)
+        place = self._expressions.called("checked", array, index)
+        return [ast.Assign([ast.Subscript(array, place, _STORE)], value)]
+
+    def _writable(self, node: Node, name: str) -> Declared:
+        declared = self._expressions.known(node, name)
+        if declared.section in ("VAR_INPUT", "VAR CONSTANT") or name in self._controls:
+            raise wrong(node, f"{name} may not be written")
+        return declared
+
+    def _if(self, node: Node) -> list[ast.stmt]:
+        branches = [(node, node.children_by_field_name("consequence"))]
+        otherwise: list[ast.stmt] = []
+        for child in node.children:
+            if child.type == "elsif_clause":
+                branches.append((child, child.children_by_field_name("body")))
+            elif child.type == "else_clause":
+                otherwise = self._sequence(child.children_by_field_name("body"))
+        for clause, nodes in reversed(branches):
+            condition = self._expressions.condition(part(clause, "condition"))
+            body = self._sequence(nodes) or [ast.Pass()]
+            otherwise = [ast.If(condition, body, otherwise)]
+        return otherwise
+
+    def _for(self, node: Node) -> list[ast.stmt]:
+        name = content(part(node, "control")).lower()
+        declared = self._writable(node, name)
+        if declared.type != "DINT" or declared.length:
+            raise wrong(node, "a FOR counts with DINT")
+        if node.child_by_field_name("step") is not None:
+            raise wrong(node, "no BY expected")
+        start, end = (
+            self._expressions.of_type(part(node, end), "DINT", f"the {end} of a FOR")
+            for end in ("start", "end")
+        )
+        self._written.add(name)
+        self._controls.append(name)
+        body = self._sequence(node.children_by_field_name("body")) or [ast.Pass()]
+        self._controls.pop()
+        after = ast.BinOp(end, ast.Add(), ast.Constant(1))
+        turns = ast.Call(ast.Name("range", _LOAD), [start, after], [])
+        return [ast.For(ast.Name(f"v_{name}", _STORE), turns, body, [])]
+
+    def _invocation(self, node: Node) -> list[ast.stmt]:
+        call = node.named_children[0]
+        name = content(part(call, "function")).lower()
+        unit = self._expressions.unit_of(node, name)
+        instance = self._expressions.variable(name)
+        memory = ast.Attribute(instance, "state", _LOAD)
+        statements: list[ast.stmt] = []
+        for argument in part(call, "arguments").named_children:
+            if argument.type != "named_argument" or b"=>" in (argument.text or b""):
+                raise wrong(argument, "inputs are given by name, outputs read behind the call")
+            given = content(part(argument, "name")).lower()
+            declared = unit.declared.get(given)
+            if declared is None or declared.section != "VAR_INPUT":
+                raise wrong(argument, f"{given} is no input of {unit.name}")
+            value = self._expressions.of_type(part(argument, "value"), declared.type, given)
+            place = ast.Subscript(memory, ast.Constant(given), _STORE)
+            statements.append(ast.Assign([place], value))
+        run = ast.Call(ast.Attribute(instance, "run", _LOAD), [], [])
+        return [*statements, ast.Expr(run)]

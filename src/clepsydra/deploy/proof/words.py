@@ -1,0 +1,143 @@
+"""A proof in words: its result, its cells, its notes, and what to do next."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from clepsydra.deploy.proof.row import ProofRow
+
+if TYPE_CHECKING:
+    from clepsydra.deploy.proof.proof import Proof
+
+HEADS = ("target", "precision", "compared with", "largest difference", "decisions", "verdict", "s")
+
+
+def result_sentence(proof: Proof) -> str:
+    """Return how a proof came out.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.proof.proof import Proof
+    >>> result_sentence(Proof(()))
+    'Nothing was compared.'
+    """
+    compared = [row for row in proof.rows if row.verdict != "refused"]
+    subjects = len({row.subject for row in compared})
+    if proof.interrupted:
+        return f"Interrupted after {len(proof.rows)} rows."
+    if not compared:
+        return "Nothing was compared."
+    over = f"{_count(subjects, 'program')} in {len(compared)} rows of {proof.scans:,} random scans"
+    if proof.failures:
+        return f"The proof fails: of {over}, {len(proof.failures)} differ or do not run."
+    if proof.idle:
+        return f"The proof says nothing of {', '.join(proof.idle)}: no output moved."
+    verdicts = Counter(row.verdict for row in compared)
+    equal = f"{verdicts['equal']} equal in every bit"
+    within = f", {verdicts['within the bound']} within 1e-12 of the range"
+    return f"The proof holds: {over}, {equal}{within if verdicts['within the bound'] else ''}."
+
+
+def cells(row: ProofRow) -> tuple[str, ...]:
+    """Return the cells of a row, as `HEADS` names them.
+
+    Examples
+    --------
+    >>> cells(ProofRow("PI", "C", "double", "engine", "", 10_000, 1, seconds=0.52))
+    ('C', 'double', 'engine', '0', '0', 'equal', '0.5')
+    """
+    if row.verdict in ("refused", "fails"):
+        return (row.target, row.precision, row.against, "–", "–", row.verdict, f"{row.seconds:.1f}")
+    largest = "0" if row.largest == 0.0 else f"{row.largest:.2g} of {row.signal}"
+    return (
+        row.target, row.precision, row.against, largest, str(row.decisions), row.verdict,
+        f"{row.seconds:.1f}",
+    )  # fmt: skip
+
+
+def notes(proof: Proof, *, brief: bool = False) -> list[str]:
+    """Return what is to be said of rows and subjects, a sentence or two each.
+
+    Parameters
+    ----------
+    proof : Proof
+    brief : bool
+        Whether scores are left out that single precision does not change.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.proof.proof import Proof
+    >>> notes(Proof((ProofRow("own law", "every target", "double", "engine", "", 0, 1,
+    ...                       verdict="refused", reason="it is a Python function"),)))
+    ['own law, every target: refused; it is a Python function']
+    """
+    said = []
+    reasons: dict[tuple[str, str, str], list[str]] = {}
+    for row in proof.rows:
+        target = row.target if row.precision == "double" else f"{row.target} in single precision"
+        if row.verdict == "differs":
+            said.append(f"{row.subject}, {target}: {_difference_sentence(row)}")
+        elif row.reason:
+            reasons.setdefault((row.subject, row.verdict, row.reason), []).append(target)
+        if row.scores and (row.scores["is_change"] or not brief):
+            said.append(f"{row.subject}: {_score_sentence(row)}")
+    for (subject, verdict, reason), targets in reasons.items():
+        verb = "" if verdict == "told" else f"{verdict}; "
+        said.append(f"{subject}, {', '.join(targets)}: {verb}{reason}")
+    for name, seen in proof.coverage.items():
+        if seen.unseen or seen.still:
+            said.append(f"{name}: {seen.sentence}")
+    return said
+
+
+def _difference_sentence(row: ProofRow) -> str:
+    bound = "in every bit" if not row.bound else f"within {row.bound:g} of the range"
+    where = ""
+    if row.signal:
+        where = f", the largest difference {row.largest:.3g} of the range of {row.signal} in scan "
+        where += str(row.scan)
+    return (
+        f"it must be equal {bound}, and {_count(row.differing, 'number')} "
+        f"{'differs' if row.differing == 1 else 'differ'}{where}; "
+        f"{_count(row.decisions, 'decision')} among them"
+    )
+
+
+def _score_sentence(row: ProofRow) -> str:
+    scores = row.scores
+    if not scores["score"]:
+        return "single precision changes no score of the loop"
+    verb = "changes" if scores["is_change"] else "does not change"
+    if scores["change"] is None:
+        return f"single precision {verb} the scores: {scores['score']} goes from finite to infinite"
+    return (
+        f"single precision {verb} the scores: the ranking number becomes {scores['ranking']:.6f} "
+        f"times that in double precision; most changes {scores['score']}, by "
+        f"{100 * scores['change']:.1g} %"
+    )
+
+
+def next_step(proof: Proof) -> str:
+    """Return what to do next.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.proof.proof import Proof
+    >>> next_step(Proof((), interrupted=True))
+    'run the same command again: it goes on from here.'
+    """
+    if proof.interrupted:
+        return "run the same command again: it goes on from here."
+    if proof.failures:
+        return (
+            "do not use the targets that differ; look at the scan and signal named above, and "
+            "try another compiler where C differs."
+        )
+    if not proof.holds:
+        return "choose controllers that can be exported; the reasons are above."
+    return "clepsydra export writes the files of a controller for the plant."
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

@@ -1,0 +1,66 @@
+"""Programs for the proof's own tests: a controller that holds, and ones that are spoilt."""
+
+import dataclasses
+import math
+from functools import lru_cache
+
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.deploy.proof import proof
+from clepsydra.deploy.proof.item import ProofItem
+from clepsydra.program.defaults import with_defaults
+from clepsydra.program.program import Conditional, Loop, Operation, Program
+from clepsydra.program.reader import program_of
+
+
+@lru_cache
+def level_control() -> Program:
+    law = multiloop_pid_law(1, PidForm())
+    values = {"proportional_gain_1": 2.7, "integral_time_1": 31.0, "setpoint_weight_1": 0.7,
+              "high_limit_1": 10.0, "last_output_1": 3.0, "integral_1": 3.0}  # fmt: skip
+    return with_defaults(program_of(law), values)
+
+
+def item(program: Program | None = None) -> ProofItem:
+    return ProofItem("level control", 1.0, program or level_control())
+
+
+def quick_proof(monkeypatch, program: Program | None = None, **more):
+    """A proof over fewer scans than one for a plant needs."""
+    monkeypatch.setattr(proof, "FEWEST", 1000)
+    return proof.prove([item(program)], scans=1000, **more)
+
+
+def spoilt(program: Program, place: int, change) -> Program:
+    """Replace the operation at a place among the plain statements of the block."""
+    statements = list(program.block.statements)
+    old = statements[place]
+    assert isinstance(old, Operation)
+    statements[place] = change(old)
+    block = dataclasses.replace(program.block, statements=tuple(statements))
+    return dataclasses.replace(program, block=block)
+
+
+def places(program: Program, *codes: str) -> list[int]:
+    return [
+        place
+        for place, statement in enumerate(program.block.statements)
+        if not isinstance(statement, (Loop, Conditional)) and statement.code in codes
+    ]
+
+
+def dropped(operation: Operation) -> Operation:
+    """An addition without its second operand: it becomes the maximum of one value with itself."""
+    first = operation.arguments[0]
+    return dataclasses.replace(operation, code="maximum", arguments=(first, first))
+
+
+def turned(operation: Operation) -> Operation:
+    """A comparison, a subtraction or a choice with its operands exchanged."""
+    *rest, first, second = operation.arguments
+    return dataclasses.replace(operation, arguments=(*rest, second, first))
+
+
+def one_unit_more(operation: Operation) -> Operation:
+    """A constant that is larger by one unit in its last place."""
+    return dataclasses.replace(operation, constant=math.nextafter(operation.constant, math.inf))
