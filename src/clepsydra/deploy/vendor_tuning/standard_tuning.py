@@ -1,0 +1,184 @@
+"""The PID loops of a controller, each with its numbers in ISA form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.base.units import from_si
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid, from_series
+from clepsydra.design.loops.pid_settings import ParallelSettings, from_parallel
+from clepsydra.process.process import Process
+
+
+@dataclass(frozen=True)
+class StandardTuning:
+    """The tuning of one loop in ISA form, as every block of a vendor is computed from.
+
+    Parameters
+    ----------
+    number : int
+        k of the law's parameters.
+    measurement, moved : Signal
+        As the process shows them; what is moved is an output, another loop's setpoint, or a
+        signal of the scheme.
+    form : PidForm
+        The controller's own.
+    settings : FilteredPid
+        In ISA form.
+    direct : int or None
+        Of the output, if nothing stands between.
+
+    Examples
+    --------
+    >>> level, pump = Signal("level", "m", low=0.0, high=5.0), Signal("pump", "V", low=0, high=10)
+    >>> tuning = StandardTuning(1, level, pump, PidForm(), FilteredPid(-4.0, 120.0), 1)
+    >>> tuning.title, tuning.action
+    ('level by pump', 'direct')
+    """
+
+    number: int
+    measurement: Signal
+    moved: Signal
+    form: PidForm
+    settings: FilteredPid
+    direct: int | None
+
+    @property
+    def title(self) -> str:
+        """What the reader calls the loop."""
+        return f"{self.measurement.name} by {self.moved.name}"
+
+    @property
+    def action(self) -> str:
+        """Reverse where the output rises when the measurement falls, else direct."""
+        return "reverse" if self.settings.gain > 0.0 else "direct"
+
+    @property
+    def has_derivative(self) -> bool:
+        """Whether there is derivative action that does something."""
+        return self.settings.derivative_time > 0.0
+
+    @property
+    def has_integral(self) -> bool:
+        """Whether there is integral action that does something."""
+        return math.isfinite(self.settings.integral_time)
+
+    @property
+    def engineering_factor(self) -> float:
+        """How many display units of a gain one SI unit of it is."""
+        moved, measured = (
+            from_si(1.0, signal.unit, signal.shown_unit)
+            for signal in (self.moved, self.measurement)
+        )
+        return moved / measured
+
+    @property
+    def engineering_unit(self) -> str:
+        """The unit of a gain in display units, "V/cm"."""
+        above, below = (
+            f"({unit})" if "/" in unit else unit
+            for unit in (self.moved.shown_unit, self.measurement.shown_unit)
+        )
+        return f"{above}/{below}"
+
+
+def standard_tunings(
+    controller: Controller, process: Process
+) -> tuple[list[StandardTuning], list[tuple[str, str]]]:
+    """Return the tuning of every PID loop of a controller, and the loops that have none.
+
+    Parameters
+    ----------
+    controller : Controller
+    process : Process
+        Lends ranges and display units.
+
+    Returns
+    -------
+    tuple
+        The tunings, and (loop, reason) of each loop that a vendor's block cannot be given.
+
+    Raises
+    ------
+    InputError
+        The controller has no PID loop, or none that can be translated.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> tunings, refused = standard_tunings(controller, analysis.operating_point.process)
+    >>> tunings[0].title, round(tunings[0].settings.integral_time, 3), refused
+    ('level_1 by pump_1', 32.032, [])
+    """
+    found, refused = [], []
+    for block in controller.law.blocks:
+        if not isinstance(block, PidBlock):
+            continue
+        measurement, moved = (_known(process, s) for s in (block.measurement, block.moved))
+        try:
+            settings = _settings(block, controller)
+        except InputError as error:
+            refused.append((f"{measurement.name} by {moved.name}", str(error)))
+            continue
+        found.append(
+            StandardTuning(block.number, measurement, moved, block.form, settings, block.direct)
+        )
+    if not found:
+        why = "; ".join(reason for _, reason in refused)
+        raise InputError(
+            f"{controller.name}, tuning for a vendor's PID block",
+            why or f"{controller.family} without a PID block of fixed gains",
+            "a controller with at least one PID loop whose gains are constant",
+            "choose another controller of the study, or export this one as code",
+        )
+    return found, refused
+
+
+def _known(process: Process, signal: Signal) -> Signal:
+    """Return the signal as the process shows it; one of the scheme alone stays as it is."""
+    try:
+        return process.signal(signal.name)
+    except KeyError:
+        return signal
+
+
+def _settings(block: PidBlock, controller: Controller) -> FilteredPid:
+    form, values, place = block.form, controller.values, f"{controller.name}, {block.name}"
+
+    def value(what: str, otherwise: float = 0.0) -> float:
+        return values.get(f"{what}_{block.number}", otherwise)
+
+    gain = value("proportional_gain")
+    if form.error != "linear":
+        raise InputError(
+            place, f"{form.error} action on the error", "linear action on the error",
+            "set this loop by hand: vendors' blocks shape the error each in their own way",
+        )  # fmt: skip
+    if gain == 0.0:
+        raise InputError(
+            place, "a gain of 0", "proportional action", "give the loop a proportional gain"
+        )
+    weight = value("setpoint_weight", 1.0)
+    if form.algorithm == "parallel":
+        given = ParallelSettings(gain, value("integral_gain"), value("derivative_gain"))
+        _, integral_time, derivative_time = from_parallel(given, place)
+        filter_time = value("filter_time") if derivative_time else 0.0
+        return FilteredPid(gain, integral_time, derivative_time, filter_time, weight)
+    integral_time = value("integral_time") if form.has_integral else math.inf
+    derivative_time = value("derivative_time")
+    filter_time = derivative_time / value("derivative_filter", 1.0)
+    own = FilteredPid(
+        gain, integral_time if integral_time > 0.0 else math.inf, derivative_time, filter_time,
+        weight,
+    )  # fmt: skip
+    return from_series(own, form.derivative_on) if form.algorithm == "series" else own

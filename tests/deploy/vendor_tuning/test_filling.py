@@ -1,0 +1,144 @@
+"""Numbers that can be had by hand, and what a block cannot do."""
+
+import pytest
+from tunings import LEVEL, PUMP, tuning
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.deploy.vendor_tuning.block_units import printed_number
+from clepsydra.deploy.vendor_tuning.filling import filled
+from clepsydra.deploy.vendor_tuning.vendors.every_block import vendor_block
+
+
+def words(key, case):
+    return [setting.words for setting in filled(vendor_block(key), case).settings]
+
+
+def test_units_of_gain_and_time():
+    case = tuning(4.0, 120.0, 15.0, 1.5)
+    assert words("rockwell-pide-dependent", case) == ["KC = 2 %/%", "TI = 2 min", "TD = 0.25 min"]
+    assert words("rockwell-pide-independent", case) == [
+        "KP = 2 %/%",
+        "KI = 1 1/min",
+        "KD = 0.5 min",
+    ]
+    assert words("rockwell-pid-independent", case) == [
+        "KP = 2 %/%",
+        "Ki = 0.016667 1/s",
+        "Kd = 30 s",
+    ]
+    assert words("codesys-pid", case) == ["KP = 0.04 V/cm", "TN = 120 s", "TV = 15 s"]
+    assert words("omron-pidat", case) == ["P = 50 %", "Tik = 120 s", "Tdk = 15 s", "α = 0"]
+    assert words("siemens-pid-compact", case)[3] == "TdFiltRatio = 0.1"
+    assert words("honeywell-hc900-pid", tuning()) == [
+        "Prop Band = 50 %", "Gain = 2 %/%", "Reset = 2 min", "Reset (RPM) = 0.5 1/min",
+    ]  # fmt: skip
+
+
+def test_series_form_by_hand():
+    """K = 2.5, Ti = 12.5, Td = 1.9, Tf = 0.5 is the product with 2, 10, 2.5 and 0.5."""
+    case = tuning(5.0, 12.5, 1.9, 0.5, form=PidForm("PID", derivative_on="error"))
+    assert words("emerson-deltav-series", case) == [
+        "GAIN = 2 %/%", "RESET = 10 s", "RATE = 2.5 s", "ALPHA = 0.2",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("key", "switch", "reverse", "direct"),
+    [
+        ("siemens-pid-compact", "Invert control logic", "no", "yes"),
+        ("rockwell-pide-dependent", "control action", "E = SP − PV", "E = PV − SP"),
+        ("emerson-deltav-standard", "CONTROL_OPTS, Direct Acting", "off", "on"),
+        ("honeywell-hc900-pid", "Direction", "REVERSE", "DIRECT"),
+    ],
+)
+def test_action_is_a_switch_beside_a_gain_above_zero(key, switch, reverse, direct):
+    for gain, expected in ((4.0, reverse), (-4.0, direct)):
+        found = filled(vendor_block(key), tuning(gain))
+        assert dict(found.choices)[switch] == expected
+        assert all(setting.value > 0 or "α" in setting.name for setting in found.settings)
+        assert found.applied.settings.gain == gain
+
+
+def test_action_is_the_sign_of_the_gain():
+    assert words("siemens-cont-c", tuning(-4.0))[0] == "GAIN = -2 %/%"
+    # ERROR is PV − SP there.
+    assert words("iec-61131-3-pid", tuning(-4.0))[0] == "KP = 0.04 V/cm"
+    assert words("iec-61131-3-pid", tuning(4.0))[0] == "KP = -0.04 V/cm"
+
+
+@pytest.mark.parametrize(
+    ("key", "case", "expected"),
+    [
+        ("codesys-pid", tuning(4.0, 120, 15, 1.5), "differentiates the error"),
+        ("codesys-pid", tuning(4.0, 120, 15, 1.5), "no derivative filter"),
+        ("rockwell-micrologix", tuning(4.0, 120, 15, 1.5), "Td/16 = 0.9375 s"),
+        ("yokogawa-fieldbus-pid", tuning(0.02), "GAIN from 0.05 to 20 %/%, not 0.01"),
+        ("honeywell-hc900-pid", tuning(4.0, 6000.0), "Reset from 0.02 to 50 min, not 100"),
+        ("omron-pidat", tuning(4.0, 1000.0), "Tik from 0.1 to 819.1 s, not 1000"),
+        ("emerson-deltav-standard", tuning(4.0, 120, 15, 0.3), "ALPHA from 0.05 to 1, not 0.02"),
+        ("siemens-cont-c", tuning(weight=0.5), "weighs the setpoint with 1, the controller"),
+    ],
+)
+def test_what_a_block_lacks_is_said(key, case, expected):
+    assert any(expected in said for said in filled(vendor_block(key), case).differs)
+
+
+def test_an_unpublished_filter_is_a_note():
+    found = filled(vendor_block("rockwell-pide-dependent"), tuning(4.0, 120, 15, 1.5))
+    assert not found.differs
+    assert any("not published; the check takes 1.5 s" in said for said in found.notes)
+
+
+def test_what_is_not_confirmed_of_the_derivative_concerns_only_loops_with_one():
+    block = vendor_block("rockwell-pide-dependent")
+    with_derivative = filled(block, tuning(4.0, 120, 15, 1.5)).notes
+    assert any("not confirmed" in said for said in with_derivative)
+    assert not filled(block, tuning()).notes
+
+
+def test_without_integral_there_is_no_integral_time_but_a_bias():
+    case = tuning(4.0, float("inf"), form=PidForm("P"))
+    found = filled(vendor_block("rockwell-pide-dependent"), case)
+    assert [setting.words for setting in found.settings] == ["KC = 2 %/%"]
+    assert any("bias" in said for said in found.notes)
+
+
+def test_rounding_is_that_of_the_block():
+    assert words("rockwell-micrologix", tuning(4.01, 100.0)) == ["KC = 2 %/%", "TI = 1.67 min"]
+    found = filled(vendor_block("rockwell-micrologix"), tuning(4.01, 100.0)).applied.settings
+    assert found.gain == pytest.approx(4.0, rel=1e-14)
+    assert found.integral_time == pytest.approx(100.2, rel=1e-14)
+    assert words("beckhoff-fb-ctrl-pid", tuning(4.0, 2.000416)) == ["fKp = 0.04 V/cm", "tTn = 2 s"]
+
+
+@pytest.mark.parametrize(
+    ("key", "case", "expected"),
+    [
+        ("honeywell-hc900-pid", tuning(4.0, 120, 15, 1.5), "how this block differentiates"),
+        ("emerson-deltav-series", tuning(4.0, 50, 15, 1.5), "4 Ti Td"),
+        ("rockwell-micrologix", tuning(0.004), "half the block's step of 0.01"),
+        ("siemens-pid-compact", tuning(measurement=Signal("level", "m")), "level without a range"),
+    ],
+)
+def test_what_cannot_be_filled_is_refused(key, case, expected):
+    with pytest.raises(InputError, match=expected):
+        filled(vendor_block(key), case)
+
+
+def test_a_gain_in_units_needs_no_range():
+    case = tuning(measurement=Signal("level", "m"), moved=PUMP)
+    assert words("codesys-pid", case)[0] == "KP = 4 V/m"
+    assert LEVEL.display_unit == "cm" and words("codesys-pid", tuning())[0] == "KP = 0.04 V/cm"
+
+
+def test_five_digits():
+    assert [printed_number(v) for v in (1 / 3, 123456.0, 1e-7 / 3, -2.0, 0.0)] == [
+        "0.33333", "1.2346e+05", "3.3333e-08", "-2", "0",
+    ]  # fmt: skip
+
+
+def test_an_unknown_block_is_refused_with_the_known_ones():
+    with pytest.raises(InputError, match="siemens-pid-compact"):
+        vendor_block("siemens")

@@ -1,0 +1,233 @@
+"""A controller's tuning for every block, and the check by simulation."""
+
+import io
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.deploy.vendor_tuning.check import Check
+from clepsydra.deploy.vendor_tuning.filling import Applied
+from clepsydra.deploy.vendor_tuning.standard_tuning import standard_tunings
+from clepsydra.deploy.vendor_tuning.translation import translate
+from clepsydra.deploy.vendor_tuning.vendors.every_block import EVERY_BLOCK
+from clepsydra.design.arrest_time import design_arrest_time
+from clepsydra.design.gain_scheduling import design_gain_scheduled_pid
+from clepsydra.design.lqi_kalman import design_lqi_kalman
+from clepsydra.design.simc import design_simc
+from clepsydra.linear.analysis import analyse
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.loop import Loop
+from clepsydra.process.reader import load_process
+from clepsydra.study.file.reader import read_study
+
+#: Steps of 0.01 min, of 0.1 s and of 0.1 % of a band: rounding that can be seen.
+COARSE = ("rockwell-micrologix", "omron-pidat")
+CASCADE = """
+process = "wet-well:flow-meters"
+
+[controllers.cascade.loops.level]
+measurement = "level"
+output = "flow.setpoint"
+actions = "PI"
+action = "direct"
+gain = "3 %/%"
+integral_time = "10 min"
+
+[controllers.cascade.loops.flow]
+measurement = "duty_flow"
+output = "duty"
+actions = "PI"
+action = "reverse"
+gain = "0.3 %/%"
+integral_time = "6 s"
+setpoint_high = "35 l/s"
+"""
+
+
+@pytest.fixture(scope="module")
+def quadruple():
+    return analyse(load_process("quadruple-tank"))
+
+
+@pytest.fixture(scope="module")
+def three():
+    return analyse(load_process("three-tanks"))
+
+
+def of_study(text, folder):
+    file = folder / "study.toml"
+    file.write_text(text, encoding="utf-8")
+    request = read_study(file)
+    (wanted,) = request.controllers
+    return wanted.make(request.analysis, request.analysis.model), request
+
+
+def shown(translation):
+    console = Console(width=100, record=True, file=io.StringIO())
+    console.print(translation.table())
+    return console.export_text()
+
+
+def test_pi_control_is_the_same_in_every_block_to_the_printed_digits(quadruple):
+    found = translate(design_simc(quadruple.model, quadruple.pairing), "quadruple-tank")
+    assert len(found.rows) == 2 * len(EVERY_BLOCK) and not found.refused
+    assert found.saturated == 0.0
+    for row in found.rows:
+        assert row.by_block == row.by_numbers
+        assert row.by_numbers < (1e-3 if row.block.key in COARSE else 1e-6)
+
+
+def test_the_check_sees_one_percent_of_each_number(three):
+    controller = design_simc(three.model, three.pairing, form=PidForm("PID"))
+    (tuning,), _ = standard_tunings(controller, three.operating_point.process)
+    check = Check(controller, three.model, default_scenario(three.model))
+    own = tuning.settings
+    assert check.differences({1: Applied("isa", own, "measurement")})["feed"] == 0.0
+    for name in ("gain", "integral_time", "derivative_time", "filter_time"):
+        wrong = own._replace(**{name: 1.01 * getattr(own, name)})
+        assert check.differences({1: Applied("isa", wrong, "measurement")})["feed"] > 2e-4
+
+
+@pytest.mark.parametrize("algorithm", ["isa", "parallel", "velocity"])
+def test_pid_control_by_its_numbers_is_the_same_and_what_blocks_lack_shows(three, algorithm):
+    controller = design_simc(three.model, three.pairing, form=PidForm("PID", algorithm))
+    found = translate(controller, three.operating_point.process)
+    assert [block for _, block, _ in found.refused] == ["Honeywell HC900 PID"]
+    for row in found.rows:
+        if row.block.key not in (*COARSE, "emerson-deltav-series"):
+            # The type TIME rounds the filter of 2.3926 s to 2.393 s.
+            assert row.by_numbers < 2e-4, row.block.key
+    # Noise through an unfiltered derivative, and setpoint steps through one on the error.
+    for key in ("codesys-pid", "iec-61131-3-pid", "yokogawa-fieldbus-pid"):
+        assert found.row(1, key).by_block > 0.2
+    assert found.row(1, "siemens-cont-c").by_block > 0.05
+
+
+def test_the_series_form_differs_by_sampling_alone(three):
+    """Half the sampling period, half the difference."""
+    found = []
+    for period in (1.0, 0.5):
+        process = replace(three.operating_point.process, sampling_period=period)
+        analysis = analyse(process)
+        controller = design_simc(
+            three.model, three.pairing, form=PidForm("PID", derivative_on="error")
+        )
+        scenario = default_scenario(analysis.model)
+        quiet = replace(scenario, noise=np.zeros_like(scenario.noise))
+        found.append(
+            translate(controller, process, quiet).row(1, "emerson-deltav-series").by_numbers
+        )
+    assert found[0] / found[1] == pytest.approx(2.0, rel=0.1)
+
+
+def test_a_series_controller_is_the_series_block_to_the_printed_digits(three):
+    controller = design_simc(three.model, three.pairing, form=PidForm("PID", "series"))
+    found = translate(controller, three.operating_point.process)
+    row = found.row(1, "emerson-deltav-series")
+    values = controller.values
+    assert {setting.name: setting.value for setting in row.filled.settings} == pytest.approx(
+        {
+            "GAIN": values["proportional_gain_1"] * 0.7 / 1e-4,
+            "RESET": values["integral_time_1"],
+            "RATE": values["derivative_time_1"],
+            "ALPHA": 0.1,
+        },
+        rel=5e-5,
+    )
+    assert not row.filled.differs and row.by_block == row.by_numbers < 1e-4
+
+
+def test_the_time_at_a_limit_is_counted(three):
+    controller = design_simc(three.model, three.pairing, form=PidForm("PID"))
+    scenario = default_scenario(three.model)
+    feed = Loop(controller, three.model).run(scenario).values["feed"]
+    share = np.mean((feed == 0.0) | (feed == controller.values["high_limit_1"]))
+    found = translate(controller, three.operating_point.process, scenario)
+    assert 0.0 < share == found.saturated
+    assert f"{100 * share:.2g} % of its samples have an output at a limit" in found.as_markdown()
+
+
+def test_direct_action_of_a_basin():
+    analysis = analyse(load_process("equalisation-tank"))
+    controller = design_arrest_time(analysis.model, analysis.pairing)
+    found = translate(controller, "equalisation-tank")
+    assert found.tunings[0].action == "direct" and controller.values["proportional_gain_1"] < 0.0
+    for row in found.rows:
+        assert row.by_numbers < (5e-3 if row.block.key in COARSE else 1e-4), row.block.key
+
+
+def test_both_loops_of_a_cascade(tmp_path):
+    controller, request = of_study(CASCADE, tmp_path)
+    found = translate(controller, request.process)
+    assert [tuning.title for tuning in found.tunings] == ["level by duty_flow", "duty_flow by duty"]
+    assert [tuning.action for tuning in found.tunings] == ["direct", "reverse"]
+    outer = found.row(1, "siemens-pid-compact").filled
+    assert [setting.words for setting in outer.settings[:2]] == ["Gain = 3 %/%", "Ti = 600 s"]
+    assert found.as_markdown().count("Other blocks stand between it and the outputs.") == 1
+    inner = found.row(2, "siemens-pid-compact").filled
+    assert [setting.words for setting in inner.settings[:2]] == ["Gain = 0.3 %/%", "Ti = 6 s"]
+    for row in found.rows:
+        assert row.by_numbers < (1e-2 if row.block.key in COARSE else 1e-6), row.block.key
+
+
+def test_a_loop_with_gap_action_is_left_out_with_its_reason(tmp_path):
+    text = CASCADE.replace(
+        'setpoint_high = "35 l/s"', 'setpoint_high = "35 l/s"\nerror = "gap"\ngap = "1 l/s"\n'
+        "gap_gain = 0.5",
+    )  # fmt: skip
+    controller, request = of_study(text, tmp_path)
+    found = translate(controller, request.process)
+    assert [tuning.number for tuning in found.tunings] == [1]
+    ((loop, block, why),) = found.refused
+    assert (loop, block) == ("duty_flow by duty", "") and "gap action" in why
+    assert "gap action on the error" in " ".join(shown(found).split())
+
+
+def test_proportional_control_has_no_integral_time(tmp_path):
+    text = """
+    process = "equalisation-tank"
+    [controllers.p.loops.level]
+    measurement = "level"
+    output = "outflow"
+    actions = "P"
+    action = "direct"
+    gain = "1 %/%"
+    """
+    controller, request = of_study(text, tmp_path)
+    found = translate(controller, request.process)
+    for row in found.rows:
+        assert not any("T" in s.name and s.unit == "s" for s in row.filled.settings)
+        assert row.by_numbers < 1e-9, row.block.key
+
+
+def test_controllers_without_a_pid_of_fixed_gains_are_refused(quadruple, three):
+    lqi = design_lqi_kalman(quadruple.model)
+    with pytest.raises(InputError, match="at least one PID loop whose gains are constant"):
+        translate(lqi, "quadruple-tank")
+    scheduled = design_gain_scheduled_pid(three.model, three.pairing)
+    with pytest.raises(InputError, match="at least one PID loop whose gains are constant"):
+        translate(scheduled, three.operating_point.process)
+
+
+def test_the_screen_fits_and_markdown_and_dict_say_the_same(three):
+    controller = design_simc(three.model, three.pairing, form=PidForm("PID"))
+    found = translate(controller, three.operating_point.process)
+    text = shown(found)
+    assert max(len(line.rstrip()) for line in text.splitlines()) <= 100
+    markdown, plain = found.as_markdown(), found.as_dict()
+    assert json.loads(json.dumps(plain)) == plain
+    (loop,) = plain["loops"]
+    assert len(loop["blocks"]) == len(found.rows)
+    for row, block in zip(found.rows, loop["blocks"], strict=True):
+        for setting, entry in zip(row.filled.settings, block["settings"], strict=True):
+            assert setting.words in markdown
+            assert entry == {"name": setting.name, "value": setting.value, "unit": setting.unit}
+            assert setting.text in text
+        for source in row.block.sources:
+            assert source in markdown
+    assert "Honeywell HC900 PID: got" in markdown

@@ -1,0 +1,17 @@
+"""Tunings of one loop that the tests fill blocks with."""
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid
+from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
+
+#: 0 to 500 cm, and 0 to 10 V: 4 V/m is 0.04 V/cm and 2 %/%.
+LEVEL = Signal("level", "m", display_unit="cm", low=0.0, high=5.0)
+PUMP = Signal("pump", "V", low=0.0, high=10.0)
+
+
+def tuning(gain=4.0, integral_time=120.0, derivative_time=0.0, filter_time=0.0, weight=1.0,
+           form=None, measurement=LEVEL, moved=PUMP):  # fmt: skip
+    actions = "PID" if derivative_time else "PI"
+    settings = FilteredPid(gain, integral_time, derivative_time, filter_time, weight)
+    return StandardTuning(1, measurement, moved, form or PidForm(actions), settings, 1)
