@@ -13,7 +13,6 @@ from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Conditional, Operation, Program
 
 ARGUMENTS, RESULTS, SAMPLES = 4, 6, 30
@@ -140,14 +139,3 @@ def test_the_digest_covers_conditionals():
     given = [program("turn", 2), program("turn", 3), program("flip", 2)]
     assert len({digest(one) for one in given}) == 3
     assert len({print_structured_text(one).split("FUNCTION_BLOCK")[1] for one in given}) == 3
-
-
-def test_rings_that_count_turns_are_refused():
-    turn, builder = BlockBuilder(3), BlockBuilder(2)
-    body = turn.finish([1, 2])
-    ring = DelayRing(Signal("late"), 9)
-    block = builder.finish(builder.loop("delay", body, 4, [], [0], [1], rings=[ring]))
-    program = Program("p", (), (Signal("u"), Signal("v")), (), (Signal("y"),), block)
-    for printer in (print_c, print_structured_text):
-        with pytest.raises(InputError, match="late: got 'a delay by 9 turns of a loop'"):
-            printer(program)

@@ -7,10 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.c99.statements import NOTATION as C
+from clepsydra.deploy.c99.notation import notation_of as c_notation_of
 from clepsydra.deploy.printing.expressions import Expression, decimal, flag, render, variable
-from clepsydra.deploy.structured_text.statements import NOTATION as TEXT
+from clepsydra.deploy.structured_text.dialect import dialect_of
+from clepsydra.deploy.structured_text.notation import notation_of
 
+C = c_notation_of("double")
+TEXT = notation_of(dialect_of("codesys"), "double")
 A, B, D, P, Q = variable("a"), variable("b"), variable("d"), flag("p"), flag("q")
 
 
@@ -108,9 +111,9 @@ def computed(tree: Expression) -> float:
 @given(TREES)
 def test_the_parsed_text_computes_the_bits_of_the_tree(tree):
     need_grammar()
-    from structured_text_interpreter import FunctionBlock
+    from clepsydra.deploy.proof.text.interpreter import function_block
 
-    block = FunctionBlock(
+    block = function_block(
         "FUNCTION_BLOCK trees VAR_INPUT a : LREAL; b : LREAL; d : LREAL; END_VAR "
         f"VAR_OUTPUT y : LREAL; END_VAR y := {render(tree, TEXT)}; END_FUNCTION_BLOCK"
     )

@@ -194,9 +194,9 @@ def test_descriptions_cannot_leave_their_comment(tmp_path):
         block=Block(2, (Operation(2, "add", (0, 1)),), (1, 2)),
     )
     need_grammar()
-    from structured_text_interpreter import FunctionBlock
+    from clepsydra.deploy.proof.text.interpreter import function_block
 
-    block = FunctionBlock(print_structured_text(program))
+    block = function_block(print_structured_text(program))
     assert set(block.declared) == {"u", "y", "late", "late_position"}
     compile_strictly(program, tmp_path, "-std=c99")
 

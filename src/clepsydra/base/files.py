@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from clepsydra.base.errors import InputError
@@ -46,6 +46,38 @@ def whole_file(path: Path) -> Iterator[Path]:
     except BaseException:
         part.unlink(missing_ok=True)
         raise
+
+
+def write_together(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
+    """Write files of one folder, all of them or, where one cannot be written, none.
+
+    Parameters
+    ----------
+    folder : Path
+    files : mapping
+        Name to content.
+
+    Raises
+    ------
+    InputError
+        A file cannot be written.
+
+    Examples
+    --------
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = write_together(Path(folder), {"law.h": b"...", "law.c": b"..."})
+    ...     [path.name for path in written]
+    ['law.h', 'law.c']
+    """
+    paths = [folder / name for name in files]
+    for path in paths:
+        if path.is_dir():
+            raise _unwritable(path, IsADirectoryError(0, "a folder has that name"))
+    with ExitStack() as stack:
+        parts = [stack.enter_context(whole_file(path)) for path in paths]
+        for part, content in zip(parts, files.values(), strict=True):
+            part.write_bytes(content)
+    return paths
 
 
 def _unwritable(path: Path, error: OSError | ValueError) -> InputError:

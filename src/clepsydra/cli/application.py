@@ -9,12 +9,14 @@ import typer
 from clepsydra import __version__
 from clepsydra.cli.analyse import analyse
 from clepsydra.cli.draw import draw
+from clepsydra.cli.export import export
 from clepsydra.cli.identify import identify
 from clepsydra.cli.new import new
 from clepsydra.cli.papers import papers
 from clepsydra.cli.processes import processes
 from clepsydra.cli.simulate import simulate
 from clepsydra.cli.study import study
+from clepsydra.cli.verify import verify
 
 application = typer.Typer(
     name="clepsydra",
@@ -31,6 +33,8 @@ application.command()(analyse)
 application.command()(draw)
 application.command()(processes)
 application.command()(new)
+application.command()(export)
+application.command()(verify)
 application.command()(identify)
 application.command()(papers)
 

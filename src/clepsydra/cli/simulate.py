@@ -55,8 +55,8 @@ def simulate(
         typer.Option(
             "--profile",
             metavar="FILE.csv",
-            help="Values over time, with a head such as time \\[s],pump_1 \\[V]; each is held until "
-            "the next row.",
+            help="Values over time, with a head such as time \\[s],pump_1 \\[V]; each is held "
+            "until the next row.",
         ),
     ] = None,
     duration: Annotated[

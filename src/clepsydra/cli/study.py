@@ -35,12 +35,11 @@ def study(
     """Design, tune, simulate, score and rank controllers; write report and data."""
     from clepsydra.cli.output import check_folder, output_file, print_json
     from clepsydra.cli.progress import shown_progress
-    from clepsydra.process.reader import load_process
-    from clepsydra.study.file.reader import is_study_file, read_study
+    from clepsydra.cli.subject import read_subject
     from clepsydra.study.study import run_study
 
     check_folder(folder)
-    request = read_study(subject, seed=seed) if is_study_file(subject) else load_process(subject)
+    request = read_subject(subject, seed)
     report, data = (
         output_file(folder / f"{request.file_stem}.{kind}") for kind in ("html", "parquet")
     )

@@ -1,0 +1,203 @@
+"""``clepsydra export``: a controller or a process as code for the plant."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from clepsydra.cli.options import JsonOption
+from clepsydra.cli.plant_options import (
+    FailSafeOption,
+    RateLimitOption,
+    SensorDelayOption,
+    SetpointRateOption,
+)
+from clepsydra.cli.subject import SubjectArgument
+
+if TYPE_CHECKING:
+    from clepsydra.controllers.plant_shell.settings import PlantShell
+    from clepsydra.deploy.export import ExportedFiles
+    from clepsydra.process.process import Process
+    from clepsydra.study.file.request import StudyRequest
+    from clepsydra.study.result import StudyResult
+
+
+class Target(Enum):
+    """What is written."""
+
+    st = "st"
+    c = "c"
+    fmu = "fmu"
+    tuning = "tuning"
+
+
+class DialectName(Enum):
+    """Whose Structured Text."""
+
+    codesys = "codesys"
+    matiec = "matiec"
+    scl = "scl"
+
+
+class PrecisionName(Enum):
+    """Of the numbers: LREAL and double, or REAL and float."""
+
+    double = "double"
+    single = "single"
+
+
+class FmiVersion(Enum):
+    """Of the FMU."""
+
+    third = "3.0"
+    second = "2.0"
+
+
+def export(
+    subject: SubjectArgument,
+    target: Annotated[
+        Target,
+        typer.Option(
+            "--to",
+            help="st: IEC 61131-3 Structured Text with a test project and PLCopen XML; c: C99; "
+            "fmu: a functional mock-up unit; tuning: PID settings in the vendors' forms and units.",
+        ),
+    ],
+    controller: Annotated[
+        str | None,
+        typer.Option(
+            "--controller",
+            metavar="NAME",
+            help="As the study calls it, in quotation marks; with --to fmu it may be left out: "
+            "then the process itself is exported.",
+        ),
+    ] = None,
+    dialect: Annotated[
+        DialectName,
+        typer.Option(
+            help="Of Structured Text: codesys (CODESYS, TwinCAT), matiec (OpenPLC, Beremiz) or "
+            "scl (TIA Portal)."
+        ),
+    ] = DialectName.codesys,
+    precision: Annotated[
+        PrecisionName, typer.Option(help="LREAL and double, or REAL and float.")
+    ] = PrecisionName.double,
+    fmi: Annotated[FmiVersion, typer.Option(help="Version of the FMU.")] = FmiVersion.third,
+    fail_safe: FailSafeOption = None,
+    sensor_delay: SensorDelayOption = None,
+    setpoint_rate: SetpointRateOption = None,
+    rate_limit: RateLimitOption = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Of a tuning; that of the study if left out.")
+    ] = None,
+    as_json: JsonOption = False,
+    folder: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="FOLDER", help="Where the files are written."),
+    ] = Path(),
+) -> None:
+    """Write a controller for the plant, printed from the program that was simulated."""
+    from clepsydra.base.files import write_together
+    from clepsydra.cli.output import check_folder, print_json
+    from clepsydra.cli.plant_options import read_plant_shell
+    from clepsydra.cli.subject import read_subject
+    from clepsydra.study.file.request import StudyRequest
+
+    check_folder(folder)
+    request = read_subject(subject, seed)
+    process = request.process if isinstance(request, StudyRequest) else request
+    settings = read_plant_shell(
+        process,
+        fail_safe=fail_safe,
+        sensor_delay=sensor_delay,
+        setpoint_rate=setpoint_rate,
+        rate_limit=rate_limit,
+    )
+    if controller is None:
+        found = _process(request, target, fmi)
+    else:
+        study = _study(request, controller, seed, folder, quiet=as_json)
+        found = _controller(study, controller, settings, target, dialect, precision, fmi)
+    written = write_together(folder, found.files)
+    if as_json:
+        print_json({"files": [str(path) for path in written], **found.facts})
+        return
+    from rich.console import Console
+
+    for part in found.screen:
+        Console(width=100).print(part)
+    for path in written:
+        typer.echo(f"Written: {path}")
+    if found.next_step:
+        typer.echo(f"Next: {found.next_step}")
+
+
+def _process(request: Process | StudyRequest, target: Target, fmi: FmiVersion) -> ExportedFiles:
+    """Export the process itself, which is possible as an FMU only."""
+    from clepsydra.base.errors import InputError
+    from clepsydra.deploy.export import export_process_fmu
+    from clepsydra.linear.analysis import analyse
+    from clepsydra.study.file.request import StudyRequest
+    from clepsydra.study.study import controller_names
+
+    if target is not Target.fmu:
+        raise InputError(
+            "--controller", "none", f"the name of one: {'; '.join(controller_names(request))}",
+            "name it in quotation marks",
+        )  # fmt: skip
+    analysis = request.analysis if isinstance(request, StudyRequest) else analyse(request)
+    return export_process_fmu(analysis.operating_point, version=fmi.value)
+
+
+def _study(
+    request: Process | StudyRequest, name: str, seed: int | None, folder: Path, *, quiet: bool
+) -> StudyResult:
+    """Make the one controller; refuse one that does not apply, with its reason."""
+    from clepsydra.base.errors import InputError
+    from clepsydra.cli.progress import shown_progress
+    from clepsydra.study.study import run_study
+
+    with shown_progress(quiet=quiet) as tell:
+        study = run_study(
+            request,
+            seed=1 if seed is None else seed,
+            progress=tell,
+            tuning_folder=folder,
+            only=name,
+        )
+    reasons = dict(study.not_applicable)
+    if name in reasons:
+        raise InputError(
+            "--controller", name, f"a controller that applies; this one does not: {reasons[name]}",
+            "choose another; clepsydra study ranks those that apply",
+        )  # fmt: skip
+    return study
+
+
+def _controller(
+    study: StudyResult,
+    name: str,
+    settings: PlantShell,
+    target: Target,
+    dialect: DialectName,
+    precision: PrecisionName,
+    fmi: FmiVersion,
+) -> ExportedFiles:
+    from clepsydra.deploy import export as exports
+    from clepsydra.deploy.exportable import exportable
+
+    chosen = next(c.controller for c in study.ranking if c.controller.name == name)
+    point = study.analysis.operating_point
+    if target is Target.tuning:
+        return exports.export_tuning(chosen, point, study.scenario)
+    ready = exportable(chosen, point, settings)
+    if target is Target.st:
+        return exports.export_structured_text(
+            ready, dialect=dialect.value, precision=precision.value
+        )
+    if target is Target.c:
+        return exports.export_c(ready, precision=precision.value)
+    return exports.export_controller_fmu(ready, version=fmi.value)

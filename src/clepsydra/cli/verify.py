@@ -1,0 +1,70 @@
+"""``clepsydra verify``: proof that what is exported runs what was simulated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from clepsydra.cli.options import JsonOption
+from clepsydra.cli.subject import SubjectArgument
+
+
+def verify(
+    subject: SubjectArgument,
+    controller: Annotated[
+        str | None,
+        typer.Option("--controller", metavar="NAME", help="One controller; every one if left out."),
+    ] = None,
+    scans: Annotated[
+        int, typer.Option(min=10_000, help="Random scans of each controller.")
+    ] = 10_000,
+    seed: Annotated[
+        int | None,
+        typer.Option(min=0, help="Of the scans and the study; 1, or that of the study file."),
+    ] = None,
+    as_json: JsonOption = False,
+    folder: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="FOLDER", help="Where the proof is written."),
+    ] = Path(),
+) -> None:
+    """Run every controller as C, Structured Text and FMU, and compare it with the simulation."""
+    from clepsydra.cli.output import check_folder, print_json
+    from clepsydra.cli.progress import shown_progress
+    from clepsydra.cli.subject import read_subject
+    from clepsydra.deploy.proof.of_study import proof_items
+    from clepsydra.deploy.proof.proof import prove
+    from clepsydra.study.study import run_study
+
+    check_folder(folder)
+    request = read_subject(subject, seed)
+    chosen = 1 if seed is None else seed
+    with shown_progress(quiet=as_json) as tell:
+        study = run_study(
+            request, seed=chosen, progress=tell, tuning_folder=folder, only=controller
+        )
+        items = [
+            item
+            for item in proof_items(study)
+            if controller in (None, item.name) or item.kind == "process"
+        ]
+        proof = prove(
+            items,
+            scans=scans,
+            seed=chosen,
+            progress=tell,
+            folder=folder,
+            stem=f"{request.file_stem}-proof",
+        )
+    if as_json:
+        print_json(proof.as_dict())
+    else:
+        from rich.console import Console
+
+        from clepsydra.deploy.proof.screen import proof_screen
+
+        Console(width=100).print(proof_screen(proof))
+    if not proof.holds:
+        raise typer.Exit(1)

@@ -1,0 +1,139 @@
+"""A controller made ready for a plant: in its shell, with a name, and with its origin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.plant_shell.settings import PlantShell
+from clepsydra.controllers.plant_shell.shell import shell_sources, with_plant_shell
+from clepsydra.deploy.printing.identifiers import identifier_of
+from clepsydra.deploy.printing.origin import Origin
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.process.process import Process
+from clepsydra.program.defaults import with_defaults
+from clepsydra.program.program import Program
+
+
+@dataclass(frozen=True, eq=False)
+class Exportable:
+    """A controller in its plant shell, and the program that every target is printed from.
+
+    Parameters
+    ----------
+    controller : Controller
+        In its shell.
+    point : OperatingPoint
+        Where the process rests with the controller's initial state.
+    program : Program
+    origin : Origin
+
+    Examples
+    --------
+    See `exportable`.
+    """
+
+    controller: Controller
+    point: OperatingPoint
+    program: Program
+    origin: Origin
+
+    @property
+    def process(self) -> Process:
+        """The process that the controller was designed for."""
+        return self.point.process
+
+
+def exportable(
+    controller: Controller, point: OperatingPoint, settings: PlantShell | None = None
+) -> Exportable:
+    """Put a controller into its plant shell, name it, and say where its numbers come from.
+
+    Parameters
+    ----------
+    controller : Controller
+        As it was designed or tuned, without a shell.
+    point : OperatingPoint
+        Where it starts.
+    settings : PlantShell, optional
+        Ranges, delays, rates and fail-safe outputs other than the usual ones.
+
+    Raises
+    ------
+    InputError
+        The law is a Python function, so that there is nothing to print, or a setting is wrong.
+
+    Examples
+    --------
+    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> ready = exportable(design_simc(analysis.model, analysis.pairing), analysis.operating_point)
+    >>> ready.program.name, ready.origin.source_of(ready.program.parameters[0])
+    ('quadruple_tank_pi_simc', 'PI, SIMC')
+    """
+    process = point.process
+    shelled = with_plant_shell(controller, process.sampling_period, settings)
+    # A block that nothing is wired to yet is at rest, too.
+    program = with_defaults(shelled.program(), _inputs_at_rest(controller, point))
+    origin = Origin(
+        subject=controller.name,
+        process=described(process),
+        design=controller.design,
+        sampling_period=process.sampling_period,
+        sources=_sources(controller, program) | shell_sources(shelled),
+        default_source=controller.name,
+    )
+    program = replace(program, name=exportable_name(process, controller))
+    return Exportable(shelled, point, program, origin)
+
+
+def exportable_name(process: Process, controller: Controller) -> str:
+    """Return what blocks and files of a controller are called.
+
+    Examples
+    --------
+    See `exportable`.
+    """
+    return identifier_of(f"{process.file_stem} {controller.name}")
+
+
+def described(process: Process) -> str:
+    """Return title and file of a process, for the head of a printed text.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> described(load_process("quadruple-tank"))
+    'Quadruple tank, minimum phase (quadruple-tank of the catalogue)'
+    """
+    variant = f", variant {', '.join(process.variant)}" if process.variant else ""
+    file = process.path.name if process.path else f"{process.name} of the catalogue"
+    return f"{process.title} ({file}{variant})"
+
+
+def _inputs_at_rest(controller: Controller, point: OperatingPoint) -> dict[str, float]:
+    """Return setpoints, measurements and values of the other modes where the process rests."""
+    at = point.as_dict()
+    wired = {
+        "measurement": controller.measurements,
+        "setpoint": controller.setpoints,
+        "manual": controller.manipulated,
+        "tracking": controller.manipulated,
+    }
+    return {
+        f"{what}_{number}": at[name]
+        for what, names in wired.items()
+        for number, name in enumerate(names, start=1)
+    }
+
+
+def _sources(controller: Controller, program: Program) -> dict[str, str]:
+    """Return where the numbers come from that no designer chose."""
+    sources = {entry.name: "at a cold start" for entry in program.state}
+    sources |= dict.fromkeys(controller.initial_state, "at the operating point")
+    for number, name in enumerate(controller.manipulated, start=1):
+        for limit in (f"low_limit_{number}", f"high_limit_{number}"):
+            sources[limit] = f"range of {name} in the process file"
+    return sources

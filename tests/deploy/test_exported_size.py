@@ -1,0 +1,215 @@
+"""The page about exported code says what the code of each controller takes, and for all of them."""
+
+import ctypes
+import platform
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from deployed import need_compiler
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from benchmarks.experiments import Disagreement
+from benchmarks.exported import built, page, times
+from benchmarks.exported.extent import extent_of, lines_of_code
+from benchmarks.exported.families import (
+    FAMILIES,
+    SAME_LAW,
+    at_work,
+    ready_for_export,
+)
+from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.exportable import exportable
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
+from clepsydra.study.designs import DESIGNS
+
+TYPES = {
+    "double": ctypes.c_double,
+    "float": ctypes.c_float,
+    "int32_t": ctypes.c_int32,
+    "bool": ctypes.c_bool,
+    "char": ctypes.c_char,
+}
+STRUCTURES = {
+    page.STATE: "state",
+    page.PARAMETERS: "parameters",
+    page.INPUTS: "inputs",
+    page.OUTPUTS: "outputs",
+}
+REMEDY = "run python -m benchmarks.exported --write"
+
+
+def page_rows(path=page.SIZES_PAGE):
+    """The cells of each controller on the page, by heading."""
+    rows, heads = {}, None
+    for line in path.read_text(encoding="utf-8").splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if not line.startswith("|"):
+            heads = None
+        elif cells[0] == page.CONTROLLER:
+            heads = cells
+        elif heads and not cells[0].startswith("-"):
+            rows.setdefault(cells[0], {}).update(zip(heads, cells, strict=True))
+    return rows
+
+
+def number(text):
+    return int(text.replace(",", ""))
+
+
+def structure_sizes(ready, precision):
+    """The bytes of the four structures, declared again from the text of the header."""
+    header = print_c(ready.program, origin=ready.origin, precision=precision).header
+    code = re.sub(r"/\*.*?\*/", "", header, flags=re.DOTALL)
+    sizes = {}
+    for body, name in re.findall(r"typedef struct \{(.*?)\} (\w+);", code, flags=re.DOTALL):
+        fields = [
+            (member, TYPES[kind] * int(length) if length else TYPES[kind])
+            for kind, member, length in re.findall(r"(\w+) (\w+)(?:\[(\d+)\])?;", body)
+        ]
+        assert len(fields) == body.count(";")
+        sizes[name.rpartition("_")[2]] = ctypes.sizeof(
+            type("Members", (ctypes.Structure,), {"_fields_": fields})
+        )
+    return sizes
+
+
+@pytest.fixture(scope="module")
+def documented():
+    return page_rows()
+
+
+def test_every_controller_stands_on_the_page(documented):
+    assert documented.keys() == FAMILIES.keys(), REMEDY
+
+
+def test_every_design_has_a_row_or_the_law_of_one_that_has():
+    assert set(DESIGNS) <= FAMILIES.keys() | SAME_LAW.keys()
+    assert set(SAME_LAW.values()) <= FAMILIES.keys()
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_the_page_gives_the_extent_and_the_bytes_of_the_data(name, documented):
+    row, ready = documented[name], ready_for_export(name)
+    extent = extent_of(ready)
+    assert row["process"] == FAMILIES[name]
+    assert number(row[page.LINES]) == extent.lines, REMEDY
+    assert row[page.OPERATIONS] == f"{extent.operations:,} ({extent.slow:,})", REMEDY
+    double, single = (structure_sizes(ready, precision) for precision in ("double", "single"))
+    for head, structure in STRUCTURES.items():
+        expected = f"{double[structure]} / {single[structure]}"
+        assert row[head] == expected, f"{head}: {REMEDY}"
+
+
+@pytest.mark.parametrize(("name", "like"), SAME_LAW.items())
+def test_designs_of_one_law_differ_in_numbers_only(name, like):
+    """On a process where both apply; averaging PI is a PI too, of an integrating level."""
+    on = "quadruple-tank" if name.startswith("State feedback") else "eight-tanks"
+    analysis = analyse(load_process(on))
+    its, other = (
+        exportable(DESIGNS[which](analysis), analysis.operating_point) for which in (name, like)
+    )
+    assert its.controller.values != other.controller.values
+    assert structure_sizes(its, "double") == structure_sizes(other, "double")
+    assert extent_of(its) == extent_of(other)
+
+
+def compiled_like_the_page():
+    """Skip where the page's machine code is that of another compiler or processor."""
+    need_compiler()
+    if shutil.which("size") is None:
+        pytest.skip("no size of the binutils is installed")
+    family = f"{built.compiler_family()} for {platform.machine()}"
+    if f"| {family}: " not in page.SIZES_PAGE.read_text(encoding="utf-8"):
+        pytest.skip(f"the page was not written with {family}")
+
+
+def check_code_size(name, documented, folder):
+    row, ready = documented[name], ready_for_export(name)
+    codes = [built.ExportedC(ready, p, folder / p).code for p in ("double", "single")]
+    for head, which in ((page.SMALL, "small"), (page.FAST, "fast")):
+        on_page = [number(text) for text in row[head].split(" / ")]
+        found = [getattr(code, which) for code in codes]
+        for documented_size, size in zip(on_page, found, strict=True):
+            assert 0.5 < size / documented_size < 2.0, f"{head}: {REMEDY}"
+
+
+def test_the_page_gives_the_size_of_the_code_within_a_factor_of_two(documented, tmp_path):
+    compiled_like_the_page()
+    check_code_size("PI, SIMC", documented, tmp_path)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", FAMILIES)
+def test_the_page_gives_the_size_of_every_code(name, documented, tmp_path):
+    compiled_like_the_page()
+    check_code_size(name, documented, tmp_path)
+
+
+def test_lines_are_counted_without_comments():
+    text = "(* a head\n   of two lines *)\nFUNCTION_BLOCK f\n\n  x := 1; (* why *)\n(* y *)\nEND\n"
+    assert lines_of_code(text) == 3
+
+
+def test_the_code_of_a_table_is_its_bytes_and_kept_data_is_refused(tmp_path):
+    compiled_like_the_page()
+    source = tmp_path / "table.c"
+    table = "extern const double table[100]; const double table[100] = { 1.0 };\n"
+    source.write_text(table, encoding="utf-8")
+    assert built.code_in(built.compiled(source, "-Os")) == 800
+    source.write_text(table + "extern double kept; double kept = 1.0;\n", encoding="utf-8")
+    with pytest.raises(RuntimeError, match="keeps 8 bytes"):
+        built.code_in(built.compiled(source, "-Os"))
+
+
+@pytest.fixture
+def few_scans(monkeypatch):
+    monkeypatch.setattr(times, "SCANS", 300)
+    monkeypatch.setattr(times, "BATCH_SCANS", 100)
+    monkeypatch.setattr(times, "SCENARIOS", 9)
+
+
+@pytest.mark.usefixtures("few_scans")
+@pytest.mark.parametrize("name", ["PI, SIMC", "Smith predictor, PI"])
+def test_what_is_timed_is_what_is_exported(name, tmp_path):
+    """The C moves its outputs with its inputs, equals the engine, and is told on both pages."""
+    need_compiler()
+    work = at_work(name, 300)
+    scans = built.ExportedC(work.ready, "single", tmp_path / "one").prepare(work.inputs)
+    scans.run()
+    first = scans.outputs()
+    scans.run()
+    again = scans.outputs()
+    assert np.array_equal(first, again), "a run does not start afresh"
+    assert np.array_equal(first, first.astype(np.float32)), "no single precision"
+    assert len(np.unique(first[:, 0])) > 50
+    found = times.measure_one(work, 1, tmp_path / "all")
+    sizes = structure_sizes(work.ready, "double")
+    assert found.double.data == built.DataSize(**sizes)
+    paths = [tmp_path / "sizes.md", tmp_path / "times.md"]
+    for path in paths:
+        path.write_text("{}\n{}\n".format(*page.MARKS), encoding="utf-8")
+    page.write_pages([found], [("C compiler", "any")], 1, code=paths[0], benchmarks=paths[1])
+    assert page_rows(paths[0])[name][page.STATE].startswith(f"{sizes['state']} / ")
+    assert f"| {name} " in paths[1].read_text(encoding="utf-8")
+
+
+@pytest.mark.usefixtures("few_scans")
+def test_code_that_differs_in_a_bit_is_not_timed(tmp_path, monkeypatch):
+    need_compiler()
+    work = at_work("PI, SIMC", 300)
+    found = built.Scans.outputs
+
+    def off_by_a_bit(scans):
+        outputs = found(scans)
+        outputs[-1, 0] = np.nextafter(outputs[-1, 0], 100.0)
+        return outputs
+
+    monkeypatch.setattr(built.Scans, "outputs", off_by_a_bit)
+    with pytest.raises(Disagreement, match="differs from the engine"):
+        times.measure_one(work, 1, tmp_path)
