@@ -12,13 +12,19 @@ from typing import TypeVar
 from benchmarks import fuzzy, machine, page, tuning
 from benchmarks.cplusplus import CompilerMissing
 from benchmarks.experiments import FULL, QUICK, Disagreement, Experiments
+from benchmarks.exported import page as exported_page
+from benchmarks.exported import times as exported
 from benchmarks.scale import Scale
 
 T = TypeVar("T")
 
 
-def _progress(what: str, measure: Callable[[], T]) -> T:
+def _tell(what: str) -> None:
     print(f"measuring: {what} …", file=sys.stderr, flush=True)
+
+
+def _progress(what: str, measure: Callable[[], T]) -> T:
+    _tell(what)
     return measure()
 
 
@@ -30,7 +36,7 @@ def main() -> int:
     arguments = parser.parse_args()
     size = QUICK if arguments.quick else FULL
     try:
-        facts = machine.description()
+        facts, exported_facts = machine.description(), exported_page.facts()
         with tempfile.TemporaryDirectory() as folder:
             experiments = Experiments(size, Path(folder))
             scale = Scale(size.slow_rounds, size.operations, Path(folder))
@@ -49,6 +55,9 @@ def main() -> int:
                 tuning=_progress("tuning", lambda: tuning.measure(size.slow_rounds)),
                 fuzzy=_progress("fuzzy control", lambda: fuzzy.measure(size.slow_rounds)),
             )
+            code = exported.measure(
+                size.rounds, Path(folder) / "exported", lambda name: _tell(f"exported code, {name}")
+            )
     except (CompilerMissing, Disagreement, RuntimeError) as error:
         print(f"benchmarks: {error}", file=sys.stderr)
         return 1
@@ -60,9 +69,11 @@ def main() -> int:
         return 1
     text = page.render(results)
     print(text)
+    print(exported_page.times(code, exported_facts, size.rounds))
     if arguments.write:
         page.write(text)
-        print(f"written: {page.PAGE}", file=sys.stderr)
+        exported_page.write_pages(code, exported_facts, size.rounds)
+        print(f"written: {page.PAGE} and {exported_page.SIZES_PAGE}", file=sys.stderr)
     return 0
 
 

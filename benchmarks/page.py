@@ -47,15 +47,17 @@ class _Figure:
 
     def row(self) -> list[str]:
         verdict = "yes" if self.met(self.found.median) else "**no**"
-        return [self.text, self.wanted, _shown(self.found, self.digits), verdict]
+        return [self.text, self.wanted, with_spread(self.found, self.digits), verdict]
 
 
-def _shown(spread: Spread, digits: int) -> str:
+def with_spread(spread: Spread, digits: int) -> str:
+    """Return a median with the smallest and the largest value in brackets."""
     median, low, high = (f"{v:,.{digits}f}" for v in (spread.median, spread.low, spread.high))
     return f"{median} ({low} to {high})"
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a table whose columns stand below each other in the text as well."""
     body = [list(heads), *map(list, rows)]
     widths = [max(len(row[column]) for row in body) for column in range(len(heads))]
 
@@ -79,8 +81,10 @@ def _timed(
     for name in measured.timings.seconds:
         ratio = measured.timings.ratio(*((reference, name) if faster else (name, reference)))
         label = f"{name} ({measured.notes[name]})" if name in measured.notes else name
-        rows.append([label, _shown(shown(measured.timings.of(name)), digits), _shown(ratio, 2)])
-    return _table(["way", *heads], rows)
+        rows.append(
+            [label, with_spread(shown(measured.timings.of(name)), digits), with_spread(ratio, 2)]
+        )
+    return table(["way", *heads], rows)
 
 
 def _figures(r: Results) -> list[_Figure]:
@@ -164,11 +168,11 @@ def render(r: Results) -> str:
 
     first, waits = r.first_call.timings, r.command_line.timings
     parts = [
-        _table(["", ""], r.machine),
+        table(["", ""], r.machine),
         f"Median over {r.rounds}, smallest and largest in brackets. Ratios are taken within "
         "each round. All ways that stand in one table gave the same answer.",
         "### The figures aimed at",
-        _table(["figure", "wanted", "measured", "met"], [f.row() for f in _figures(r)]),
+        table(["figure", "wanted", "measured", "met"], [f.row() for f in _figures(r)]),
         "### Wins and losses",
         _wins_and_losses(r),
         "### Batch of 8,192 scenarios and 1,000 samples, one core",
@@ -184,9 +188,12 @@ def render(r: Results) -> str:
                lambda s: s, 3, reference=e.CPP, faster=False),
         largest(r.two_cores),
         "### First call: from source to the answer of the batch, imports excluded",
-        _table(["way", "seconds"], [[n, _shown(first.of(n), 2)] for n in first.seconds]),
+        table(["way", "seconds"], [[n, with_spread(first.of(n), 2)] for n in first.seconds]),
         "### The command line",
-        _table(["`clepsydra`", "seconds"], [[n, _shown(waits.of(n), 2)] for n in waits.seconds]),
+        table(
+            ["`clepsydra`", "seconds"],
+            [[name, with_spread(waits.of(name), 2)] for name in waits.seconds],
+        ),
         "### Chains of tanks: each drains into the next, one RK4 step a sample, one core",
         _chains(r.chains),
         "### Processes of the catalogue, inputs given, as many RK4 steps as each needs, one core",
@@ -206,12 +213,12 @@ def _chains(chains: dict[int, Growth]) -> str:
     rows = [
         [
             f"{tanks:,}", f"{g.operations:,}", f"{g.load:.2f}", f"{g.write:.2f}",
-            f"{g.compile:.2f}", _shown(g.one_run.times(1e9 / tanks), 1),
-            _shown(g.batch.times(1e9 / tanks), 2),
+            f"{g.compile:.2f}", with_spread(g.one_run.times(1e9 / tanks), 1),
+            with_spread(g.batch.times(1e9 / tanks), 2),
         ]
         for tanks, g in chains.items()
     ]  # fmt: skip
-    return _table(heads, rows)
+    return table(heads, rows)
 
 
 def _catalogue(found: list[Growth]) -> str:
@@ -220,14 +227,14 @@ def _catalogue(found: list[Growth]) -> str:
     rows = [
         [
             g.name, f"{g.operations:,}", str(g.substeps), f"{g.compile:.2f}",
-            _shown(g.one_run.times(1e9), 0), _shown(g.batch.inverse(1e-6), 1),
+            with_spread(g.one_run.times(1e9), 0), with_spread(g.batch.inverse(1e-6), 1),
             f"{g.difference:.0e}",
         ]
         for g in found
     ]  # fmt: skip
     return "\n\n".join(
         [
-            _table(heads, rows),
+            table(heads, rows),
             "The difference is that from CVODES after ten samples, the first state displaced "
             "by a twentieth; what is left is the error of the RK4 steps.",
         ]
@@ -246,34 +253,32 @@ def _tuning(tuning: dict[float, TuningTimes]) -> str:
             rows.append(
                 [
                     f"{1e3 * period:g} ms", way, f"{found.simulations:,}",
-                    _shown(found.seconds, 2), f"{found.objective:.5f}",
+                    with_spread(found.seconds, 2), f"{found.objective:.5f}",
                 ]
             )  # fmt: skip
     one = ", ".join(
-        f"{_shown(times.one_simulation, 3)} s at {1e3 * period:g} ms"
+        f"{with_spread(times.one_simulation, 3)} s at {1e3 * period:g} ms"
         for period, times in tuning.items()
     )
-    return "\n\n".join(
-        [_table(heads, rows), f"One simulation by LSODA, called from Python: {one}."]
-    )
+    return "\n\n".join([table(heads, rows), f"One simulation by LSODA, called from Python: {one}."])
 
 
 def _fuzzy(fuzzy: FuzzyTimes) -> str:
     rows = [
-        ["Clepsydra, inference, batch", _shown(fuzzy.inference.times(1e9), 1)],
-        ["Clepsydra, whole step law, batch", _shown(fuzzy.law.times(1e9), 1)],
+        ["Clepsydra, inference, batch", with_spread(fuzzy.inference.times(1e9), 1)],
+        ["Clepsydra, whole step law, batch", with_spread(fuzzy.law.times(1e9), 1)],
     ]
     words = f"Largest difference to plain Python, of an output's range: {fuzzy.difference:.0e}."
     if fuzzy.scikit_fuzzy is not None:
-        rows.append(["scikit-fuzzy", _shown(fuzzy.scikit_fuzzy.times(1e9), 0)])
+        rows.append(["scikit-fuzzy", with_spread(fuzzy.scikit_fuzzy.times(1e9), 0)])
         words += (
             " scikit-fuzzy takes the centroid below straight lines between the points; to that "
             f"its difference is {fuzzy.scikit_difference:.0e}."
         )
-    return "\n\n".join([_table(["way", "ns an evaluation"], rows), words])
+    return "\n\n".join([table(["way", "ns an evaluation"], rows), words])
 
 
-def write(text: str, page: Path = PAGE) -> None:
+def write(text: str, page: Path = PAGE, marks: tuple[str, str] = (BEGIN, END)) -> None:
     """Put the tables between the marks of the page; everything else on it stays.
 
     Raises
@@ -281,8 +286,9 @@ def write(text: str, page: Path = PAGE) -> None:
     ValueError
         The page lacks the marks.
     """
-    before, begin, rest = page.read_text(encoding="utf-8").partition(BEGIN)
-    _, end, after = rest.partition(END)
+    opening, closing = marks
+    before, begin, rest = page.read_text(encoding="utf-8").partition(opening)
+    _, end, after = rest.partition(closing)
     if not begin or not end:
-        raise ValueError(f"{page} lacks the marks {BEGIN} and {END}")
-    page.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
+        raise ValueError(f"{page} lacks the marks {opening} and {closing}")
+    page.write_text(f"{before}{opening}\n{text}\n{closing}{after}", encoding="utf-8")

@@ -1,0 +1,59 @@
+"""How much a controller is to write down and to compute, whatever the machine."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from clepsydra.deploy.exportable import Exportable
+from clepsydra.deploy.structured_text.printer import print_structured_text
+from clepsydra.program.program import LIBRARY, Loop, Operation, Statement
+
+#: Constants, and conversions that only mark how a value is kept.
+_NO_WORK = frozenset({"constant", "number", "truth"})
+_SLOW = LIBRARY.keys() | {"divide", "square_root"}
+
+
+@dataclass(frozen=True)
+class Extent:
+    """The extent of a controller.
+
+    Parameters
+    ----------
+    lines : int
+        Of its Structured Text, without comments and blank lines.
+    operations : int
+        On numbers and truth values in one scan at most: where branches part, all of them; what
+        stands in a loop counts once a turn.
+    slow : int
+        Those among them that take a processor several times as long as a sum: quotients, roots,
+        and functions of the mathematical library.
+    """
+
+    lines: int
+    operations: int
+    slow: int
+
+
+def extent_of(ready: Exportable) -> Extent:
+    """Return the extent of a controller in its plant shell."""
+    text = print_structured_text(ready.program, origin=ready.origin)
+    codes = list(_codes(ready.program.block.statements))
+    return Extent(lines_of_code(text), len(codes), sum(code in _SLOW for code in codes))
+
+
+def lines_of_code(text: str) -> int:
+    """Return how many lines of Structured Text hold more than comments."""
+    bare = re.sub(r"\(\*.*?\*\)", "", text, flags=re.DOTALL)
+    return sum(bool(line.strip()) for line in bare.splitlines())
+
+
+def _codes(statements: Iterable[Statement]) -> Iterator[str]:
+    for statement in statements:
+        if isinstance(statement, Operation):
+            if statement.code not in _NO_WORK:
+                yield statement.code
+            continue
+        turns = statement.count if isinstance(statement, Loop) else 1
+        yield from turns * list(_codes(statement.body.statements))
