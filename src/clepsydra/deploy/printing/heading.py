@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import textwrap
 from collections.abc import Iterable, Iterator
 
@@ -11,13 +10,14 @@ from clepsydra import __version__
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.controllers.signals import LARGEST_PARAMETER
 from clepsydra.deploy.printing.entries import Entry, signal_of
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Loop, Operation, Program
 
 #: A line of a head comment is no wider than this [characters].
-_WIDTH = 94
+_WIDTH = 90
 _CONSTANTS = (
     "Numbers inside formulas belong to the equations of the law, in the SI units of its signals; "
     "all others have their unit, and their source where it is known, in a comment."
@@ -159,12 +159,14 @@ def table_comment(origin: Origin | None) -> str:
 
 
 def _bounds(signal: Signal) -> str:
+    # The bound that a parameter has so that it is a reasonable number tells its reader nothing.
+    bounded = signal.low > -LARGEST_PARAMETER, signal.high < LARGEST_PARAMETER
     low, high = f"{signal.low:.12g}", f"{signal.high:.12g}"
-    if math.isfinite(signal.low) and math.isfinite(signal.high):
+    if all(bounded):
         return f" {low} to {high}"
-    if math.isfinite(signal.low):
+    if bounded[0]:
         return f" from {low}"
-    return f" up to {high}" if math.isfinite(signal.high) else ""
+    return f" up to {high}" if bounded[1] else ""
 
 
 def commented(line: str, text: str, opening: str, closing: str, width: int) -> list[str]:
