@@ -1,6 +1,7 @@
 """Printed Structured Text made to run by matiec, the compiler of OpenPLC and Beremiz."""
 
 import ctypes
+import math
 import os
 import shutil
 import subprocess
@@ -102,7 +103,6 @@ class CompiledByMatiec(Instance):
         )
         self._library = matiec.build(source, folder, program.name)
         self._given = (ctypes.c_double * max(1, len(self._signals)))()
-        self._given[:] = [signal.initial for signal in self._signals] or [0.0]
         self._found = (ctypes.c_double * max(1, len(shown)))()
         self._count = len(shown)
         self._library.start()
@@ -110,8 +110,9 @@ class CompiledByMatiec(Instance):
     def __call__(self, inputs):
         """Run one scan and return the outputs in order."""
         for place, signal in enumerate(self._signals):
-            if signal.name in inputs:
-                self._given[place] = inputs[signal.name]
+            value = inputs.get(signal.name, math.nan)
+            printed = math.isnan(value) and place >= len(self.program.inputs)
+            self._given[place] = signal.initial if printed else value
         self._library.scan(self._given, self._found)
         return self._found[: len(self.program.outputs)]
 

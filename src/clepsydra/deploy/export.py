@@ -105,8 +105,10 @@ def export_structured_text(
         files[f"{name}_test.xml"] = print_plcopen_project(
             *parts, origin=ready.origin, process_origin=tank, precision=precision, dialect=dialect
         )
+    # TIA Portal takes a text without a byte order mark for one of the machine's code page.
+    encoding = "utf-8-sig" if dialect == "scl" else "utf-8"
     return ExportedFiles(
-        {file: text.encode() for file, text in files.items()},
+        {file: text.encode(encoding) for file, text in files.items()},
         _facts(ready, precision=precision, dialect=dialect),
         f"docs/plc.md says how {name}.{ending} comes into the project of the PLC; run "
         f"{name}_test.{ending} there first.",
