@@ -20,6 +20,8 @@ from benchmarks.measure import Spread, Way, interleave, on_one_core
 from clepsydra.engine.kernel import Job, Kernel
 
 SCANS = 10_000
+#: A run takes about a millisecond: a round times so many.
+CALLS = 5
 #: A batch has so many scenarios and scans; its measurements and setpoints differ.
 SCENARIOS, BATCH_SCANS = 64, 1_000
 _DOUBLE, _SINGLE = "exported C, double", "exported C, single"
@@ -114,10 +116,10 @@ def measure_one(work: AtWork, rounds: int, folder: Path) -> ExportedTimes:
             _agree(name, batch, scenario, its.outputs())
         timings = interleave(
             [
-                Way(_DOUBLE, scans.run),
-                Way(_SINGLE, single_scans.run),
-                Way(_ENGINE, one_run.run),
-                Way(_BATCH, batch.run),
+                Way(_DOUBLE, scans.run, CALLS),
+                Way(_SINGLE, single_scans.run, CALLS),
+                Way(_ENGINE, one_run.run, CALLS),
+                Way(_BATCH, batch.run, CALLS),
             ],
             rounds,
         )

@@ -264,7 +264,9 @@ class _Text:
                                        value)  # fmt: skip
             # The limit second: it is what comes where the value is not a number.
             value = self.operation("b", [], "maximum", value, self.constant("b", low))
-            return self.operation("b", [], "minimum", value, self.constant("b", high))
+            value = self.operation("b", [], "minimum", value, self.constant("b", high))
+            # An integer has no negative zero; the engine, which has numbers only, would keep it.
+            return self.operation("b", [], "add", value, self.constant("b", 0.0))
         return value
 
 

@@ -16,7 +16,13 @@ from clepsydra.process.reader import load_process
 from clepsydra.study.designs import DESIGNS
 
 #: Where a design that does not apply to the first is tried next.
-PROCESSES = ("quadruple-tank", "eight-tanks", "equalisation-tank", "three-tanks", "wet-well")
+PROCESSES = (
+    "quadruple-tank",
+    "eight-tanks",
+    "equalisation-tank",
+    "three-tanks",
+    "wet-well:start-stop",
+)
 
 pytestmark = pytest.mark.thorough
 

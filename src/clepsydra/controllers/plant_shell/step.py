@@ -60,7 +60,12 @@ class ShellStep:
         kept = {entry.name for entry in law.state}
         self.unremembered = [i for i in numbers if f"last_output_{i}" not in kept]
         self.sensors = needed_by_outputs(law, len(numbers), ("measurement", "sensor"))
-        self.setpoints = needed_by_outputs(law, len(numbers), ("setpoint",))
+        # A setpoint that stands fixed in the law is no business of the shell.
+        ramped = {setpoint.number for setpoint in members.setpoints}
+        self.setpoints = [
+            tuple(j for j in needed if j in ramped)
+            for needed in needed_by_outputs(law, len(numbers), ("setpoint",))
+        ]
 
     def equations(self, symbols: Symbols) -> Equations:
         """Write one scan: judge, command, limit, let the law compute, and tell."""

@@ -221,8 +221,9 @@ class PidBlock:
     def _source(self, symbols: Symbols) -> ca.SX:
         """Return the source of the setpoint; what stands for none leaves the last one."""
         source = symbols[self._named("setpoint_source")]
-        known = ca.logic_or(source == 0, source == 1)
-        return ca.if_else(known, source, symbols[self._named("last_setpoint_source")])
+        last = symbols[self._named("last_setpoint_source")]
+        # The choices as numbers of their own: whatever the input holds, the result is one of them.
+        return ca.if_else(source == 1, 1, ca.if_else(source == 0, 0, last))
 
     def _chosen(self, symbols: Symbols, asked: Sequence[Asked]) -> Setpoint:
         name = self._named

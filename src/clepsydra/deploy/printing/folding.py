@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 from clepsydra.deploy.printing.expressions import Expression, Notation, flag, render, variable
 from clepsydra.deploy.printing.identifiers import Identifiers
@@ -16,6 +15,7 @@ from clepsydra.deploy.printing.listing import (
     RingTurn,
     parts,
 )
+from clepsydra.deploy.printing.needed import needed_body, needed_part, needed_values
 from clepsydra.program.program import Block, Conditional, Loop, Operation
 
 #: A folded expression grows no wider than this [characters].
@@ -86,8 +86,7 @@ class _Lister:
         preferred: Mapping[int, str],
     ) -> tuple[list[ListingStatement], list[Expression]]:
         scope = _Scope(self._notation, self._names, dict(enumerate(arguments)), preferred)
-        block = block.without_unread()
-        uses = block.uses()
+        block, uses = needed_part(block)
         for statement in block.statements:
             if isinstance(statement, Loop):
                 self._loop(statement, scope, labels, uses)
@@ -111,16 +110,9 @@ class _Lister:
         names, first = self._names, len(loop.tables)
         entries = []
         index = names.new("i")
-        # A carried value that nothing reads, inside or after the loop, needs no variable.
-        own = loop.body.uses()
         count, rings = len(loop.targets), len(loop.rings)
-        live = [
-            k
-            for k, (target, result) in enumerate(zip(loop.targets, loop.body.results, strict=False))
-            if target in uses or own.get(first + k, 0) > (result == first + k)
-        ]
-        needed = _with_results(loop.body, [*live, *range(count, count + rings)])
-        read = needed.uses()
+        live = needed_values(loop, uses)
+        needed, read = needed_body(loop, live)
         for number, table in enumerate(loop.tables):
             if number not in read:
                 entries.append(_UNREAD)
@@ -157,11 +149,9 @@ class _Lister:
         labels: Mapping[int, str],
         uses: Mapping[int, int],
     ) -> None:
-        condition = scope.values[conditional.condition]
-        live = [k for k, target in enumerate(conditional.targets) if target in uses]
+        live = needed_values(conditional, uses)
         carried = self._carried(conditional, live, scope, labels)
-        needed = _with_results(conditional.body, live)
-        read = needed.uses()
+        needed, read = needed_body(conditional, live)
         # What only the body reads, it reads as it was before.
         inside = [
             variable(carried[k]) if k in carried else scope.atom(value) if k in read else _UNREAD
@@ -171,6 +161,7 @@ class _Lister:
         body, results = self.block(needed, inside, {}, {})
         update = self._update(list(carried.values()), results, body)
         if body or update:
+            condition = scope.values[conditional.condition]
             branch = Branch(condition, start, tuple(body), update, conditional.name)
             scope.statements.append(branch)
         else:
@@ -284,11 +275,6 @@ class _Scope:
         if expression.code in self._notation.statements:
             return max(self._width(operand) for operand in expression.operands)
         return len(render(expression, self._notation))
-
-
-def _with_results(body: Block, live: Sequence[int]) -> Block:
-    """Return a body that computes some of its results only."""
-    return replace(body, results=tuple(body.results[k] for k in live)).without_unread()
 
 
 def _depth(expression: Expression) -> int:

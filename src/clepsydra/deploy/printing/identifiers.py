@@ -21,8 +21,35 @@ C_WORDS = frozenset(
     reinterpret_cast static_cast template this throw try typeid typename using virtual wchar_t
     and and_eq bitand bitor compl not not_eq or or_eq xor xor_eq alignas alignof char16_t
     char32_t constexpr decltype noexcept nullptr static_assert thread_local int8_t int16_t
-    int32_t int64_t uint8_t uint16_t uint32_t uint64_t INFINITY NAN HUGE_VAL HUGE_VALF linux unix
+    int32_t int64_t uint8_t uint16_t uint32_t uint64_t INFINITY NAN HUGE_VAL HUGE_VALF HUGE_VALL
+    FP_FAST_FMA FP_FAST_FMAF FP_FAST_FMAL FP_ILOGB0 FP_ILOGBNAN FP_INFINITE FP_NAN FP_NORMAL
+    FP_SUBNORMAL FP_ZERO MATH_ERREXCEPT MATH_ERRNO math_errhandling M_1_PI M_2_PI M_2_SQRTPI M_E
+    M_LN10 M_LN2 M_LOG10E M_LOG2E M_PI M_PI_2 M_PI_4 M_SQRT1_2 M_SQRT2 DECIMAL_DIG
+    FLT_EVAL_METHOD FLT_RADIX FLT_ROUNDS linux unix
     """.split()  # noqa: SIM905
+    # Of <stdint.h> and <float.h>: the limits of every type.
+    + [
+        f"{sign}INT{size}_{end}"
+        for sign in ("", "U")
+        for size in (
+            *("MAX", "PTR"),
+            *(f"{kind}{bits}" for kind in ("", "_LEAST", "_FAST") for bits in (8, 16, 32, 64)),
+        )
+        for end in ("MIN", "MAX")
+    ]
+    + [
+        f"{name}_{end}"
+        for name in ("PTRDIFF", "SIG_ATOMIC", "SIZE", "WCHAR", "WINT")
+        for end in ("MIN", "MAX")
+    ]
+    + [
+        f"{real}_{what}"
+        for real in ("FLT", "DBL", "LDBL")
+        for what in (
+            *("DIG", "EPSILON", "MANT_DIG", "MAX", "MAX_10_EXP", "MAX_EXP"),
+            *("MIN", "MIN_10_EXP", "MIN_EXP"),
+        )
+    ]
 )
 
 #: Words of IEC 61131-3 (third edition): keywords, elementary types, standard functions.

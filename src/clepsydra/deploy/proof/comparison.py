@@ -77,8 +77,10 @@ def compare(signals: Sequence[Signal], expected: Array, found: Array) -> Differe
     """
     if expected.shape != found.shape or expected.shape[1] != len(signals):
         raise ValueError(f"tables of {expected.shape} and {found.shape} for {len(signals)} signals")
-    differs = _bits(expected) != _bits(found)
     decided = np.array([signal.kind != "real" for signal in signals], dtype=bool)
+    # A zero that is an integer has no sign.
+    expected, found = (np.where(decided, table + 0.0, table) for table in (expected, found))
+    differs = _bits(expected) != _bits(found)
     wrong = np.flatnonzero(differs[:, decided].any(axis=1))
     largest, signal, scan = 0.0, "", -1
     for column in np.flatnonzero(~decided & differs.any(axis=0)).tolist():

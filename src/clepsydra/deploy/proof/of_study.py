@@ -6,12 +6,9 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.deploy.export import process_origin
 from clepsydra.deploy.exportable import exportable
-from clepsydra.deploy.process_program import process_program
-from clepsydra.deploy.proof.item import ProofItem
-from clepsydra.linear.linearise import linearise
+from clepsydra.deploy.proof.item import ProofItem, process_item
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario
-from clepsydra.loop.step_size import substeps_for
 from clepsydra.study.result import StudyResult
 
 
@@ -33,28 +30,7 @@ def proof_items(study: StudyResult) -> list[ProofItem]:
     point = study.analysis.operating_point
     controllers = [candidate.controller for candidate in study.ranking]
     items = [_controller_item(each, point, study.scenario) for each in controllers]
-    return [*items, process_item(point)]
-
-
-def process_item(point: OperatingPoint) -> ProofItem:
-    """Return the process itself as what is to be proved.
-
-    Examples
-    --------
-    >>> from clepsydra.linear.equilibrium import find_equilibrium
-    >>> from clepsydra.process.reader import load_process
-    >>> process_item(find_equilibrium(load_process("quadruple-tank"))).kind
-    'process'
-    """
-    process = point.process
-    return ProofItem(
-        process.title,
-        process.sampling_period,
-        process_program(point, substeps_for(linearise(point))),
-        kind="process",
-        origin=process_origin(point),
-        point=point,
-    )
+    return [*items, process_item(point, process_origin(point))]
 
 
 def _controller_item(

@@ -51,7 +51,7 @@ class ProofRow:
         Of what ran it: the compiler, the grammar, FMPy.
     scores : dict
         What single precision does to the scores of the loop, see
-        `clepsydra.deploy.proof.single_loop.ScoreChange`.
+        `clepsydra.deploy.proof.single_loop.ScoreChange`; None where a number is infinite.
 
     Examples
     --------

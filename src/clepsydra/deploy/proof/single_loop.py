@@ -110,7 +110,8 @@ def _ranking(runs: list[Run], scores: list[dict[str, float]]) -> float:
     ]
     errors = {id(c.run): c.mean_error for c in rank(trials)}
     first, second = (errors[id(run)] for run in runs)
-    return second / first
+    # A loop that never settles may be infinitely bad in both.
+    return 1.0 if first == second else second / first
 
 
 def _relative(first: float, second: float) -> float:

@@ -169,6 +169,14 @@ def _scores(item: ProofItem, job: Job) -> dict[str, Any]:
         found = score_change(item.controller, model, job.single_c, item.scenario)
     except InputError as refusal:
         return {"reason": f"the scores were not compared: {refusal}"}
-    change = found.change if math.isfinite(found.change) else None
-    told = {"ranking": found.ranking, "score": found.score, "change": change}
-    return {"scores": {**told, "is_change": found.is_change}}
+    told = {
+        "ranking": _finite(found.ranking),
+        "score": found.score,
+        "change": _finite(found.change),
+        "is_change": found.is_change,
+    }
+    return {"scores": told}
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

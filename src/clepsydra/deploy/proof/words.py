@@ -109,7 +109,7 @@ def _score_sentence(row: ProofRow) -> str:
     if not scores["score"]:
         return "single precision changes no score of the loop"
     verb = "changes" if scores["is_change"] else "does not change"
-    if scores["change"] is None:
+    if None in (scores["change"], scores["ranking"]):
         return f"single precision {verb} the scores: {scores['score']} goes from finite to infinite"
     return (
         f"single precision {verb} the scores: the ranking number becomes {scores['ranking']:.6f} "

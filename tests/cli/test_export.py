@@ -1,0 +1,136 @@
+"""``clepsydra export`` as its user types it: files that compile and run, and refusals in words."""
+
+import json
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from clepsydra.deploy.proof.compiler import find_compiler
+
+PAGE = Path(__file__).parents[2] / "docs" / "export.md"
+PI = ("quadruple-tank", "--controller", "PI, SIMC")
+NAME = "quadruple_tank_pi_simc"
+
+
+def test_the_main_program_of_the_page_runs_the_exported_c(command, tmp_path):
+    status, out, _ = command("export", *PI, "--to", "c")
+    assert status == 0 and f"Written: {NAME}.c" in out
+    text = re.search(r"<!-- main.c -->\n```c\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)[1]
+    Path("main.c").write_text(text, "utf-8")
+    compiler = find_compiler("test")
+    built = [*compiler.command, "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
+    subprocess.run(
+        [*built, "-ffp-contract=off", "main.c", f"{NAME}.c", "-lm", "-o", "main"], check=True
+    )
+    printed = subprocess.run(["./main"], capture_output=True, text=True, check=True).stdout
+    # K = 3, Ti = 1000 s / 31.2188 and 42.454 s, b = 1: the integral is such that the first scan,
+    # of a controller that was at rest elsewhere, asks for K e + I; then it grows by K/Ti e.
+    first, second, third = (
+        [float(number) for number in line.split()] for line in printed.splitlines()
+    )
+    assert first == pytest.approx([3 * 0.5 + 3.0, 3 * 0.5 + 3.0], abs=1e-6)
+    growth = [3 / 32.03203203203203 * 0.5, 3 / 42.454394693200655 * 0.5]
+    assert [b - a for a, b in zip(first, second, strict=True)] == pytest.approx(growth, abs=2e-6)
+    assert [b - a for a, b in zip(second, third, strict=True)] == pytest.approx(growth, abs=2e-6)
+
+
+@pytest.mark.parametrize(
+    ("dialect", "files"),
+    [
+        ("codesys", {f"{NAME}.st", f"{NAME}_test.st", f"{NAME}_test.xml"}),
+        ("matiec", {f"{NAME}.st", f"{NAME}_test.st", f"{NAME}_test.xml"}),
+        ("scl", {f"{NAME}.scl", f"{NAME}_test.scl"}),
+    ],
+)
+def test_each_dialect_has_its_files_and_json_names_them(command, tmp_path, dialect, files):
+    status, out, _ = command("export", *PI, "--to", "st", "--dialect", dialect, "--json")
+    found = json.loads(out)
+    assert status == 0 and set(found["files"]) == files
+    assert {path.name for path in tmp_path.iterdir()} == files
+    text = Path(next(iter(sorted(files)))).read_text("utf-8-sig")
+    assert found["digest"] in text and "quadruple-tank of the catalogue" in text
+
+
+def test_options_of_the_plant_are_printed_with_their_source(command):
+    command(
+        "export", *PI, "--to", "c", "--fail-safe", "pump_1=2 V", "--sensor-delay", "level_2=10 s",
+        "--rate-limit", "pump_2=0.5 V/s", "--setpoint-rate", "level_1=6 V/min",
+    )  # fmt: skip
+    text = Path(f"{NAME}.c").read_text("utf-8")
+    for name, value in (
+        ("fail_safe_1", 2.0), ("sensor_delay_2", 10.0), ("rate_limit_2", 0.5),
+        ("setpoint_rate_1", 0.1), ("fail_safe_2", 0.0), ("sensor_delay_1", 4.0),
+    ):  # fmt: skip
+        found = re.search(rf"parameters->{name} = (\S+); /\* (.*) \*/", text)
+        assert float(found[1]) == value
+        assert ("default" in found[2]) == (name in ("fail_safe_2", "sensor_delay_1"))
+
+
+@pytest.mark.parametrize("version", ["3.0", "2.0"])
+def test_a_process_and_a_controller_become_fmus(command, version):
+    status, out, _ = command("export", *PI, "--to", "fmu", "--fmi", version)
+    assert status == 0
+    status, out, _ = command("export", "quadruple-tank", "--to", "fmu", "--fmi", version)
+    assert status == 0 and "model exchange" in " ".join(out.split())
+    for path in Path().glob("*.fmu"):
+        described = zipfile.ZipFile(path).read("modelDescription.xml").decode()
+        assert f'fmiVersion="{version}"' in described
+    assert len(list(Path().glob("*.fmu"))) == 3
+
+
+def test_the_tuning_goes_to_screen_and_file(command):
+    status, out, _ = command("export", *PI, "--to", "tuning")
+    assert status == 0 and "KP = 3 %/%" in Path(f"{NAME}_tuning.md").read_text("utf-8")
+    assert all(len(line) <= 100 for line in out.splitlines()) and out.count("Next: ") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("quadruple-tank", "--to", "st"), "--controller: got 'none', expected the name of one"),
+        (("quadruple-tank", "--to", "st", "--controller", "PI SIMC"), "perhaps 'PI, SIMC' was"),
+        (("quadruple-tank", "--to", "c", "--controller", "PI, arrest time"), "does not: "),
+        (("quadruple-tank", "--to", "tuning", "--controller", "LQI, Bryson"), "PID"),
+        ((*PI, "--to", "c", "--fail-safe", "pump_3=1 V"), "perhaps 'pump_"),
+        ((*PI, "--to", "c", "--fail-safe", "pump_1"), "'=' and its value"),
+        ((*PI, "--to", "c", "--fail-safe", "pump_1=1 m"), "convertible to V"),
+        ((*PI, "--to", "c", "--fail-safe", "pump_1=11 V"), "10"),
+        ((*PI, "--to", "c", "--sensor-delay", "level_1=-1 s"), "-1"),
+        ((*PI, "--to", "c", "-o", "nowhere"), "a folder that exists"),
+        (("no-such-tank", "--to", "fmu"), "no-such-tank"),
+    ],
+)
+def test_mistakes_end_in_one_message_and_no_file(command, tmp_path, arguments, words):
+    status, out, error = command("export", *arguments)
+    assert status == 2 and out == "" and "Traceback" not in error
+    assert words in " ".join(error.split())
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_law_in_python_is_refused_with_the_reason(command, tmp_path):
+    Path("law.py").write_text(
+        "inputs = ['setpoint_1', 'measurement_1']\noutputs = ['manipulated_1']\n"
+        "def step(state, inputs, parameters, time_step):\n"
+        "    return {}, {'manipulated_1': 3.0}\n",
+        "utf-8",
+    )
+    Path("own.toml").write_text(
+        'process = "quadruple-tank"\n[controllers.mine]\nlaw = "law.py"\n'
+        'setpoints = ["level_1"]\nmeasurements = ["level_1"]\nmanipulated = ["pump_1"]\n',
+        "utf-8",
+    )
+    status, _, error = command("export", "own.toml", "--controller", "mine", "--to", "st")
+    assert status == 2 and "Python" in error and "Traceback" not in error
+    assert {path.name for path in tmp_path.iterdir()} == {"law.py", "own.toml"}
+
+
+def test_without_a_compiler_no_fmu_is_written(command, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", "/nonexistent")
+    monkeypatch.setitem(sys.modules, "ziglang", None)
+    status, _, error = command("export", *PI, "--to", "fmu")
+    assert status == 2 and "ziglang" in error and "compiler" in error
+    assert not list(tmp_path.iterdir())
