@@ -13,7 +13,7 @@ _NEEDED = {
         map(importlib.util.find_spec, ("fmpy", "tree_sitter_iec61131_3_st"))
     ),
 }
-_FOLDERS = tuple(Path("src/clepsydra/deploy") / name for name in ("proof", "fmi"))
+_FOLDERS = tuple(Path("src/clepsydra/deploy") / name for name in ("proof", "fmi", "compiler.py"))
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

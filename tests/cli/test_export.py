@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from clepsydra.deploy.proof.compiler import find_compiler
+from clepsydra.deploy.compiler import find_compiler
 
 PAGE = Path(__file__).parents[2] / "docs" / "export.md"
 PI = ("quadruple-tank", "--controller", "PI, SIMC")

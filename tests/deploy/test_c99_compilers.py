@@ -12,8 +12,8 @@ from families import PROCESSES, bare, family
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.c99.printer import CSource, print_c
+from clepsydra.deploy.compiler import Compiler
 from clepsydra.deploy.proof.compiled_c import CompiledC as Compiled
-from clepsydra.deploy.proof.compiler import Compiler
 from clepsydra.deploy.proof.scans import random_scans
 from clepsydra.program.program import Block, Operation, Program
 

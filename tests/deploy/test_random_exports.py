@@ -13,10 +13,10 @@ import pytest
 from deployed import need_compiler, need_grammar, need_importer
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from random_programs import EVERYTHING, Written, codes_of, library_programs, odd_scans, programs
+from random_programs import EVERYTHING, Written, codes_of, odd_scans, programs
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.proof.compiler import find_compiler
+from clepsydra.deploy.compiler import find_compiler
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.job import Job
 from clepsydra.deploy.proof.targets import Target, targets_of

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.compiler import find_compiler
 from clepsydra.deploy.exportable import Exportable, described, exportable_name
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.exchange import exchange_model
@@ -21,7 +22,6 @@ from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.process_program import process_program
-from clepsydra.deploy.proof.compiler import find_compiler
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.deploy.structured_text.project import print_test_project
 from clepsydra.deploy.vendor_tuning.translation import translate

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.proof.compiler import find_compiler
+from clepsydra.deploy.compiler import find_compiler
 
 sys.path.insert(0, str(Path(__file__).parent))
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from fmpy import fmi2, fmi3
 
+from clepsydra.deploy.compiler import find_compiler
 from clepsydra.deploy.fmi.model import FmuModel
 from clepsydra.deploy.fmi.write import write_fmu
-from clepsydra.deploy.proof.compiler import find_compiler
 
 VERSIONS = ("3.0", "2.0")
 

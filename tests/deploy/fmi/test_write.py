@@ -14,9 +14,9 @@ from fmus import VERSIONS, written
 from models import exchange_of, origin, pi_model, pi_program, process_of
 
 from clepsydra.base.errors import InputError
+from clepsydra.deploy.compiler import CompilationError, find_compiler
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.write import write_fmu
-from clepsydra.deploy.proof.compiler import CompilationError, find_compiler
 
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 

@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from clepsydra.base.errors import InputError
+from clepsydra.deploy.compiler import Compiler, library_name
 from clepsydra.deploy.fmi.sources import compiled_files
-from clepsydra.deploy.proof.compiler import Compiler, library_name
 
 _SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
 _MACHINES = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
@@ -59,7 +59,7 @@ def build_binary(name: str, files: dict[str, str], compiler: Compiler) -> tuple[
 
     Examples
     --------
-    >>> from clepsydra.deploy.proof.compiler import find_compiler
+    >>> from clepsydra.deploy.compiler import find_compiler
     >>> sources = {"answer.c": "int answer(void); int answer(void) { return 42; }"}
     >>> build_binary("answer", sources, find_compiler("example"))[0].partition(".")[0]
     'answer'

@@ -8,13 +8,13 @@ from typing import Literal, get_args
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import whole_file
+from clepsydra.deploy.compiler import Compiler
 from clepsydra.deploy.fmi.binary import build_binary, platform_folder
 from clepsydra.deploy.fmi.description_2 import model_description_2
 from clepsydra.deploy.fmi.description_3 import build_description_3, model_description_3
 from clepsydra.deploy.fmi.model import FmuModel
 from clepsydra.deploy.fmi.page import documentation_page
 from clepsydra.deploy.fmi.sources import compiled_files, source_files
-from clepsydra.deploy.proof.compiler import Compiler
 
 #: Versions of the Functional Mock-up Interface.
 FmiVersion = Literal["3.0", "2.0"]

@@ -12,14 +12,14 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.c99.printer import print_c
-from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
-from clepsydra.deploy.printing.precision import Precision
-from clepsydra.deploy.proof.compiler import (
+from clepsydra.deploy.compiler import (
     CompilationError,
     Compiler,
     find_compiler,
     library_name,
 )
+from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
+from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.proof.instance import (
     Array,
     Instance,

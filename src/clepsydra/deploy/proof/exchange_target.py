@@ -36,7 +36,7 @@ def model_exchange(version: FmiVersion) -> Callable[[Job], Measured]:
     Examples
     --------
     >>> import tempfile
-    >>> from clepsydra.deploy.proof.compiler import find_compiler
+    >>> from clepsydra.deploy.compiler import find_compiler
     >>> from clepsydra.deploy.proof.item import process_item
     >>> from clepsydra.linear.equilibrium import find_equilibrium
     >>> from clepsydra.process.reader import load_process

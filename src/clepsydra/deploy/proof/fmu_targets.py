@@ -29,7 +29,7 @@ def co_simulation(version: FmiVersion) -> Callable[[Job], Measured]:
     >>> import tempfile
     >>> from pathlib import Path
     >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.deploy.proof.compiler import find_compiler
+    >>> from clepsydra.deploy.compiler import find_compiler
     >>> from clepsydra.program.program import Block, Operation, Program
     >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
     >>> program = Program("double_it", (), (Signal("u"),), (), (Signal("y"),), double)

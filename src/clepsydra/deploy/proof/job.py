@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from clepsydra.deploy.compiler import Compiler
 from clepsydra.deploy.proof.compiled_c import CompiledC
-from clepsydra.deploy.proof.compiler import Compiler
 from clepsydra.deploy.proof.coverage import Coverage, coverage
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.instance import Array

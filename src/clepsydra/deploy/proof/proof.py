@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 from clepsydra import __version__
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.files import whole_file
+from clepsydra.deploy.compiler import find_compiler
 from clepsydra.deploy.printing.heading import digest
-from clepsydra.deploy.proof.compiler import find_compiler
 from clepsydra.deploy.proof.coverage import Coverage
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.job import Job

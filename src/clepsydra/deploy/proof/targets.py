@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from clepsydra.base.errors import InputError
+from clepsydra.deploy.compiler import Compiler
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.proof.comparison import (
     Difference,
@@ -18,7 +19,6 @@ from clepsydra.deploy.proof.comparison import (
     shown_signals,
 )
 from clepsydra.deploy.proof.compiled_c import CompiledC
-from clepsydra.deploy.proof.compiler import Compiler
 from clepsydra.deploy.proof.exchange_target import model_exchange
 from clepsydra.deploy.proof.fmu_targets import Measured, co_simulation
 from clepsydra.deploy.proof.interpreted_text import InterpretedText

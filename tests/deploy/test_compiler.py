@@ -8,7 +8,7 @@ import pytest
 from deployed import need_compiler
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.proof.compiler import CompilationError, find_compiler, library_name
+from clepsydra.deploy.compiler import CompilationError, find_compiler, library_name
 
 ANSWER = "int answer(void);\nint answer(void) { return 42; }\n"
 

@@ -32,7 +32,7 @@ class CompilationError(ClepsydraError):
     >>> raise CompilationError("law.c:3:1: error: expected ';'")
     Traceback (most recent call last):
         ...
-    clepsydra.deploy.proof.compiler.CompilationError: law.c:3:1: error: expected ';'
+    clepsydra.deploy.compiler.CompilationError: law.c:3:1: error: expected ';'
     """
 
 
