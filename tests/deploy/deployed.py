@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clepsydra.deploy.proof import compiled_c, compiler, interpreted_text
+from clepsydra.deploy import compiler
+from clepsydra.deploy.proof import compiled_c, interpreted_text
 from clepsydra.program.program import Program
 
 COMPILER = next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
