@@ -1,7 +1,7 @@
 """Controller and process as two FMUs, joined by libcosim, which shares no code with FMPy.
 
 It reads FMI 2.0 for co-simulation and comes by ``pip install libcosimpy``. Where it is missing
-the tests are skipped, unless CLEPSYDRA_REQUIRE_IMPORTERS=1.
+the tests are skipped, unless CLEPSYDRA_REQUIRE_TOOLS=1.
 """
 
 import importlib.util
@@ -24,7 +24,7 @@ SECOND = 1_000_000_000  # libcosim counts nanoseconds
 @pytest.fixture(autouse=True)
 def _libcosim():
     if importlib.util.find_spec("libcosimpy") is None:
-        if os.environ.get("CLEPSYDRA_REQUIRE_IMPORTERS") == "1":
+        if os.environ.get("CLEPSYDRA_REQUIRE_TOOLS") == "1":
             pytest.fail("libcosimpy is not installed")
         pytest.skip("libcosimpy is not installed")
 

@@ -1,0 +1,469 @@
+"""Random controllers: own laws of expressions, PID, schemes of blocks, linear laws, in a shell.
+
+As in `random_programs`, what is drawn is the Python text that makes the program.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import strategies as st
+from random_programs import IMPORTS, Written, modest, numbers
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.anti_windup import AntiWindup
+from clepsydra.controllers.conditioned_linear import ConditionedMatrices, conditioned_linear_law
+from clepsydra.controllers.linear_quadratic_integral import lqi_law
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.state_feedback import state_feedback_law
+from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
+from clepsydra.controllers.structure.law import structure_law
+from clepsydra.controllers.structure.output_block import OutputBlock
+from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.controllers.structure.ratio_block import RatioBlock
+from clepsydra.controllers.structure.selector_block import SelectorBlock
+from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
+from clepsydra.program.step_law import StepLaw
+
+LAW_IMPORTS = (
+    IMPORTS
+    + """\
+from clepsydra.controllers.conditioned_linear import ConditionedMatrices, conditioned_linear_law
+from clepsydra.controllers.linear_quadratic_integral import lqi_law
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.own_signals import OwnSignals
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.plant_shell.settings import PlantShell
+from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.controllers.state_feedback import state_feedback_law
+from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
+from clepsydra.controllers.structure.law import structure_law
+from clepsydra.controllers.structure.output_block import OutputBlock
+from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.controllers.structure.ratio_block import RatioBlock
+from clepsydra.controllers.structure.selector_block import SelectorBlock
+from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
+from clepsydra.program.counted_loop import counted_loop
+"""
+)
+RANGES = ((0.0, 10.0), (-1.0, 1.0), (0.004, 0.02), (0.0, 100.0), (1e5, 3e5))
+UNITS = ("m", "V", "1", "l/s", "mol/m^3", "A", "furlong")
+DESCRIPTIONS = (
+    "", "level of tank 1", "a */ comment (* that */ closes *)", 'says "less" < & > more', "Füllstand",
+    "two\nlines\tand a tab", "ends in a backslash \\", "what?" + "?/ a trigraph", "$N, $$ and 'q'",
+    "{pragma} // and more", "]]> --",
+)  # fmt: skip
+PERIODS = (1.0, 0.1, 1 / 3, 60.0, 0.004)
+
+
+@st.composite
+def _range(draw) -> tuple[float, float]:
+    return draw(st.sampled_from(RANGES))
+
+
+@st.composite
+def process_signals(draw, prefix: str, count: int) -> list[Signal]:
+    """Signals of a process, with ranges, units and descriptions that want care in a text."""
+    found = []
+    for number in range(1, count + 1):
+        low, high = draw(_range())
+        found.append(
+            Signal(
+                f"{prefix}_{number}",
+                draw(st.sampled_from(UNITS)),
+                low=low,
+                high=high,
+                initial=draw(st.sampled_from([low, high, (low + high) / 2])),
+                description=draw(st.sampled_from(DESCRIPTIONS)),
+            )
+        )
+    return found
+
+
+# ------------------------------------------------------------------ laws of expressions
+
+
+class _Expressions:
+    """Random expressions of CasADi over named scalars, a line each."""
+
+    UNARY = (
+        "-{0}", "ca.fabs({0})", "ca.sqrt(ca.fabs({0}))", "ca.floor({0})", "ca.ceil({0})",
+        "ca.sign({0})", "{0}**2", "2 * {0}", "1 / {0}", "ca.sqrt({0})", "ca.logic_not({0})",
+    )  # fmt: skip
+    BINARY = (
+        "{0} + {1}", "{0} - {1}", "{0} * {1}", "{0} / {1}", "ca.fmin({0}, {1})",
+        "ca.fmax({0}, {1})", "ca.if_else({0} < {1}, {0}, {1})", "({0} < {1})", "({0} <= {1})",
+        "({0} == {1})", "({0} != {1})", "ca.logic_and({0} > 0, {1} > 0)",
+        "ca.logic_or({0} > 0.5, {1} < 0)", "ca.if_else(ca.logic_not(ca.fabs({0}) <= 1e300), {1}, {0})",
+        "ca.if_else({0}, ca.if_else({1}, {0}, {1}), ca.if_else({0} > {1}, {1}, -{0}))",
+    )  # fmt: skip
+
+    def __init__(self, draw, known: list[str]) -> None:
+        self.draw, self.known, self.lines = draw, known, []
+
+    def more(self, most: int) -> None:
+        for number in range(1, self.draw(st.integers(1, most)) + 1):
+            name = f"v{number}"
+            self.lines.append(f"{name} = {self._one(number)}")
+            self.known.append(name)
+
+    def _one(self, number: int) -> str:
+        what = self.draw(st.integers(0, 9))
+        if what == 9:
+            return self._loop(number)
+        if what > 6:
+            form = self.draw(st.sampled_from(self.UNARY))
+        else:
+            form = self.draw(st.sampled_from(self.BINARY))
+        return form.format(self.operand(), self.operand())
+
+    def operand(self) -> str:
+        if self.draw(st.integers(0, 3)) == 3:
+            return f"ca.SX({self.draw(numbers)!r})"
+        # The latest ones first, so that chains arise.
+        return self.draw(st.sampled_from(self.known[::-1]))
+
+    def _loop(self, number: int) -> str:
+        """A counted loop over a table; the body may leave out any of what it is given."""
+        count = self.draw(st.sampled_from([1, 2, 4]))
+        table = [self.draw(modest) for _ in range(count)]
+        row, total, given = (f"{name}{number}" for name in ("row", "total", "given"))
+        body = self.draw(
+            st.sampled_from(
+                (
+                    "{total} + {row}", "{total} * {given} + {row}", "ca.fmin({total}, {given})",
+                    "ca.if_else({row} > {given}, {total} + 1, {total})", "{total}", "-{given}",
+                )
+            )
+        ).format(row=row, total=total, given=given)  # fmt: skip
+        self.lines += [
+            f'{row}, {total}, {given} = (ca.SX.sym(n) for n in ("row", "total", "given"))',
+            f'body{number} = ca.Function("body{number}", [{row}, {total}, {given}], [{body}])',
+        ]
+        return (
+            f'counted_loop("turns{number}", {count}, body{number}, carried=ca.SX({self.operand()}), '
+            f"tables=[{table!r}], invariants=ca.SX({self.operand()}))"
+        )
+
+    def kept_within(self, low: float, high: float) -> str:
+        """What a state becomes: within bounds at times, so that not all ends as no number."""
+        value = self.draw(st.sampled_from(self.known[::-1]))
+        return self.draw(
+            st.sampled_from([f"ca.fmin(ca.fmax({value}, {low}), {high})", f"ca.SX({value})"])
+        )
+
+
+@st.composite
+def own_laws(draw) -> Written:
+    """A law as a user writes one, behind the output stage that is added and in its shell.
+
+    States, rings, inputs that nobody reads, outputs that are inputs, and no state at all.
+    """
+    measured = draw(process_signals("measurement", draw(st.integers(1, 2))))
+    setpoints = draw(process_signals("setpoint", draw(st.integers(0, 2))))
+    moved = draw(process_signals("manipulated", draw(st.integers(1, 2))))
+    inputs = [*setpoints, *measured]
+    if draw(st.booleans()):
+        inputs.append(Signal("time_step", "s", low=0.0, initial=1.0))
+    inputs += [Signal(f"last_{s.name}", s.unit) for s in moved if draw(st.booleans())]
+    gains = [Signal(f"gain_{k}", initial=draw(modest)) for k in range(draw(st.integers(0, 3)))]
+    if draw(st.booleans()):
+        gains.append(Signal("switch", low=0.0, high=1.0, initial=1.0, kind="boolean"))
+    if draw(st.booleans()):
+        gains.append(Signal("count_to", low=0.0, high=9.0, initial=3.0, kind="integer"))
+    state = [
+        f"Signal('memory_{k}', initial={draw(modest)!r})" for k in range(draw(st.integers(0, 3)))
+    ]
+    names = [f"memory_{k}" for k in range(len(state))]
+    if draw(st.booleans()):
+        state.append(f"DelayRing(Signal('late', initial=0.5), {draw(st.sampled_from([1, 2, 5]))})")
+        names.append("late")
+    known = [f's["{name}"]' for name in [*names, *(g.name for g in (*inputs, *gains))]]
+    text = _Expressions(draw, known)
+    text.more(10)
+    following = {name: text.kept_within(-10.0, 10.0) for name in names}
+    outputs = {s.name: draw(st.sampled_from(text.known[::-1])) for s in moved}
+    named = {
+        f"inner_{k}": draw(st.sampled_from(text.known)) for k in range(draw(st.integers(0, 2)))
+    }
+    limits = {}
+    for number, signal in enumerate(moved, start=1):
+        limits |= {f"low_limit_{number}": signal.low, f"high_limit_{number}": signal.high}
+    law = "\n".join(
+        [
+            "def equations(s):",
+            *(f"    {line}" for line in text.lines),
+            f"    return Equations({_mapping(following)}, {_mapping(outputs)}, {_mapping(named)})",
+            "",
+            f"inputs = {_listed(inputs)}",
+            f"parameters = {_listed(gains)}",
+            f"state = [{', '.join(state)}]",
+            f"outputs = {_listed(moved)}",
+            'bare = step_law("own_law", inputs=inputs, parameters=parameters, state=state,',
+            "                outputs=outputs, equations=equations)",
+            'law = OwnSignals("own.py", bare.inputs, bare.parameters, bare.outputs, bare.state)'
+            ".whole_law(bare)",
+        ]
+    )
+    return draw(_shelled(law, measured, setpoints, moved, limits))
+
+
+def _mapping(entries: dict[str, str]) -> str:
+    return "{" + ", ".join(f"{name!r}: {value}" for name, value in entries.items()) + "}"
+
+
+def _listed(signals: list[Signal]) -> str:
+    return "[" + "".join(f"\n    {signal!r}," for signal in signals) + "\n]"
+
+
+# ------------------------------------------------------------------ controllers in their shell
+
+
+@st.composite
+def _shelled(
+    draw, law: str, measured: list[Signal], controlled: list[Signal], moved: list[Signal],
+    values: dict[str, float],
+) -> Written:  # fmt: skip
+    """Put a law into a controller, bare or in its shell with random settings."""
+    period = draw(st.sampled_from(PERIODS))
+    names = [[f"y{k}" for k in range(len(measured))], [f"r{k}" for k in range(len(controlled))],
+             [f"u{k}" for k in range(len(moved))]]  # fmt: skip
+    settings = {}
+    for what, group, choices in (
+        ("sensor_delay", names[0], (0.0, 4.0, 0.5, 1e3)),
+        ("setpoint_rate", names[1], (0.1, 1e-3, 1e6)),
+        ("rate_limit", names[2], (0.5, 1e-3, 1e6)),
+    ):
+        chosen = {name: draw(st.sampled_from(choices)) for name in group if draw(st.booleans())}
+        if chosen:
+            settings[what] = chosen
+    shell = ", ".join(f"{what}={value!r}" for what, value in settings.items())
+    bare = draw(st.integers(0, 4)) == 4
+    lines = [
+        # Remote setpoints and their choice.
+        'wired = ("setpoint_", "measurement_", "sensor_", "mode_", "manual_", "tracking_", "time_")',
+        "free = {s.name: s.initial for s in law.inputs",
+        '        if not s.name.startswith(wired) or s.name.startswith("setpoint_source_")}',
+        f"values = {{p.name: p.initial for p in law.parameters}} | {values!r}",
+        "start = {getattr(e, 'signal', e).name: getattr(e, 'signal', e).initial for e in law.state}",
+        f'controller = Controller("random", "random", "", law, values, start, {tuple(names[0])!r},',
+        f"                        {tuple(names[1])!r}, {tuple(names[2])!r}, (), free)",
+        f"period = {period!r}",
+        "program = controller.program()"
+        if bare
+        else f"program = with_plant_shell(controller, period, PlantShell({shell})).program()",
+    ]
+    return Written(f"{LAW_IMPORTS}\n{law}\n" + "\n".join(lines) + "\n")
+
+
+@st.composite
+def _values_of(draw, law: StepLaw) -> dict[str, float]:
+    """A value for every parameter: mostly reasonable, at times at the end of its range or zero."""
+    found = {}
+    for parameter in law.parameters:
+        name = parameter.name
+        if name.startswith(("low_limit", "split_", "lowest", "highest", "high_limit")):
+            continue
+        if parameter.kind != "real":
+            continue
+        choices = [1.0, 0.3, -0.7, 31.0, 1 / 3, 1e-6, 0.0, -0.0, 1e9, 1e-300, 123.456789]
+        fitting = [x for x in choices if parameter.low <= x <= parameter.high]
+        found[name] = draw(st.sampled_from(fitting))
+    return found
+
+
+@st.composite
+def forms(draw, selected: bool = False) -> PidForm:
+    """Every form of PID control that there is."""
+    algorithm = draw(st.sampled_from(["isa", "series", "parallel", "velocity"]))
+    actions = draw(st.sampled_from(["PI", "PID"] if algorithm == "velocity" else
+                                   ["PI", "P", "PD", "PID"]))  # fmt: skip
+    winding: list[AntiWindup] = ["back_calculation"]
+    if not selected:
+        winding += ["conditional_integration", "clamping", "none"]
+    shapes = ["linear"] + (["gap", "squared"] if algorithm in ("isa", "parallel") else [])
+    return PidForm(
+        actions,
+        algorithm,
+        draw(st.sampled_from(["measurement", "error"])),
+        draw(st.sampled_from(shapes)),
+        draw(st.sampled_from(winding)),
+        draw(st.booleans()),
+        draw(st.booleans()),
+    )
+
+
+@st.composite
+def pid_controllers(draw) -> Written:
+    """One to three loops, each form, rate limits, decoupling."""
+    loops = draw(st.integers(1, 3))
+    form = draw(forms())
+    measured = draw(process_signals("level", loops))
+    moved = draw(process_signals("pump", loops))
+    options = {
+        "rate_limited": draw(st.booleans()),
+        "decoupling": draw(st.sampled_from([None, "static", "dynamic"])) if loops > 1 else None,
+    }
+    law = multiloop_pid_law(loops, form, measured=measured, manipulated=moved, **options)
+    written = ", ".join(f"{name}={value!r}" for name, value in options.items())
+    text = (
+        f"measured = {_listed(measured)}\nmoved = {_listed(moved)}\n"
+        f"law = multiloop_pid_law({loops}, {form!r}, measured=measured, manipulated=moved, {written})"
+    )
+    return draw(_shelled(text, measured, measured, moved, draw(_values_of(law))))
+
+
+# ------------------------------------------------------------------ schemes of blocks
+
+
+class _Scheme:
+    """Blocks of a control scheme, drawn from the outputs back to the setpoints."""
+
+    def __init__(self, draw) -> None:
+        self.draw = draw
+        self.blocks: list = []
+        self.measured: list[Signal] = []
+        self.controlled: list[Signal] = []
+        self._count = 0
+
+    def outputs(self) -> None:
+        if self.draw(st.integers(0, 2)) == 2:
+            span = Signal("span", "%", low=0.0, high=100.0)
+            source = self.giver(span, 2, selected=False)
+            pumps = self.draw(process_signals("moved", 2))
+            middle = self.draw(st.sampled_from([50.0, 30.0]))
+            gap = self.draw(st.sampled_from([0.0, 20.0]))
+            parts = ((0.0, middle), (middle + gap, 100.0))
+            legs = tuple(
+                Leg(k, pump, *part, *self.draw(st.sampled_from([(pump.low, pump.high),
+                                                                (pump.high, pump.low)])))
+                for k, (pump, part) in enumerate(zip(pumps, parts, strict=True), start=1)
+            )  # fmt: skip
+            self.blocks.append(SplitRangeBlock("split", source, legs))
+            for leg in legs:
+                self.blocks.append(OutputBlock(leg.number, leg.moved, leg.port("split"),
+                                               self.draw(st.booleans())))  # fmt: skip
+            self.moved = pumps
+            return
+        self.moved = self.draw(process_signals("moved", self.draw(st.integers(1, 2))))
+        for number, signal in enumerate(self.moved, start=1):
+            source = self.giver(signal, 2, selected=False, output=number)
+            self.blocks.append(OutputBlock(number, signal, source, self.draw(st.booleans())))
+
+    def _name(self) -> str:
+        self._count += 1
+        return f"block {self._count}"
+
+    def _measurement(self) -> tuple[Signal, int]:
+        (signal,) = self.draw(process_signals("seen", 1))
+        signal = replace(signal, name=f"seen_{len(self.measured) + 1}")
+        self.measured.append(signal)
+        return signal, len(self.measured)
+
+    def giver(self, moved: Signal, depth: int, *, selected: bool, output: int | None = None) -> str:
+        """Append a block that moves a signal, and return its name."""
+        kinds = ["pid", "pid"] + (["selector", "feedforward", "ratio", "trimmed"] if depth else [])
+        kind, name = self.draw(st.sampled_from(kinds)), self._name()
+        if kind == "selector":
+            count = self.draw(st.integers(2, 3))
+            sources = tuple(self.giver(moved, depth - 1, selected=True) for _ in range(count))
+            block = SelectorBlock(name, sources, self.draw(st.sampled_from(["low", "high"])))
+        elif kind == "feedforward":
+            source = self.giver(moved, depth - 1, selected=selected)
+            terms = []
+            for k in range(self.draw(st.integers(1, 2))):
+                signal, number = self._measurement()
+                taken = f"measurement_{number}"
+                terms.append(
+                    FeedforwardTerm(f"{self._count}_{k}", signal, taken, self.draw(st.booleans()))
+                )
+            block = FeedforwardBlock(name, source, moved, tuple(terms))
+        elif kind in ("ratio", "trimmed"):
+            wild, number = self._measurement()
+            share = Signal("share", low=0.0, high=10.0)
+            source = None
+            if kind == "trimmed":
+                source = self.giver(share, depth - 1, selected=selected)
+            block = RatioBlock(name, self._count, wild, number, moved, source)
+        else:
+            block = self._pid(name, moved, depth, selected, output)
+        self.blocks.append(block)
+        return name
+
+    def _pid(
+        self, name: str, moved: Signal, depth: int, selected: bool, output: int | None
+    ) -> PidBlock:
+        number = self._count
+        signal, place = self._measurement()
+        form = self.draw(forms(selected))
+        if depth and self.draw(st.integers(0, 2)) == 2:
+            setpoint: int | str = self.giver(signal, depth - 1, selected=selected)
+        else:
+            self.controlled.append(signal)
+            setpoint = len(self.controlled)
+        return PidBlock(name, number, form, signal, place, moved, setpoint, output)
+
+
+@st.composite
+def schemes(draw) -> Written:
+    """Cascades, selectors, split ranges, ratios and feedforward, one inside another."""
+    scheme = _Scheme(draw)
+    scheme.outputs()
+    law = structure_law(
+        "scheme", scheme.blocks, controlled=scheme.controlled, measured=scheme.measured
+    )
+    blocks = "".join(f"\n    {block!r}," for block in scheme.blocks)
+    text = (
+        f"blocks = [{blocks}\n]\ncontrolled = {_listed(scheme.controlled)}\n"
+        f"measured = {_listed(scheme.measured)}\n"
+        'law = structure_law("scheme", blocks, controlled=controlled, measured=measured)'
+    )
+    values = draw(_values_of(law))
+    return draw(_shelled(text, scheme.measured, scheme.controlled, scheme.moved, values))
+
+
+# ------------------------------------------------------------------ linear laws
+
+
+@st.composite
+def linear_laws(draw) -> Written:
+    """LQI, state feedback, and a linear law that is told what was applied."""
+    count, outputs = draw(st.integers(1, 3)), draw(st.integers(1, 2))
+    measured = draw(process_signals("level", count))
+    moved = draw(process_signals("pump", outputs))
+    followed = sorted(draw(st.sets(st.integers(1, count), min_size=1, max_size=outputs)))
+    given = "measured=measured, manipulated=moved"
+    kind = draw(st.sampled_from(["lqi", "feedback", "conditioned"]))
+    if kind == "lqi":
+        winding = draw(st.sampled_from(["back_calculation", "conditional_integration", "none"]))
+        law = lqi_law(count, outputs, followed, winding, measured=measured, manipulated=moved)
+        text = f"law = lqi_law({count}, {outputs}, {followed}, {winding!r}, {given})"
+    elif kind == "feedback":
+        law = state_feedback_law(count, outputs, followed, measured=measured, manipulated=moved)
+        text = f"law = state_feedback_law({count}, {outputs}, {followed}, {given})"
+    else:
+        states = draw(st.integers(1, 3))
+        # The zeros are no parameters of the law; the numbers are drawn below.
+        shapes = ((states, states), (states, count), (states, outputs), (outputs, states),
+                  (outputs, count))  # fmt: skip
+        zeros = [
+            [[float(draw(st.booleans())) for _ in range(columns)] for _ in range(rows)]
+            for rows, columns in shapes
+        ]
+        law = conditioned_linear_law(
+            ConditionedMatrices(*map(np.array, zeros)), measured=measured, manipulated=moved
+        )
+        followed = list(range(1, count + 1))
+        matrices = ", ".join(f"np.array({matrix})" for matrix in zeros)
+        text = f"law = conditioned_linear_law(ConditionedMatrices({matrices}), {given})"
+    text = f"measured = {_listed(measured)}\nmoved = {_listed(moved)}\n{text}"
+    controlled = [measured[j - 1] for j in followed]
+    return draw(_shelled(text, measured, controlled, moved, draw(_values_of(law))))
+
+
+KINDS = {
+    "own law": own_laws,
+    "PID": pid_controllers,
+    "scheme": schemes,
+    "linear": linear_laws,
+}
