@@ -134,3 +134,18 @@ def test_without_a_compiler_no_fmu_is_written(command, tmp_path, monkeypatch):
     status, _, error = command("export", *PI, "--to", "fmu")
     assert status == 2 and "ziglang" in error and "compiler" in error
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (*PI, "--to", "fmu", "--precision", "single"),
+        (*PI, "--to", "c", "--dialect", "scl"),
+        (*PI, "--to", "st", "--fmi", "2.0"),
+        (*PI, "--to", "tuning", "--fail-safe", "pump_1=1 V"),
+        ("quadruple-tank", "--to", "fmu", "--rate-limit", "pump_1=1 V/s"),
+    ],
+)
+def test_an_option_without_effect_is_refused(command, tmp_path, arguments):
+    status, _, error = command("export", *arguments)
+    assert status == 2 and "leave it out" in error and not list(tmp_path.iterdir())

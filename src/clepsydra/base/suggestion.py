@@ -24,8 +24,11 @@ def suggestion(wrong: object, known: Iterable[str], otherwise: str) -> str:
     --------
     >>> suggestion("tnak_1", ["tank_1", "basin"], "choose one")
     "perhaps 'tank_1' was meant"
+    >>> suggestion("pi, simc", ["PI, arrest time", "PI, SIMC"], "choose one")
+    "perhaps 'PI, SIMC' was meant"
     >>> suggestion("pump", ["tank_1", "basin"], "choose one")
     'choose one'
     """
-    close = difflib.get_close_matches(str(wrong)[:80], list(known), n=1)
-    return f"perhaps '{close[0]}' was meant" if close else otherwise
+    spelt = {name.lower(): name for name in known}
+    close = difflib.get_close_matches(str(wrong)[:80].lower(), spelt, n=1)
+    return f"perhaps '{spelt[close[0]]}' was meant" if close else otherwise

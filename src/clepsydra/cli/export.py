@@ -20,6 +20,8 @@ from clepsydra.cli.subject import SubjectArgument
 if TYPE_CHECKING:
     from clepsydra.controllers.plant_shell.settings import PlantShell
     from clepsydra.deploy.export import ExportedFiles
+    from clepsydra.deploy.fmi.write import FmiVersion
+    from clepsydra.deploy.printing.precision import Precision
     from clepsydra.process.process import Process
     from clepsydra.study.file.request import StudyRequest
     from clepsydra.study.result import StudyResult
@@ -49,7 +51,7 @@ class PrecisionName(Enum):
     single = "single"
 
 
-class FmiVersion(Enum):
+class FmiName(Enum):
     """Of the FMU."""
 
     third = "3.0"
@@ -76,16 +78,19 @@ def export(
         ),
     ] = None,
     dialect: Annotated[
-        DialectName,
+        DialectName | None,
         typer.Option(
-            help="Of Structured Text: codesys (CODESYS, TwinCAT), matiec (OpenPLC, Beremiz) or "
-            "scl (TIA Portal)."
+            help="Of Structured Text: codesys (CODESYS, TwinCAT; if left out), matiec (OpenPLC, "
+            "Beremiz) or scl (TIA Portal)."
         ),
-    ] = DialectName.codesys,
+    ] = None,
     precision: Annotated[
-        PrecisionName, typer.Option(help="LREAL and double, or REAL and float.")
-    ] = PrecisionName.double,
-    fmi: Annotated[FmiVersion, typer.Option(help="Version of the FMU.")] = FmiVersion.third,
+        PrecisionName | None,
+        typer.Option(help="LREAL and double, as it is if left out, or REAL and float."),
+    ] = None,
+    fmi: Annotated[
+        FmiName | None, typer.Option(help="Version of the FMU; 3.0 if left out.")
+    ] = None,
     fail_safe: FailSafeOption = None,
     sensor_delay: SensorDelayOption = None,
     setpoint_rate: SetpointRateOption = None,
@@ -103,10 +108,17 @@ def export(
     from clepsydra.base.files import write_together
     from clepsydra.cli.output import check_folder, print_json
     from clepsydra.cli.plant_options import read_plant_shell
-    from clepsydra.cli.subject import read_subject
+    from clepsydra.cli.subject import read_subject, study_of_one
     from clepsydra.study.file.request import StudyRequest
 
     check_folder(folder)
+    code = (Target.st, Target.c)
+    _check_fits("--dialect", dialect, target in (Target.st,), "--to st")
+    _check_fits("--precision", precision, target in code, "--to st or --to c")
+    _check_fits("--fmi", fmi, target is Target.fmu, "--to fmu")
+    plant = fail_safe or sensor_delay or setpoint_rate or rate_limit
+    shelled = controller is not None and target is not Target.tuning
+    _check_fits("plant options", plant, shelled, "a --controller that is exported as code or FMU")
     request = read_subject(subject, seed)
     process = request.process if isinstance(request, StudyRequest) else request
     settings = read_plant_shell(
@@ -116,11 +128,14 @@ def export(
         setpoint_rate=setpoint_rate,
         rate_limit=rate_limit,
     )
+    version: FmiVersion = fmi.value if fmi else "3.0"
     if controller is None:
-        found = _process(request, target, fmi)
+        found = _process(request, target, version)
     else:
-        study = _study(request, controller, seed, folder, quiet=as_json)
-        found = _controller(study, controller, settings, target, dialect, precision, fmi)
+        study = study_of_one(request, controller, seed, folder, quiet=as_json)
+        spoken = dialect.value if dialect else "codesys"
+        width: Precision = precision.value if precision else "double"
+        found = _controller(study, controller, settings, target, spoken, width, version)
     written = write_together(folder, found.files)
     if as_json:
         print_json({"files": [str(path) for path in written], **found.facts})
@@ -135,7 +150,16 @@ def export(
         typer.echo(f"Next: {found.next_step}")
 
 
-def _process(request: Process | StudyRequest, target: Target, fmi: FmiVersion) -> ExportedFiles:
+def _check_fits(option: str, value: object, fits: bool, where: str) -> None:
+    """Refuse an option that would have no effect."""
+    from clepsydra.base.errors import InputError
+
+    if value and not fits:
+        shown = value.value if isinstance(value, Enum) else "given"
+        raise InputError(option, shown, f"such an option with {where} only", "leave it out")
+
+
+def _process(request: Process | StudyRequest, target: Target, version: FmiVersion) -> ExportedFiles:
     """Export the process itself, which is possible as an FMU only."""
     from clepsydra.base.errors import InputError
     from clepsydra.deploy.export import export_process_fmu
@@ -149,32 +173,7 @@ def _process(request: Process | StudyRequest, target: Target, fmi: FmiVersion) -
             "name it in quotation marks",
         )  # fmt: skip
     analysis = request.analysis if isinstance(request, StudyRequest) else analyse(request)
-    return export_process_fmu(analysis.operating_point, version=fmi.value)
-
-
-def _study(
-    request: Process | StudyRequest, name: str, seed: int | None, folder: Path, *, quiet: bool
-) -> StudyResult:
-    """Make the one controller; refuse one that does not apply, with its reason."""
-    from clepsydra.base.errors import InputError
-    from clepsydra.cli.progress import shown_progress
-    from clepsydra.study.study import run_study
-
-    with shown_progress(quiet=quiet) as tell:
-        study = run_study(
-            request,
-            seed=1 if seed is None else seed,
-            progress=tell,
-            tuning_folder=folder,
-            only=name,
-        )
-    reasons = dict(study.not_applicable)
-    if name in reasons:
-        raise InputError(
-            "--controller", name, f"a controller that applies; this one does not: {reasons[name]}",
-            "choose another; clepsydra study ranks those that apply",
-        )  # fmt: skip
-    return study
+    return export_process_fmu(analysis.operating_point, version=version)
 
 
 def _controller(
@@ -182,9 +181,9 @@ def _controller(
     name: str,
     settings: PlantShell,
     target: Target,
-    dialect: DialectName,
-    precision: PrecisionName,
-    fmi: FmiVersion,
+    dialect: str,
+    precision: Precision,
+    version: FmiVersion,
 ) -> ExportedFiles:
     from clepsydra.deploy import export as exports
     from clepsydra.deploy.exportable import exportable
@@ -195,9 +194,7 @@ def _controller(
         return exports.export_tuning(chosen, point, study.scenario)
     ready = exportable(chosen, point, settings)
     if target is Target.st:
-        return exports.export_structured_text(
-            ready, dialect=dialect.value, precision=precision.value
-        )
+        return exports.export_structured_text(ready, dialect=dialect, precision=precision)
     if target is Target.c:
-        return exports.export_c(ready, precision=precision.value)
-    return exports.export_controller_fmu(ready, version=fmi.value)
+        return exports.export_c(ready, precision=precision)
+    return exports.export_controller_fmu(ready, version=version)

@@ -56,7 +56,7 @@ def read_plant_shell(
 
 
 def _per_second(units: dict[str, str]) -> dict[str, str]:
-    return {name: f"({unit})/s" if unit != "1" else "1/s" for name, unit in units.items()}
+    return {name: f"({unit})/s" if "/" in unit else f"{unit}/s" for name, unit in units.items()}
 
 
 def _read(option: str, texts: Sequence[str] | None, units: dict[str, str]) -> dict[str, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -9,6 +10,7 @@ import typer
 if TYPE_CHECKING:
     from clepsydra.process.process import Process
     from clepsydra.study.file.request import StudyRequest
+    from clepsydra.study.result import StudyResult
 
 SubjectArgument = Annotated[
     str,
@@ -25,3 +27,28 @@ def read_subject(subject: str, seed: int | None = None) -> Process | StudyReques
     from clepsydra.study.file.reader import is_study_file, read_study
 
     return read_study(subject, seed=seed) if is_study_file(subject) else load_process(subject)
+
+
+def study_of_one(
+    request: Process | StudyRequest, name: str, seed: int | None, folder: Path, *, quiet: bool
+) -> StudyResult:
+    """Make one controller of a study; refuse one that does not apply, with its reason."""
+    from clepsydra.base.errors import InputError
+    from clepsydra.cli.progress import shown_progress
+    from clepsydra.study.study import run_study
+
+    with shown_progress(quiet=quiet) as tell:
+        study = run_study(
+            request,
+            seed=1 if seed is None else seed,
+            progress=tell,
+            tuning_folder=folder,
+            only=name,
+        )
+    reasons = dict(study.not_applicable)
+    if name in reasons:
+        raise InputError(
+            "--controller", name, f"a controller that applies; this one does not: {reasons[name]}",
+            "choose another; clepsydra study ranks those that apply",
+        )  # fmt: skip
+    return study

@@ -8,6 +8,12 @@ from typing import Annotated
 import typer
 
 from clepsydra.cli.options import JsonOption
+from clepsydra.cli.plant_options import (
+    FailSafeOption,
+    RateLimitOption,
+    SensorDelayOption,
+    SetpointRateOption,
+)
 from clepsydra.cli.subject import SubjectArgument
 
 
@@ -24,6 +30,10 @@ def verify(
         int | None,
         typer.Option(min=0, help="Of the scans and the study; 1, or that of the study file."),
     ] = None,
+    fail_safe: FailSafeOption = None,
+    sensor_delay: SensorDelayOption = None,
+    setpoint_rate: SetpointRateOption = None,
+    rate_limit: RateLimitOption = None,
     as_json: JsonOption = False,
     folder: Annotated[
         Path,
@@ -32,14 +42,23 @@ def verify(
 ) -> None:
     """Run every controller as C, Structured Text and FMU, and compare it with the simulation."""
     from clepsydra.cli.output import check_folder, print_json
+    from clepsydra.cli.plant_options import read_plant_shell
     from clepsydra.cli.progress import shown_progress
     from clepsydra.cli.subject import read_subject
     from clepsydra.deploy.proof.of_study import proof_items
     from clepsydra.deploy.proof.proof import prove
+    from clepsydra.study.file.request import StudyRequest
     from clepsydra.study.study import run_study
 
     check_folder(folder)
     request = read_subject(subject, seed)
+    settings = read_plant_shell(
+        request.process if isinstance(request, StudyRequest) else request,
+        fail_safe=fail_safe,
+        sensor_delay=sensor_delay,
+        setpoint_rate=setpoint_rate,
+        rate_limit=rate_limit,
+    )
     chosen = 1 if seed is None else seed
     with shown_progress(quiet=as_json) as tell:
         study = run_study(
@@ -47,7 +66,7 @@ def verify(
         )
         items = [
             item
-            for item in proof_items(study)
+            for item in proof_items(study, settings)
             if controller in (None, item.name) or item.kind == "process"
         ]
         proof = prove(

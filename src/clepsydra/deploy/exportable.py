@@ -75,8 +75,7 @@ def exportable(
     """
     process = point.process
     shelled = with_plant_shell(controller, process.sampling_period, settings)
-    # A block that nothing is wired to yet is at rest, too.
-    program = with_defaults(shelled.program(), _inputs_at_rest(controller, point))
+    program = _at_rest(shelled, point)
     origin = Origin(
         subject=controller.name,
         process=described(process),
@@ -96,6 +95,7 @@ def exportable_name(process: Process, controller: Controller) -> str:
     --------
     See `exportable`.
     """
+    identifier_of(controller.name)  # refuses a name of which nothing would be left
     return identifier_of(f"{process.file_stem} {controller.name}")
 
 
@@ -111,6 +111,23 @@ def described(process: Process) -> str:
     variant = f", variant {', '.join(process.variant)}" if process.variant else ""
     file = process.path.name if process.path else f"{process.name} of the catalogue"
     return f"{process.title} ({file}{variant})"
+
+
+def _at_rest(controller: Controller, point: OperatingPoint) -> Program:
+    """Return the program of a block that is in manual and at rest until it is wired."""
+    program = controller.program()
+    inputs = _inputs_at_rest(controller, point)
+    inputs |= {s.name: 0.0 for s in program.inputs if s.name.startswith("mode_")}
+    inputs["time_step"] = point.process.sampling_period
+    begins = controller.initial_state
+    outputs = tuple(
+        replace(signal, initial=begins.get(f"last_output_{number}", signal.initial))
+        if kind == "manipulated"
+        else signal
+        for signal in program.outputs
+        for kind, _, number in [signal.name.rpartition("_")]
+    )
+    return replace(with_defaults(program, inputs), outputs=outputs)
 
 
 def _inputs_at_rest(controller: Controller, point: OperatingPoint) -> dict[str, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from clepsydra.base.errors import InputError
+from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.deploy.fmi.dependencies import output_dependencies
 from clepsydra.deploy.fmi.model import FmuModel, variables_of
 from clepsydra.deploy.printing.entries import is_ring, signal_of
@@ -34,7 +35,7 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
     run with the inputs as they were set, and the outputs hold until the next scan: with the
     sampling period as communication step there is one scan in each, at its start. Before the
     first step the outputs are those of a scan that leaves the state as it is. An input
-    ``time_step`` starts as the sampling period.
+    ``time_step`` starts as the sampling period, and every mode as automatic.
 
     Parameters
     ----------
@@ -65,10 +66,10 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
             f"program {program.name}, sampling period", f"{period!r} s", "a time above 0 s",
             "give the period that the controller was designed for",
         )  # fmt: skip
-    inputs = [
-        replace(signal, initial=period) if signal.name == "time_step" else signal
-        for signal in program.inputs
-    ]
+    # A block waits in manual until an engineer has wired it; a simulation runs from the start.
+    starts = {s.name: float(Mode.AUTOMATIC) for s in program.inputs if s.name.startswith("mode_")}
+    starts["time_step"] = period
+    inputs = [replace(s, initial=starts.get(s.name, s.initial)) for s in program.inputs]
     states = [signal_of(entry) for entry in program.state if not is_ring(entry)]
     rings = {entry.name for entry in program.state if is_ring(entry)}
     depends_on = [

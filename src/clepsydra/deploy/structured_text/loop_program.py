@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from clepsydra import __version__
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.deploy.printing.heading import comment
 from clepsydra.deploy.printing.identifiers import Identifiers, check_distinct
 from clepsydra.deploy.printing.origin import Origin
@@ -91,6 +92,8 @@ def wired(
             measured[signal.name] = wire
         elif what in ("setpoint", "manual", "tracking") and base in at_rest:
             rest[signal.name] = at_rest[base]
+        elif what == "mode":
+            rest[signal.name] = float(Mode.AUTOMATIC)
         elif signal.name == "time_step":
             rest[signal.name] = sampling_period
     for signal in controller.outputs:
