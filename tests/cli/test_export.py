@@ -14,6 +14,33 @@ from clepsydra.deploy.compiler import find_compiler
 PAGE = Path(__file__).parents[2] / "docs" / "export.md"
 PI = ("quadruple-tank", "--controller", "PI, SIMC")
 NAME = "quadruple_tank_pi_simc"
+CONE = """name = "cone"
+sampling_period = "1 s"
+controlled = ["level_1"]
+
+[reservoirs.basin]
+
+[tanks.tank_1]
+shape = "cone"
+rim_diameter = "20 cm"
+height = "30 cm"
+
+[orifices.outlet_1]
+source = "tank_1"
+destination = "basin"
+area = "0.071 cm^2"
+
+[pumps.pump_1]
+source = "basin"
+destination = "tank_1"
+gain = "3.33 cm^3/(s V)"
+range = ["0 V", "10 V"]
+nominal = "3 V"
+
+[sensors.level_1]
+tank = "tank_1"
+range = ["0 cm", "30 cm"]
+"""
 
 
 def test_the_main_program_of_the_page_runs_the_exported_c(command, tmp_path):
@@ -149,3 +176,21 @@ def test_without_a_compiler_no_fmu_is_written(command, tmp_path, monkeypatch):
 def test_an_option_without_effect_is_refused(command, tmp_path, arguments):
     status, _, error = command("export", *arguments)
     assert status == 2 and "leave it out" in error and not list(tmp_path.iterdir())
+
+
+def test_a_tank_that_real_cannot_hold_is_left_out_and_the_block_is_written(command, tmp_path):
+    """The area of a cone's tip is bounded by a number far below those of REAL."""
+    Path("cone.toml").write_text(CONE, "utf-8")
+    status, out, _ = command(
+        "export", "cone.toml", "--controller", "PI, SIMC", "--to", "st", "--precision", "single"
+    )
+    said = " ".join(out.split())
+    assert status == 0 and "no test project" in said and "1e-60" in said
+    assert {path.name for path in tmp_path.iterdir()} == {"cone.toml", "cone_pi_simc.st"}
+
+
+def test_a_period_that_time_cannot_hold_is_refused(command, tmp_path):
+    Path("cone.toml").write_text(CONE.replace('"1 s"', '"2.5 ms"'), "utf-8")
+    status, _, error = command("export", "cone.toml", "--controller", "PI, SIMC", "--to", "st")
+    assert status == 2 and "a whole number of milliseconds" in error
+    assert {path.name for path in tmp_path.iterdir()} == {"cone.toml"}

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.compiler import find_compiler
@@ -24,11 +25,13 @@ from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.deploy.structured_text.project import print_test_project
+from clepsydra.deploy.structured_text.time_literal import time_literal
 from clepsydra.deploy.vendor_tuning.translation import translate
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import substeps_for
+from clepsydra.program.program import Program
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -75,7 +78,8 @@ def export_structured_text(
     -------
     ExportedFiles
         NAME.st (NAME.scl) with the function block, NAME_test.st with block, tank and the program
-        that runs both, and but for scl NAME_test.xml, the same as PLCopen XML.
+        that runs both, and but for scl NAME_test.xml, the same as PLCopen XML. A tank with a
+        number that REAL cannot hold is left out.
 
     Raises
     ------
@@ -87,32 +91,50 @@ def export_structured_text(
     See `export_c`.
     """
     name, ending = ready.program.name, "scl" if dialect == "scl" else "st"
-    process = process_program(ready.point, _substeps(ready.point))
-    period = ready.process.sampling_period
-    wires = ready.controller.input_wires | ready.controller.output_wires
-    parts = ready.program, process, wires, period
+    time_literal(ready.process.sampling_period)  # refuses what no task can hold
     block = print_structured_text(
         ready.program, origin=ready.origin, precision=precision, dialect=dialect
     )
-    tank = process_origin(ready.point)
-    files = {
-        f"{name}.{ending}": block,
-        f"{name}_test.{ending}": print_test_project(
-            *parts, origin=ready.origin, process_origin=tank, precision=precision, dialect=dialect
-        ),
-    }
-    if dialect != "scl":  # TIA Portal reads no PLCopen XML
-        files[f"{name}_test.xml"] = print_plcopen_project(
-            *parts, origin=ready.origin, process_origin=tank, precision=precision, dialect=dialect
-        )
+    texts = {f"{name}.{ending}": block}
+    next_step = f"docs/plc.md says how {name}.{ending} comes into the project of the PLC; "
+    tank = process_program(ready.point, _substeps(ready.point))
+    try:
+        print_structured_text(tank, precision=precision, dialect=dialect)
+    except InputError as refusal:
+        next_step += f"there is no test project, since the tank cannot be printed: {refusal}"
+    else:
+        projects = _test_projects(ready, tank, dialect, precision)
+        texts |= {f"{name}_test.{kind}": text for kind, text in projects.items()}
+        next_step += f"run {name}_test.{ending} there first."
     # TIA Portal takes a text without a byte order mark for one of the machine's code page.
     encoding = "utf-8-sig" if dialect == "scl" else "utf-8"
     return ExportedFiles(
-        {file: text.encode(encoding) for file, text in files.items()},
+        {file: text.encode(encoding) for file, text in texts.items()},
         _facts(ready, precision=precision, dialect=dialect),
-        f"docs/plc.md says how {name}.{ending} comes into the project of the PLC; run "
-        f"{name}_test.{ending} there first.",
+        next_step,
     )
+
+
+def _test_projects(
+    ready: Exportable, tank: Program, dialect: str, precision: Precision
+) -> dict[str, str]:
+    """Return the project that runs a controller against its tank, by the ending of its file."""
+
+    def printed(as_form: Callable[..., str]) -> str:
+        return as_form(
+            ready.program,
+            tank,
+            ready.controller.input_wires | ready.controller.output_wires,
+            ready.process.sampling_period,
+            origin=ready.origin,
+            process_origin=process_origin(ready.point),
+            precision=precision,
+            dialect=dialect,
+        )
+
+    if dialect == "scl":  # TIA Portal reads no PLCopen XML
+        return {"scl": printed(print_test_project)}
+    return {"st": printed(print_test_project), "xml": printed(print_plcopen_project)}
 
 
 def export_c(ready: Exportable, *, precision: Precision = "double") -> ExportedFiles:
