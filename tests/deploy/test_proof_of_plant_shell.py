@@ -51,8 +51,11 @@ def scans(program, period, seed):
             column[broken] = random.choice([math.nan, math.inf, -math.inf, 1e301], broken.sum())
         elif name == "start":
             column = np.where(random.random(SCANS) < 0.01, random.integers(0, 3, SCANS), 0.0)
+            stuck = held(random, [0.0, 1.0, 2.0, 3.0], [0.91, 0.03, 0.03, 0.03])
+            column = np.where(stuck > 0.0, stuck, column)
         elif name == "acknowledge":
             column = (random.random(SCANS) < 0.05).astype(float)
+            column = np.maximum(column, held(random, [0.0, 1.0], [0.9, 0.1]))
         elif name == "time_step":
             column = period * random.choice([1.0, 1.0, 1.0, 1.05, 1.3, 0.5], size=SCANS)
             broken = random.random(SCANS) < 0.01
@@ -147,3 +150,30 @@ def test_a_fault_of_3_9_s_rides_through_and_one_of_4_1_s_fails_safe(faulty, fail
             # The integral goes on where it was: one step further, as from scan to scan before.
             step = moved[2] - moved[1]
             assert moved[before + faulty] == pytest.approx(held_at + step, abs=1e-12)
+
+
+@pytest.mark.parametrize("start", [1, 2])
+def test_buttons_that_are_held_do_not_keep_a_dead_sensor_from_failing_safe(start, tmp_path):
+    """`start` and `acknowledge` stuck for ever, in the engine, in C and in Structured Text."""
+    analysis = analyse(load_process("quadruple-tank"))
+    settings = PlantShell(fail_safe={"pump_1": 1.25})
+    controller = design_simc(analysis.model, analysis.pairing)
+    program = with_plant_shell(controller, 1.0, settings).program()
+    at, samples, before = analysis.operating_point.as_dict(), 30, 10
+    inputs = {signal.name: np.full(samples, signal.initial) for signal in program.inputs}
+    for k, name in enumerate(controller.measurements, start=1):
+        inputs[f"measurement_{k}"][:] = inputs[f"setpoint_{k}"][:] = at[name]
+    inputs["start"][1:], inputs["acknowledge"][1:] = start, 1.0
+    inputs["setpoint_1"][5:] += 0.4
+    inputs["sensor_1"][before : before + 8] = 0.0
+    places = [[s.name for s in program.outputs].index(n) for n in ("manipulated_1", "status_1")]
+    run = Kernel(program).run(samples, inputs=inputs)
+    columns = [[run.output(n)[0] for n in ("manipulated_1", "status_1")]]
+    for instance in (CompiledC(program, tmp_path), InterpretedText(program)):
+        rows = [instance({n: float(c[k]) for n, c in inputs.items()}) for k in range(samples)]
+        columns.append([np.array([row[place] for row in rows]) for place in places])
+    for moved, status in columns:
+        assert np.all(np.diff(moved[5:before]) > 0.0)
+        assert np.all(moved[before : before + 4] == moved[before - 1])
+        assert np.all(moved[before + 4 :] == 1.25)
+        assert np.all(status[before + 4 :].astype(int) & 1024)

@@ -1,11 +1,14 @@
 """Setpoint ramps and rate limits, in closed form, and with the law's own anti-windup."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from shell_rig import AT_REST, Scans, one_loop, shelled_loop
+from shell_rig import AT_REST, LEVEL, PUMP, Scans, one_loop, shelled_loop
 
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
@@ -172,3 +175,106 @@ def test_a_law_with_a_rate_limit_of_its_own_keeps_it():
     assert "at_rate_limit" in read_status(int(outputs["status_1"]))
     kept = with_plant_shell(one_loop(rate_limited=True, rate_limit_1=0.5), 1.0)
     assert kept.values["rate_limit_1"] == 0.5
+
+
+def test_a_ramp_stands_while_a_fault_is_ridden_through():
+    """On the sensor's return the output goes on as if the scans of the fault had not been."""
+    loop, sound = shelled_loop(1.0, RAMP), shelled_loop(1.0, RAMP)
+    for each in (loop, sound):
+        each.scans(3, setpoint_1=10.0)
+    before = followed(loop)
+    assert before == 6.5
+    for _ in range(4):
+        outputs = loop.scan(sensor_1=0)
+        assert followed(loop) == before
+        word = read_status(int(outputs["status_1"]))
+        assert "setpoint_ramps" in word and "rides_through" in word
+    assert loop.scan(sensor_1=1) == sound.scan() | {"watchdog": 8.0}
+    assert followed(loop) == 7.0
+
+
+def test_after_fail_safe_the_ramp_begins_at_the_measurement():
+    loop = shelled_loop(1.0, RAMP)
+    loop.scans(3, setpoint_1=10.0)
+    loop.scans(6, sensor_1=0)
+    assert followed(loop) == 6.5  # nothing is known of the level
+    loop.scan(sensor_1=1, measurement_1=4.0)
+    assert followed(loop) == 4.0
+    taken_up = loop.scan(acknowledge=1)
+    assert followed(loop) == 4.0
+    # Its first step only: K Δw = 2 · 0.5 V.
+    assert loop.scan()["manipulated_1"] == pytest.approx(taken_up["manipulated_1"] + 1.0, abs=1e-12)
+    assert followed(loop) == 4.5
+
+
+def test_a_ramp_stands_for_every_output_that_follows_it():
+    """Two outputs with a setpoint each: the fault of the one holds its own ramp only."""
+    loop = Scans(with_plant_shell(two_loops(), 1.0, two_ramps()), 1.0, **both())
+    loop.scan()
+    loop.scans(3, setpoint_1=9.0, setpoint_2=9.0, sensor_1=0)
+    assert (loop.state["ramped_setpoint_1"], loop.state["ramped_setpoint_2"]) == (5.0, 6.5)
+
+
+def two_loops(setpoints=("level_1", "level_2"), free=None):
+    bare = one_loop()
+    level, pump = replace(LEVEL, name="level_2"), replace(PUMP, name="pump_2")
+    law = multiloop_pid_law(2, measured=[LEVEL, level], manipulated=[PUMP, pump])
+    values, state = (
+        {p.name: given.get(p.name[:-1] + "1", p.initial) for p in group}
+        for group, given in ((law.parameters, bare.values), (law.state, bare.initial_state))
+    )
+    return Controller(
+        "PI, by hand", "multiloop PI", "By hand.", law, values, state, ("level_1", "level_2"),
+        setpoints, ("pump_1", "pump_2"), free_inputs=free or {},
+    )  # fmt: skip
+
+
+def two_ramps():
+    return PlantShell(setpoint_rate={"level_1": 0.5, "level_2": 0.5})
+
+
+def both():
+    return {name[:-1] + number: value for name, value in AT_REST.items() for number in "12"}
+
+
+def test_a_setpoint_that_stands_fixed_is_left_alone():
+    """The second setpoint is a free input: no ramp, no name of the shell, the law's own bits."""
+    bare = two_loops(("level_1",), {"setpoint_2": 5.0})
+    shelled = with_plant_shell(bare, 1.0, RAMP)
+    assert "setpoint_rate_1" in shelled.values and "setpoint_rate_2" not in shelled.values
+    loop, alone = Scans(shelled, 1.0, **both()), Scans(bare, 1.0, **both())
+    for setpoint in (5.0, 9.0, math.nan, 2.0):
+        found, expected = loop.scan(setpoint_2=setpoint), alone.scan(setpoint_2=setpoint)
+        for name in ("manipulated_1", "manipulated_2", "status_1", "status_2"):
+            assert found[name] == expected[name]
+    assert expected["manipulated_2"] != 3.0
+    assert "setpoint_ramps" in read_status(int(loop.scan(setpoint_1=9.0)["status_1"]))
+    assert "setpoint_ramps" not in read_status(int(loop.scan(setpoint_2=9.0)["status_2"]))
+
+
+LIMITED = [{}, {"rate_limited": True}]
+
+
+@pytest.mark.parametrize("options", LIMITED)
+def test_tracking_is_not_slowed_and_automatic_goes_on_from_it(options):
+    """Somebody else moves the actuator: the rate limit is none of his."""
+    loop = shelled_loop(1.0, RATE, **options)
+    loop.scan()
+    for value in (8.0, 1.0, 7.5):
+        outputs = loop.scan(mode_1=2, tracking_1=value, measurement_1=4.0)
+        assert outputs["manipulated_1"] == loop.state["last_output_1"] == value
+        assert read_status(int(outputs["status_1"])) == ("tracking",)
+    before = loop.scan(tracking_1=8.0)["manipulated_1"]
+    assert loop.scan(mode_1=1)["manipulated_1"] == pytest.approx(before, abs=1e-12)
+    # From there the controller moves it, at its rate.
+    assert loop.scan(setpoint_1=1.0)["manipulated_1"] == pytest.approx(before - 0.25, abs=1e-12)
+    loop.scan(mode_1=2, tracking_1=2.0)
+    assert loop.scan(mode_1=0, manual_1=6.0)["manipulated_1"] == 2.25
+
+
+@pytest.mark.parametrize("options", LIMITED)
+def test_after_fail_safe_the_hand_moves_at_its_rate(options):
+    settings = PlantShell(rate_limit={"pump_1": 0.25}, fail_safe={"pump_1": 9.0})
+    loop = shelled_loop(1.0, settings, **options)
+    assert loop.scans(6, sensor_1=0)["manipulated_1"] == 9.0
+    assert loop.scan(mode_1=0, manual_1=3.0)["manipulated_1"] == 8.75

@@ -284,3 +284,47 @@ def test_a_pump_station_stops_its_pumps_together():
     assert [outputs[f"manipulated_{i}"] for i in range(1, count + 1)] == lows
     outputs = loop.scans(4, sensor_1=1, acknowledge=1)
     assert [outputs[f"manipulated_{i}"] for i in range(1, count + 1)] == running
+
+
+def test_an_acknowledgement_that_is_held_takes_back_no_later_fault():
+    """A button that sticks: pressed while good it clears that fault and no other."""
+    loop = shelled_loop(1.0, SAFE)
+    loop.scans(6, sensor_1=0)
+    assert not failed(loop.scan(acknowledge=1, **GOOD))
+    for _ in range(3):
+        outputs = loop.scans(6, sensor_1=0)
+        assert failed(outputs) and outputs["manipulated_1"] == 1.5
+        assert failed(loop.scans(20, **GOOD))
+    # Released and pressed again.
+    assert failed(loop.scan(acknowledge=0))
+    assert not failed(loop.scan(acknowledge=1))
+
+
+@pytest.mark.parametrize("held", [1, 5])
+def test_who_acknowledges_a_bad_sensor_has_to_do_it_again(held):
+    loop = shelled_loop(1.0, SAFE)
+    loop.scans(6, sensor_1=0)
+    assert failed(loop.scans(held, acknowledge=1))
+    assert failed(loop.scan(**GOOD)) and failed(loop.scans(3, acknowledge=1.0 if held > 1 else 0.0))
+    loop.scan(acknowledge=0)
+    assert not failed(loop.scan(acknowledge=1))
+
+
+def test_an_acknowledgement_held_from_the_beginning_clears_nothing():
+    loop = shelled_loop(1.0, SAFE)
+    loop.scans(3, acknowledge=1)
+    for k in range(60):
+        outputs = loop.scan(**(FAULTS[0] if k % 10 < 6 else GOOD))
+        assert failed(outputs) == (k >= 4)
+
+
+def test_a_mode_that_is_none_stays_safe_until_it_is_acknowledged():
+    """Like automatic; good sensors alone, or the mode, take nothing back."""
+    loop = shelled_loop(1.0, SAFE)
+    loop.scan(mode_1=7)
+    loop.scans(5, sensor_1=0)
+    for mode in (3, -1, 7):
+        outputs = loop.scan(mode_1=mode, **GOOD)
+        assert outputs["manipulated_1"] == 1.5 and failed(outputs)
+    outputs = loop.scan(acknowledge=1)
+    assert outputs["manipulated_1"] == 1.5 and not failed(outputs)

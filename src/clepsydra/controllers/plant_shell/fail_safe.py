@@ -34,12 +34,17 @@ class Command:
         Whether the law follows its last output in this scan, to go on from it in the next.
     in_force : casadi.SX
         Whether the law moves the output.
+    moves : casadi.SX
+        Whether the controller moves the actuator, by the law or by hand, at its rate: in
+        tracking somebody else does, and a fail-safe value is not slowed.
+    good : casadi.SX
+        Whether all sensors are good that the output needs.
     next_state, named : dict
 
     Examples
     --------
     >>> true, false = ca.SX(1), ca.SX(0)
-    >>> bool(Command(ca.SX(2), true, true, false, false, {}, {}).safe)
+    >>> bool(Command(ca.SX(2), true, true, false, false, false, true, {}, {}).safe)
     True
     """
 
@@ -48,8 +53,56 @@ class Command:
     safe: ca.SX
     takes_up: ca.SX
     in_force: ca.SX
+    moves: ca.SX
+    good: ca.SX
     next_state: dict[str, ca.SX]
     named: dict[str, ca.SX]
+
+
+def acknowledge_input() -> Signal:
+    """Return the input by which a fault is acknowledged.
+
+    Examples
+    --------
+    >>> acknowledge_input().kind
+    'boolean'
+    """
+    return Signal(
+        "acknowledge",
+        low=0.0,
+        high=1.0,
+        kind="boolean",
+        description="where it becomes true, takes back what a sensor fault latched, if its sensors "
+        "are good",
+    )
+
+
+def acknowledge_state() -> Signal:
+    """Return the acknowledgement of the last scan.
+
+    Examples
+    --------
+    >>> acknowledge_state().name
+    'last_acknowledge'
+    """
+    return Signal(
+        "last_acknowledge", low=0.0, high=1.0, kind="boolean",
+        description="acknowledge in the last scan, so that held it acts once",
+    )  # fmt: skip
+
+
+def acknowledged(symbols: Symbols) -> ca.SX:
+    """Return whether somebody acknowledges in this scan: the button was not pressed before.
+
+    Held down, or stuck, it would take back every later fault by itself.
+
+    Examples
+    --------
+    >>> symbols = {"acknowledge": ca.DM(1), "last_acknowledge": ca.DM(1)}
+    >>> bool(acknowledged(symbols))
+    False
+    """
+    return ca.logic_and(symbols["acknowledge"], ca.logic_not(symbols["last_acknowledge"]))
 
 
 @dataclass(frozen=True)
@@ -95,11 +148,14 @@ class SafeOutput:
             ),
         ]  # fmt: skip
 
-    def commanded(self, symbols: Symbols, needed: Sequence[Diagnosis], start: Start) -> Command:
+    def commanded(
+        self, symbols: Symbols, needed: Sequence[Diagnosis], start: Start, pressed: ca.SX
+    ) -> Command:
         """Return who moves the output in this scan.
 
         Where a needed sensor has failed the output goes to its fail-safe value, and stays there
-        until good sensors are acknowledged, or the output is moved by hand while they are good.
+        until good sensors are acknowledged, or the output is moved by hand while they are good;
+        who acknowledges bad sensors has to do it again. That holds in a mode that is none, too.
         An operator who moves it by hand, or a controller that it tracks, always goes first.
 
         Coming back, and after a warm start, the law follows the last output for as many scans as
@@ -108,32 +164,54 @@ class SafeOutput:
         """
         i = self.number
         mode, latched = symbols[f"mode_{i}"], symbols[f"failed_safe_{i}"]
-        by_hand = ca.logic_or(mode == Mode.MANUAL, mode == Mode.TRACKING)
+        tracking = mode == Mode.TRACKING
+        by_hand = ca.logic_or(mode == Mode.MANUAL, tracking)
         automatic = mode == Mode.AUTOMATIC
         good, fails = ca.SX(1), ca.SX(0)
         for sensor in needed:
             good, fails = ca.logic_and(good, sensor.good), ca.logic_or(fails, sensor.failed)
-        cleared = ca.logic_and(good, ca.logic_or(symbols["acknowledge"], by_hand))
+        cleared = ca.logic_and(good, ca.logic_or(pressed, by_hand))
         latch = ca.logic_or(fails, ca.logic_and(latched, ca.logic_not(cleared)))
         safe = ca.logic_and(latch, ca.logic_not(by_hand))
         comes_back = ca.logic_and(latched, ca.logic_not(latch))
         begins = ca.logic_or(start.warm, comes_back)
         left = ca.if_else(begins, symbols["take_up_scans"], symbols[f"scans_to_follow_{i}"])
         # Numbers set at run time may be any; single precision holds these as well.
-        left = ca.fmin(_LARGEST_COUNT, ca.fmax(0, left))
+        left = to_follow = ca.fmin(_LARGEST_COUNT, ca.fmax(0, left))
         takes_up = ca.logic_and(ca.logic_and(left > 0, automatic), ca.logic_not(safe))
         ready = ca.logic_and(good, is_time_step(symbols["time_step"]))
         left = ca.if_else(latch, 0, ca.if_else(ready, ca.fmax(0, left - 1), left))
-        in_force = ca.logic_and(automatic, ca.logic_not(ca.logic_or(safe, takes_up)))
+        overruled = ca.logic_or(safe, takes_up)
+        in_force = ca.logic_and(automatic, ca.logic_not(overruled))
+        moves = ca.logic_not(ca.logic_or(safe, tracking))
+        mode_used = ca.if_else(overruled, float(Mode.TRACKING), mode)
         return Command(
-            mode=ca.if_else(ca.logic_or(safe, takes_up), float(Mode.TRACKING), mode),
+            mode=mode_used,
             latched=latch,
             safe=safe,
             takes_up=takes_up,
             in_force=in_force,
+            moves=moves,
+            good=good,
             next_state={
                 f"failed_safe_{i}": latch,
                 f"scans_to_follow_{i}": left,
             },
-            named={f"safe_{i}": safe, f"following_{i}": takes_up},
+            named={
+                f"safe_{i}": safe,
+                f"following_{i}": takes_up,
+                f"mode_used_{i}": mode_used,
+                f"automatic_asked_{i}": automatic,
+                f"tracking_asked_{i}": tracking,
+                f"manual_or_tracking_{i}": by_hand,
+                f"sensors_good_{i}": good,
+                f"fault_latched_{i}": latch,
+                f"fault_cleared_{i}": cleared,
+                f"comes_back_{i}": comes_back,
+                f"begins_to_follow_{i}": begins,
+                f"scans_left_{i}": to_follow,
+                f"scan_counts_{i}": ready,
+                f"law_in_force_{i}": in_force,
+                f"controller_moves_{i}": moves,
+            },
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 
@@ -44,6 +44,8 @@ class MovingLimits:
         Of the actuator; and those within its reach in this scan.
     acts : casadi.SX
         Whether a rate limit is in force.
+    named : dict
+        Names for values on the way.
 
     Examples
     --------
@@ -56,6 +58,7 @@ class MovingLimits:
     fixed: Limits
     moving: Limits
     acts: ca.SX
+    named: dict[str, ca.SX] = field(default_factory=dict)
 
     def hurried(self, output: ca.SX) -> ca.SX:
         """Return whether an output stands at a limit that only its rate makes."""
@@ -65,7 +68,7 @@ class MovingLimits:
         return ca.logic_and(ca.logic_and(self.acts, inside), at_end)
 
 
-def moving_limits(symbols: Symbols, number: int, last: ca.SX, unhurried: ca.SX) -> MovingLimits:
+def moving_limits(symbols: Symbols, number: int, last: ca.SX, counts: ca.SX) -> MovingLimits:
     """Return the limits that the rate limit leaves around the last output.
 
     Without a rate limit they are the very limits of the output. Limits win over the rate: an
@@ -79,8 +82,9 @@ def moving_limits(symbols: Symbols, number: int, last: ca.SX, unhurried: ca.SX) 
         i
     last : casadi.SX
         The output of the last scan.
-    unhurried : casadi.SX
-        Whether the rate counts in this scan; a fail-safe value is not slowed.
+    counts : casadi.SX
+        Whether the rate counts in this scan: neither a fail-safe value is slowed nor what
+        somebody else does to the actuator.
 
     Examples
     --------
@@ -93,9 +97,15 @@ def moving_limits(symbols: Symbols, number: int, last: ca.SX, unhurried: ca.SX) 
     low, high = symbols[f"low_limit_{number}"], symbols[f"high_limit_{number}"]
     rate, step = symbols[f"rate_limit_{number}"], symbols["time_step"]
     way = rate * ca.if_else(is_time_step(step), step, 0)
-    acts = ca.logic_and(rate < signals.LARGEST_PARAMETER, unhurried)
+    acts = ca.logic_and(rate < signals.LARGEST_PARAMETER, counts)
     # The last output first in the comparison: what is not a number is passed over.
     lowest = ca.fmin(high, ca.fmax(last - way, low))
     highest = ca.fmax(low, ca.fmin(last + way, high))
     moving = Limits(ca.if_else(acts, lowest, low), ca.if_else(acts, highest, high))
-    return MovingLimits(Limits(low, high), moving, acts)
+    named = {
+        f"rate_limit_acts_{number}": acts,
+        f"largest_move_{number}": way,
+        f"low_limit_used_{number}": moving.low,
+        f"high_limit_used_{number}": moving.high,
+    }
+    return MovingLimits(Limits(low, high), moving, acts, named)

@@ -139,11 +139,10 @@ class MonitoredSensor:
         j = self.number
         raw, kept = symbols[f"measurement_{j}"], symbols[f"good_measurement_{j}"]
         number = is_number(raw)
-        good, named = ca.logic_and(number, symbols[f"sensor_{j}"]), {}
+        good, named = ca.logic_and(number, symbols[f"sensor_{j}"]), {f"value_is_number_{j}": number}
         uncertain = ca.SX(0)
         if self.range is not None:
-            current = self._current(symbols, raw)
-            named[f"current_{j}"] = current
+            current = self._current(symbols, raw, named)
             inside = ca.logic_and(current >= FAULT_BELOW, current <= FAULT_ABOVE)
             good = ca.logic_and(good, inside)
             measures = ca.logic_and(current >= UNCERTAIN_BELOW, current <= UNCERTAIN_ABOVE)
@@ -152,22 +151,37 @@ class MonitoredSensor:
         count = ca.fmin(_LARGEST_COUNT - 1.0, ca.fmax(0, before)) + 1
         count = ca.if_else(good, 0, count)
         # A delay that is not a number, set at run time, is over at once.
-        waits = ca.logic_and(count <= self._scans(symbols), count < _LARGEST_COUNT)
-        failed = ca.logic_and(ca.logic_not(good), ca.logic_not(waits))
+        delay = self._scans(symbols, named)
+        waits = ca.logic_and(count <= delay, count < _LARGEST_COUNT)
+        bad = ca.logic_not(good)
+        failed = ca.logic_and(bad, ca.logic_not(waits))
         value = ca.if_else(good, raw, kept)
-        named |= {f"measurement_good_{j}": good, f"sensor_failed_{j}": failed}
+        named |= {
+            f"measurement_good_{j}": good,
+            f"sensor_bad_{j}": bad,
+            f"sensor_uncertain_{j}": uncertain,
+            f"fault_scans_used_{j}": before,
+            f"delay_scans_{j}": delay,
+            f"fault_waits_{j}": waits,
+            f"sensor_failed_{j}": failed,
+        }
         following = {f"good_measurement_{j}": value, f"fault_scans_{j}": count}
         return Diagnosis(value, number, good, uncertain, failed, following, named)
 
-    def _current(self, symbols: Symbols, raw: ca.SX) -> ca.SX:
+    def _current(self, symbols: Symbols, raw: ca.SX, named: dict[str, ca.SX]) -> ca.SX:
         """Return the current that a measurement stands for [mA]; 0 in a range of no width."""
         low, high = symbols[f"range_low_{self.number}"], symbols[f"range_high_{self.number}"]
         wide = high != low
-        current = 4.0 + 16.0 * (raw - low) / ca.if_else(wide, high - low, 1)
-        return ca.if_else(wide, current, 0)
+        width = ca.if_else(wide, high - low, 1)
+        current = ca.if_else(wide, 4.0 + 16.0 * (raw - low) / width, 0)
+        j = self.number
+        named |= {f"range_is_wide_{j}": wide, f"range_width_{j}": width, f"current_{j}": current}
+        return current
 
-    def _scans(self, symbols: Symbols) -> ca.SX:
+    def _scans(self, symbols: Symbols, named: dict[str, ca.SX]) -> ca.SX:
         """Return the delay in whole scans, rounded up."""
         period = symbols["sampling_period"]
-        scans = symbols[f"sensor_delay_{self.number}"] / ca.if_else(period > 0, period, 1)
-        return ca.ceil(scans - _ROUNDING)
+        period = ca.if_else(period > 0, period, 1)
+        scans = symbols[f"sensor_delay_{self.number}"] / period - _ROUNDING
+        named |= {"sampling_period_used": period, f"delay_in_scans_{self.number}": scans}
+        return ca.ceil(scans)

@@ -94,12 +94,19 @@ class RampedSetpoint:
         ]  # fmt: skip
 
     def ramped(
-        self, symbols: Symbols, measured: Diagnosis | None, in_force: ca.SX, first: ca.SX
+        self,
+        symbols: Symbols,
+        measured: Diagnosis | None,
+        in_force: ca.SX,
+        held: ca.SX,
+        first: ca.SX,
     ) -> RampedValue:
         """Return the setpoint of this scan.
 
         A setpoint that is not a number leaves the last one. While no output that needs it is in
-        automatic the ramp stands at the measurement, and there it begins in the first scan.
+        automatic the ramp stands at the measurement, and there it begins in the first scan. While
+        a fault is ridden through it stands where it is: the output is held, and would jump by
+        what the ramp had gone meanwhile.
 
         Parameters
         ----------
@@ -109,6 +116,8 @@ class RampedSetpoint:
             The measurement it belongs to.
         in_force : casadi.SX
             Whether an output that needs it is in automatic.
+        held : casadi.SX
+            Whether a sensor is bad that such an output needs.
         first : casadi.SX
             Whether nothing was remembered before this scan.
         """
@@ -122,12 +131,21 @@ class RampedSetpoint:
         kept = ca.if_else(first, begin, last)
         target = ca.if_else(number, asked, kept)
         way = rate * ca.if_else(is_time_step(step), step, 0)
-        on_its_way = limit(target, kept - way, kept + way)
+        on_its_way = ca.if_else(held, kept, limit(target, kept - way, kept + way))
         if measured is not None:
             stands = ca.if_else(measured.good, measured.value, kept)
             on_its_way = ca.if_else(in_force, on_its_way, stands)
         limited = rate < signals.LARGEST_PARAMETER
         value = ca.if_else(limited, on_its_way, target)
         ramps = ca.logic_and(in_force, value != target)
-        named = {f"setpoint_used_{j}": value}
+        named = {
+            f"setpoint_used_{j}": value,
+            f"setpoint_given_{j}": number,
+            f"setpoint_wanted_{j}": target,
+            f"setpoint_before_{j}": kept,
+            f"setpoint_move_{j}": way,
+            f"setpoint_on_its_way_{j}": on_its_way,
+            f"setpoint_held_{j}": held,
+            f"setpoint_in_force_{j}": in_force,
+        }
         return RampedValue(value, number, ramps, {f"ramped_setpoint_{j}": value}, named)

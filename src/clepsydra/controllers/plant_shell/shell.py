@@ -11,14 +11,18 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
-from clepsydra.controllers.plant_shell.fail_safe import SafeOutput
+from clepsydra.controllers.plant_shell.fail_safe import (
+    SafeOutput,
+    acknowledge_input,
+    acknowledge_state,
+)
 from clepsydra.controllers.plant_shell.members import Members, members_of
 from clepsydra.controllers.plant_shell.output_limits import rate_limit_parameter
 from clepsydra.controllers.plant_shell.scan_time import scan_parameters
 from clepsydra.controllers.plant_shell.sensor_diagnosis import MonitoredSensor
 from clepsydra.controllers.plant_shell.setpoint_ramp import RampedSetpoint
 from clepsydra.controllers.plant_shell.settings import PlantShell
-from clepsydra.controllers.plant_shell.start import start_input, start_state
+from clepsydra.controllers.plant_shell.start import start_input, start_states
 from clepsydra.controllers.plant_shell.status import status_signal
 from clepsydra.controllers.plant_shell.step import ShellStep
 from clepsydra.controllers.plant_shell.take_up import take_up_parameter
@@ -183,15 +187,15 @@ def _shelled(
     # A law that does not remember what was applied leaves that to the shell.
     last = [signals.last_output(output.number, output.signal) for output in members.outputs]
     state = [s for member in every for s in member.state()]
-    state += [*(s for s in last if s.name not in kept), counted]
-    _check_clashes(bare, [start_input(), _acknowledge(), *parameters, *state, watchdog])
+    state += [*(s for s in last if s.name not in kept), acknowledge_state(), counted]
+    _check_clashes(bare, [start_input(), acknowledge_input(), *parameters, *state, watchdog])
     initial = {**bare.initial_state, **{signal.name: signal.initial for signal in state}}
     step = ShellStep(law, members, [*law.state, *state], initial)
     shelled = step_law(
         f"{law.name}_with_shell",
-        inputs=[*law.inputs, start_input(), _acknowledge()],
+        inputs=[*law.inputs, start_input(), acknowledge_input()],
         parameters=[*law.parameters, *parameters],
-        state=[*law.state, *state, start_state()],
+        state=[*law.state, *state, *start_states()],
         outputs=[*map(_with_shell_status, law.outputs), watchdog],
         equations=step.equations,
         description=(*law.description, *_DESCRIPTION),
@@ -203,7 +207,7 @@ def _shelled(
         design=bare.design,
         law=shelled,
         values={**bare.values, **members.own_rates, **{p.name: p.initial for p in parameters}},
-        initial_state={**initial, start_state().name: 0.0},
+        initial_state={**initial, **{s.name: 0.0 for s in start_states()}},
         measurements=bare.measurements,
         setpoints=bare.setpoints,
         manipulated=bare.manipulated,
@@ -219,7 +223,7 @@ def _check_clashes(bare: Controller, added: Iterable[Signal]) -> None:
     """Refuse a law that uses a name of the shell for something else."""
     law = bare.law
     taken = {e.name for e in (*law.inputs, *law.parameters, *law.state, *law.outputs)}
-    for signal in (*added, start_state()):
+    for signal in (*added, *start_states()):
         if signal.name in taken:
             raise InputError(
                 f"{bare.name}, plant shell, law {law.name}", signal.name,
@@ -229,13 +233,3 @@ def _check_clashes(bare: Controller, added: Iterable[Signal]) -> None:
 
 def _with_shell_status(signal: Signal) -> Signal:
     return status_signal(signal) if signal.name.startswith("status_") else signal
-
-
-def _acknowledge() -> Signal:
-    return Signal(
-        "acknowledge",
-        low=0.0,
-        high=1.0,
-        kind="boolean",
-        description="takes back what a sensor fault latched, once its sensors are good",
-    )

@@ -11,7 +11,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Symbols
 
-_COUNT = "scans_since_start"
+_COUNT, _LAST = "scans_since_start", "last_start"
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Start:
     state : dict
         State name to the value that the scan goes on from.
     next_state : dict
-        The scans since the start, for the rings.
+        The scans since the start, for the rings, and what was asked for in this scan.
 
     Examples
     --------
@@ -61,25 +61,29 @@ def start_input() -> Signal:
         low=0.0,
         high=2.0,
         kind="integer",
-        description="0 runs on, 1 warm start with the state as it was kept, 2 cold start",
+        description="0 runs on; where it changes to 1 a warm start with the state as it was kept, "
+        "to 2 a cold start; held it acts once",
     )
 
 
-def start_state() -> Signal:
-    """Return the scans since the last cold start, as far as rings need them.
+def start_states() -> tuple[Signal, Signal]:
+    """Return what a cold start does not reset: the scans since it, and the last input.
 
     Examples
     --------
-    >>> start_state().name
-    'scans_since_start'
+    >>> [state.name for state in start_states()]
+    ['scans_since_start', 'last_start']
     """
-    return Signal(
-        _COUNT,
-        low=0.0,
-        high=1e9,
-        kind="integer",
-        description="scans since the cold start, counted until every delay is overwritten",
-    )
+    return (
+        Signal(
+            _COUNT, low=0.0, high=1e9, kind="integer",
+            description="scans since the cold start, counted until every delay is overwritten",
+        ),
+        Signal(
+            _LAST, low=0.0, high=2.0, kind="integer",
+            description="start in the last scan, so that held it acts once",
+        ),
+    )  # fmt: skip
 
 
 def started(
@@ -87,15 +91,19 @@ def started(
 ) -> Start:
     """Return the state that a scan goes on from.
 
+    A start is asked for as by a button: where the input changes to 1 or 2. Held for ever it acts
+    once, so that sensors are judged and outputs move behind it; for that the last input outlives
+    a cold start.
+
     In a cold start every state counts as its initial value. A ring cannot be overwritten in one
     scan: what is read of it counts as the initial value until it was written after the start.
 
     Parameters
     ----------
     symbols : mapping
-        The shell's signals by name: start, scans_since_start and every state.
+        The shell's signals by name: start, scans_since_start, last_start and every state.
     state : iterable of Signal or DelayRing
-        All but the scans since the start.
+        All but `start_states`.
     initial : mapping
         State name to its initial value.
 
@@ -104,13 +112,16 @@ def started(
     A cold start, with a delay of two scans:
 
     >>> ring = DelayRing(Signal("delayed"), 2)
-    >>> given = {"start": 2, "scans_since_start": 7, "delayed": 9.0, "integral": 9.0}
+    >>> given = {"start": 2, "scans_since_start": 7, "last_start": 0, "delayed": 9.0,
+    ...          "integral": 9.0}
     >>> found = started({name: ca.DM(value) for name, value in given.items()},
     ...                 [Signal("integral"), ring], {"integral": 3.0, "delayed": 4.0})
     >>> [float(ca.evalf(found.state[name])) for name in ("integral", "delayed")]
     [3.0, 4.0]
     """
-    cold, warm = symbols["start"] == 2, symbols["start"] == 1
+    asked, last = symbols["start"], symbols[_LAST]
+    cold = ca.logic_and(asked == 2, last != 2)
+    warm = ca.logic_and(asked == 1, last != 1)
     scans = ca.if_else(cold, 0, symbols[_COUNT])
     found: dict[str, ca.SX] = {}
     longest = 1
@@ -118,6 +129,15 @@ def started(
         anew = cold
         if isinstance(entry, DelayRing):
             anew, longest = scans < entry.length, max(longest, entry.length)
-        found[entry.name] = ca.if_else(anew, initial[entry.name], symbols[entry.name])
+        found[entry.name] = _begun(anew, initial[entry.name], symbols[entry.name], entry)
     following = ca.fmin(longest, ca.fmax(0, scans) + 1)
-    return Start(cold, warm, scans < 1, found, {_COUNT: following})
+    # As numbers of their own: what stands for no start is none.
+    remembered = ca.if_else(asked == 2, 2, ca.if_else(asked == 1, 1, 0))
+    return Start(cold, warm, scans < 1, found, {_COUNT: following, _LAST: remembered})
+
+
+def _begun(anew: ca.SX, first: float, kept: ca.SX, entry: Signal | DelayRing) -> ca.SX:
+    """Return the initial value of a state in a start, else the kept one."""
+    if isinstance(entry, DelayRing) or entry.kind != "boolean":
+        return ca.if_else(anew, first, kept)
+    return ca.logic_or(anew, kept) if first else ca.logic_and(kept, ca.logic_not(anew))

@@ -1,4 +1,4 @@
-"""The status word of an output behind the plant shell: 16 bits, 13 of them in use."""
+"""The status word of an output behind the plant shell: 16 bits, 14 of them in use."""
 
 from __future__ import annotations
 
@@ -22,13 +22,17 @@ SHELL_STATUS_BITS: dict[str, StatusBit] = {
     ),
     "failed_safe": StatusBit(
         1024,
-        "a sensor failed for longer than its delay: in automatic the output stands at its "
-        "fail-safe value until it is acknowledged with good sensors",
+        "a sensor failed for longer than its delay: but for manual and tracking the output stands "
+        "at its fail-safe value until it is acknowledged with good sensors",
     ),
     "scan_time_off": StatusBit(
         2048, "the time step differs from the sampling period by more than its tolerance"
     ),
     "setpoint_ramps": StatusBit(4096, "a setpoint is still on its way to what was asked for"),
+    "following": StatusBit(
+        8192,
+        "after a warm start or a fault, in automatic: the law takes up its last output, and waits",
+    ),
 }
 
 
@@ -38,7 +42,7 @@ def status_signal(signal: Signal) -> Signal:
     Examples
     --------
     >>> status_signal(Signal("status_1", kind="integer")).high
-    8191.0
+    16383.0
     """
     bits = ", ".join(
         f"{bit.value} {name.replace('_', ' ')}" for name, bit in SHELL_STATUS_BITS.items()
@@ -55,12 +59,25 @@ def bit_of(word: ca.SX, name: str) -> ca.SX:
     >>> [bool(ca.evalf(bit_of(ca.SX(41), name))) for name in ("at_high_limit", "sensor_fault")]
     [True, False]
     """
-    value = float(STATUS_BITS[name].value)
-    return ca.floor(word / value) - 2.0 * ca.floor(word / (2.0 * value)) == 1.0
+    value = STATUS_BITS[name].value
+    return bits_from(word, value) - 2.0 * bits_from(word, 2 * value) == 1.0
 
 
-def shell_status_word(conditions: Mapping[str, ca.SX]) -> ca.SX:
-    """Return the sum of the bits whose condition holds.
+def bits_from(word: ca.SX, value: int) -> ca.SX:
+    """Return a word without the bits below one, which becomes the first.
+
+    Examples
+    --------
+    >>> int(bits_from(ca.DM(41), 8))
+    5
+    """
+    return ca.floor(word / float(value))
+
+
+def status_bits(conditions: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
+    """Return the values of the bits whose condition holds, and 0 for the others.
+
+    The status word is their sum.
 
     Parameters
     ----------
@@ -70,13 +87,12 @@ def shell_status_word(conditions: Mapping[str, ca.SX]) -> ca.SX:
     Examples
     --------
     >>> held = {n: ca.DM(n in ("automatic", "scan_time_off")) for n in SHELL_STATUS_BITS}
-    >>> int(shell_status_word(held))
+    >>> int(sum(status_bits(held).values()))
     2049
     """
-    word = ca.SX(0)
-    for name, bit in SHELL_STATUS_BITS.items():
-        word = word + ca.if_else(conditions[name], bit.value, 0)
-    return word
+    return {
+        name: ca.if_else(conditions[name], bit.value, 0) for name, bit in SHELL_STATUS_BITS.items()
+    }
 
 
 def read_status(word: int) -> tuple[str, ...]:

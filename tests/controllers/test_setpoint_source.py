@@ -1,0 +1,67 @@
+"""The choice of a setpoint: local, remote, or what stands for neither."""
+
+import math
+
+import numpy as np
+import pytest
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.deploy.printing.precision import in_precision
+from clepsydra.deploy.printing.whole_numbers import (
+    SINGLE_WHOLE,
+    check_whole_results,
+    whole_ranges,
+)
+from clepsydra.program.reader import program_of
+
+LEVEL = Signal("level_1", "V", low=0.0, high=16.0, initial=5.0)
+PUMP = Signal("pump_1", "V", low=0.0, high=10.0, initial=3.0)
+LOCAL, REMOTE = 6.0, 7.5
+
+
+def law():
+    return multiloop_pid_law(1, PidForm(remote_setpoint=True), measured=[LEVEL], manipulated=[PUMP])
+
+
+class Loop:
+    def __init__(self, source):
+        self.law = law()
+        self.state = {s.name: s.initial for s in self.law.state} | {
+            "working_setpoint_1": 5.0, "last_setpoint_source_1": float(source),
+        }  # fmt: skip
+
+    def scan(self, source):
+        inputs = {signal.name: signal.initial for signal in self.law.inputs}
+        inputs |= {"setpoint_1": LOCAL, "remote_setpoint_1": REMOTE, "setpoint_source_1": source}
+        following, _, _ = self.law.function(
+            [self.state[entry.name] for entry in self.law.state],
+            [inputs[signal.name] for signal in self.law.inputs],
+            [parameter.initial for parameter in self.law.parameters],
+        )
+        names = [entry.name for entry in self.law.state]
+        self.state = dict(zip(names, np.array(following).ravel().tolist(), strict=True))
+        return self.state["working_setpoint_1"], self.state["last_setpoint_source_1"]
+
+
+@pytest.mark.parametrize("last", [0, 1])
+@pytest.mark.parametrize("wrong", [2.0, -1.0, 0.5, math.nan, math.inf])
+def test_what_stands_for_no_source_leaves_the_last_one(last, wrong):
+    loop = Loop(last)
+    expected = ((LOCAL, 0.0), (REMOTE, 1.0))
+    for _ in range(3):
+        assert loop.scan(wrong) == expected[last]
+    assert loop.scan(1.0) == expected[1]
+    assert loop.scan(wrong) == expected[1]
+    assert loop.scan(0.0) == expected[0]
+    assert loop.scan(wrong) == expected[0]
+
+
+def test_the_remembered_source_fits_into_single_precision():
+    """Its input may be any integer of 32 bits; what is remembered of it holds in 24."""
+    program = in_precision(program_of(law()), "single")
+    check_whole_results(program, "single")
+    place = [entry.name for entry in program.state].index("last_setpoint_source_1")
+    found = whole_ranges(program, "single")[program.block.results[place]]
+    assert found.within(-SINGLE_WHOLE, SINGLE_WHOLE)
