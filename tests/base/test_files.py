@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.files import whole_file
+from clepsydra.base.files import whole_file, write_together
 
 
 def names(folder: Path) -> list[str]:
@@ -115,3 +115,59 @@ def test_the_permissions_are_those_of_any_new_file(tmp_path, mask, mode):
     finally:
         os.umask(before)
     assert stat.S_IMODE((tmp_path / "result.txt").stat().st_mode) == mode
+
+
+NEW = {"law.h": b"new h", "law.c": b"new c", "law.txt": b"new text"}
+
+
+def test_files_that_are_written_together_all_appear(tmp_path):
+    (tmp_path / "law.c").write_bytes(b"old c")
+    assert write_together(tmp_path, NEW) == [tmp_path / name for name in NEW]
+    assert contents(tmp_path) == NEW
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+@pytest.mark.parametrize("failing", [1, 2, 3])
+def test_where_one_file_cannot_be_put_in_its_place_all_are_as_before(
+    tmp_path, monkeypatch, error, failing
+):
+    """Two of three stood there before; the first, second or third is refused by the system."""
+    before = {"law.h": b"old h", "law.c": b"old c", "other.txt": b"another"}
+    for name, content in before.items():
+        (tmp_path / name).write_bytes(content)
+    (tmp_path / "law.c").chmod(0o640)
+    replace, put = Path.replace, []
+
+    def refusing(self, target):
+        if self.suffix == ".part":
+            put.append(target.name)
+            if len(put) == failing:
+                raise error
+        return replace(self, target)
+
+    monkeypatch.setattr(Path, "replace", refusing)
+    with pytest.raises(InputError if isinstance(error, OSError) else KeyboardInterrupt):
+        write_together(tmp_path, NEW)
+    assert len(put) >= failing
+    assert contents(tmp_path) == before
+    if os.name == "posix":
+        assert stat.S_IMODE((tmp_path / "law.c").stat().st_mode) == 0o640
+
+
+def test_files_of_a_folder_that_is_not_there_are_refused_in_words(tmp_path):
+    with pytest.raises(InputError, match="choose another folder"):
+        write_together(tmp_path / "missing", NEW)
+    assert names(tmp_path) == []
+
+
+def test_a_folder_in_the_place_of_one_file_leaves_the_others_alone(tmp_path):
+    (tmp_path / "law.c").mkdir()
+    (tmp_path / "law.h").write_bytes(b"old h")
+    with pytest.raises(InputError, match="a folder has that name"):
+        write_together(tmp_path, NEW)
+    assert names(tmp_path) == ["law.c", "law.h"]
+    assert (tmp_path / "law.h").read_bytes() == b"old h"

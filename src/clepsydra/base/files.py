@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -51,6 +52,9 @@ def whole_file(path: Path) -> Iterator[Path]:
 def write_together(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
     """Write files of one folder, all of them or, where one cannot be written, none.
 
+    Each is written beside its place first, and then they are put there one after the other; where
+    that fails for one, what stood in the place of the others before is put back.
+
     Parameters
     ----------
     folder : Path
@@ -73,11 +77,33 @@ def write_together(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
     for path in paths:
         if path.is_dir():
             raise _unwritable(path, IsADirectoryError(0, "a folder has that name"))
-    with ExitStack() as stack:
+    with _put_back(folder, paths), ExitStack() as stack:
         parts = [stack.enter_context(whole_file(path)) for path in paths]
         for part, content in zip(parts, files.values(), strict=True):
             part.write_bytes(content)
     return paths
+
+
+@contextmanager
+def _put_back(folder: Path, paths: Sequence[Path]) -> Iterator[None]:
+    """Where the block fails, leave in each place what stood there before."""
+    there = [path for path in paths if os.path.lexists(path)]
+    try:
+        with tempfile.TemporaryDirectory(dir=folder, prefix=".before.") as name:
+            kept = Path(name)
+            for path in there:
+                shutil.copy2(path, kept / path.name, follow_symlinks=False)
+            try:
+                yield
+            except BaseException:
+                for path in paths:
+                    if path in there:
+                        (kept / path.name).replace(path)
+                    else:
+                        path.unlink(missing_ok=True)
+                raise
+    except (OSError, ValueError) as error:
+        raise _unwritable(folder, error) from None
 
 
 def _unwritable(path: Path, error: OSError | ValueError) -> InputError:

@@ -18,9 +18,10 @@ import fmpy
 import numpy as np
 import pytest
 from fmus import VERSIONS, Imported, written
-from models import exchange_of, origin, process_of
+from models import FRICTIONS, exchange_of, origin, process_of, rig
 
 from clepsydra.deploy.fmi.controller import controller_model
+from clepsydra.deploy.fmi.exchange import exchange_model
 from clepsydra.design.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
@@ -139,7 +140,7 @@ def test_a_process_gives_the_same_numbers(version, simulator, tmp_path):
 def test_a_process_for_model_exchange_gives_the_same_numbers(version, simulator, tmp_path):
     """fmi-sim integrates by Euler's method, and so does FMPy when told to."""
     path = written(exchange_of("three-tanks"), tmp_path, version)
-    start = {"held.tank_1.level": 0.25, "held.tank_3.level": 0.03}
+    start = {"tank_1.level": 0.25, "tank_3.level": 0.03}
     found = simulated(simulator, path, "model-exchange", 0.5, 100.0, start=start)
     expected = by_euler(path, 100.0, 0.5, start)
     assert np.ptp(found["tank_1.level"]) > 1e-3
@@ -152,7 +153,7 @@ def test_a_process_for_model_exchange_gives_the_same_numbers(version, simulator,
 def test_events_are_carried_out(version, simulator, tmp_path):
     """A tank without inflow is pumped empty: its pump runs dry, and the event stops it."""
     path = written(exchange_of("averaging-tank"), tmp_path, version)
-    start = {"held.tank.level": 0.3, "inflow": 0.0}
+    start = {"tank.level": 0.3, "inflow": 0.0}
     found = simulated(simulator, path, "model-exchange", 0.1, 20.0, start=start)
     expected = by_euler(path, 20.0, 0.1, start)
     level = "tank.level"
@@ -163,8 +164,30 @@ def test_events_are_carried_out(version, simulator, tmp_path):
     assert there == pytest.approx(expected[level], abs=1e-9)
 
 
-def by_euler(path, stop, step, start):
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_stem_with_play_is_left_behind(version, simulator, tmp_path):
+    """The valve is driven from its start to 60 %, and back by less and by more than its play."""
+    model = exchange_model(rig(tmp_path, FRICTIONS[0]), origin("rig", 1.0))
+    path = written(model, tmp_path, version)
+    time = np.arange(0.0, 60.5, 0.5)
+    throttle = np.select([time < t for t in (20, 22)], [0.6, 0.565], default=0.3)
+    start = {"throttle.position": 0.4, "throttle.stem": 0.4, "throttle.begins": 0.0}
+    inputs = {"time": time, "throttle": throttle}
+    found = simulated(simulator, path, "model-exchange", 0.5, 60.0, inputs=inputs, start=start)
+    columns = [("time", float), ("throttle", float)]
+    table = np.array(list(zip(time, throttle, strict=True)), dtype=columns)
+    names = ["throttle.position", "upper.level", "lower.level"]
+    expected = by_euler(path, 60.0, 0.5, start, table, [*names, "throttle.stem"])
+    for name in names:
+        there = np.interp(expected["time"], found["time"], found[name])
+        assert np.ptp(found[name]) > 1e-2
+        assert there == pytest.approx(expected[name], rel=1e-12)
+    stems = set(np.round(expected["throttle.stem"], 9))
+    assert {0.4, 0.57} <= stems, "as it starts, and 3 % behind 60 %"
+
+
+def by_euler(path, stop, step, start, inputs=None, outputs=None):
     return fmpy.simulate_fmu(
         str(path), stop_time=stop, solver="Euler", step_size=step, output_interval=step,
-        start_values=start,
+        start_values=start, input=inputs, output=outputs,
     )  # fmt: skip

@@ -1,6 +1,7 @@
 """The archive: what is in it, that it is the same each time, and what is refused."""
 
 import ctypes
+import platform
 import re
 import subprocess
 import sys
@@ -15,6 +16,7 @@ from models import exchange_of, origin, pi_model, pi_program, process_of
 
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.compiler import CompilationError, find_compiler
+from clepsydra.deploy.fmi.binary import platform_folder
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.write import write_fmu
 
@@ -109,7 +111,9 @@ def test_the_sources_build_what_the_description_says(version, tmp_path):
 
 
 def test_without_a_compiler_the_binary_is_refused_with_the_remedy(tmp_path):
-    with pytest.raises(InputError, match="install gcc or clang, or write an FMU of sources only"):
+    with pytest.raises(
+        InputError, match=r"gcc, or pip install 'clepsydra\[zig\]', or give sources_only=True"
+    ):
         write_fmu(tmp_path / "pi.fmu", pi_model(), None)
     assert list(tmp_path.iterdir()) == []
 
@@ -140,3 +144,38 @@ def test_what_the_compiler_refuses_leaves_the_old_file_as_it_was(tmp_path):
 def test_a_missing_folder_is_refused_in_words(tmp_path):
     with pytest.raises(InputError, match="choose another folder"):
         write_fmu(tmp_path / "none" / "pi.fmu", pi_model(), None, sources_only=True)
+
+
+@pytest.mark.parametrize(("machine", "folder"), [("arm64", "aarch64"), ("AMD64", "x86_64")])
+def test_a_binary_lies_where_the_standard_has_it(machine, folder, monkeypatch):
+    """FMI 2.0 has a name for x86 only; FMI 3.0 for others too."""
+    monkeypatch.setattr(platform, "machine", lambda: machine)
+    systems = {}
+    for system in ("linux", "darwin", "win32"):
+        monkeypatch.setattr(sys, "platform", system)
+        systems[system] = platform_folder("3.0")
+        if folder == "x86_64":
+            assert platform_folder("2.0") == {"win32": "win64"}.get(system, f"{system}64")
+        else:
+            with pytest.raises(InputError, match=r"arm64 .*expected x86_64.*write it as FMI 3\.0"):
+                platform_folder("2.0")
+    assert systems == {
+        "linux": f"{folder}-linux", "darwin": f"{folder}-darwin", "win32": f"{folder}-windows",
+    }  # fmt: skip
+
+
+def test_a_machine_without_a_name_is_refused_and_nothing_is_left(monkeypatch, tmp_path):
+    monkeypatch.setattr(platform, "machine", lambda: "riscv64")
+    with pytest.raises(InputError, match=r"riscv64.*on such a machine, or in Python"):
+        write_fmu(tmp_path / "pi.fmu", pi_model(), find_compiler("tests"))
+    assert list(tmp_path.iterdir()) == []
+    write_fmu(tmp_path / "pi.fmu", pi_model(), None, sources_only=True)
+    assert (tmp_path / "pi.fmu").is_file()
+
+
+@pytest.mark.parametrize("name", ["pegel_höhe", "level 1", "a..b", "tank.1st", "[1]", "a<b", ""])
+def test_a_name_that_is_none_of_the_naming_convention_is_refused(name):
+    program = pi_program()
+    named = replace(program, outputs=(replace(program.outputs[0], name=name), *program.outputs[1:]))
+    with pytest.raises(InputError, match="a name that an FMU can have"):
+        controller_model(named, origin("p", 1.0))

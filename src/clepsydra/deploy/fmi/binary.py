@@ -23,20 +23,25 @@ def platform_folder(version: str) -> str:
     Raises
     ------
     InputError
-        The standard has no name for it.
+        This version of the standard has no name for it.
 
     Examples
     --------
-    >>> platform_folder("3.0").count("-"), platform_folder("2.0")[-2:]
-    (1, '64')
+    >>> platform_folder("3.0").count("-")
+    1
     """
     system = _SYSTEMS.get(sys.platform)
     machine = _MACHINES.get(platform.machine().lower())
+    here = f"{platform.machine()} {sys.platform}"
     if system is None or machine is None:
         raise InputError(
-            "FMU, platform", f"{platform.machine()} {sys.platform}",
-            "x86_64 or aarch64 under Linux, macOS or Windows",
-            "write an FMU of sources only",
+            "FMU, platform", here, "x86_64 or aarch64 under Linux, macOS or Windows",
+            "write it on such a machine, or in Python by write_fmu(..., sources_only=True)",
+        )  # fmt: skip
+    if version == "2.0" and machine != "x86_64":
+        raise InputError(
+            "FMU, platform", here, "x86_64: FMI 2.0 has a name for no other machine of 64 bits",
+            "write it as FMI 3.0",
         )  # fmt: skip
     return f"{machine}-{system}" if version == "3.0" else f"{_VERSION_2[system]}64"
 

@@ -57,7 +57,7 @@ def _add_interface(root: ElementTree.Element, model: FmuModel, sources: Sequence
         "canSerializeFMUstate": "true",
     }
     if model.exchange:
-        attributes["completedIntegratorStepNotNeeded"] = str(not model.updates).lower()
+        attributes["completedIntegratorStepNotNeeded"] = str(not model.followed).lower()
     else:
         attributes["canHandleVariableCommunicationStepSize"] = "true"
     tag = "ModelExchange" if model.exchange else "CoSimulation"
@@ -100,6 +100,7 @@ def _add_structure(root: ElementTree.Element, model: FmuModel) -> None:
     add("Outputs", [(v, model.known_later(v)) for v in model.outputs])
     add("Derivatives", [(v, model.known_later(v)) for v in model.derivatives])
     unknown = sorted(
-        (*model.outputs, *model.derivatives), key=lambda variable: model.reference(variable.name)
+        (v for v in (*model.outputs, *model.derivatives) if not v.settable),
+        key=lambda variable: model.reference(variable.name),
     )
     add("InitialUnknowns", [(v, v.depends_on or ()) for v in unknown])

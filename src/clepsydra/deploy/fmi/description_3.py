@@ -72,7 +72,7 @@ def _add_interface(root: ElementTree.Element, model: FmuModel) -> None:
         "canSerializeFMUState": "true",
     }
     if model.exchange:
-        attributes["needsCompletedIntegratorStep"] = str(model.updates).lower()
+        attributes["needsCompletedIntegratorStep"] = str(bool(model.followed)).lower()
         ElementTree.SubElement(root, "ModelExchange", attributes)
         return
     attributes["canHandleVariableCommunicationStepSize"] = "true"
@@ -114,7 +114,8 @@ def _add_structure(root: ElementTree.Element, model: FmuModel) -> None:
     for variable in model.derivatives:
         add("ContinuousStateDerivative", variable, model.known_later(variable))
     for variable in (*model.outputs, *model.derivatives):
-        add("InitialUnknown", variable, variable.depends_on or ())
+        if not variable.settable:
+            add("InitialUnknown", variable, variable.depends_on or ())
     for name in model.indicators:
         variable = model.variable(name)
         add("EventIndicator", variable, model.known_later(variable))

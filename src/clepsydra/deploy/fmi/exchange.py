@@ -10,7 +10,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.fmi.dependencies import output_dependencies
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, variables_of
-from clepsydra.deploy.fmi.process import held_signal
+from clepsydra.deploy.fmi.process_names import held_signals, shown_contents
 from clepsydra.deploy.fmi.side_program import call_beside
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.linear.operating_point import OperatingPoint
@@ -34,7 +34,9 @@ def exchange_model(point: OperatingPoint, origin: Origin) -> FmuModel:
 
     Continuous states are the contents of the process: levels, volumes, amounts, positions.
     Switches are event indicators, whose event happens where one becomes zero or positive; what
-    they set is remembered. Play and stiction follow at the end of each integrator step.
+    they set is remembered. What follows the motion, as a stem with play does, is remembered in
+    event mode too: at the end of an integrator step the importer is asked for an event where
+    the derivatives or outputs would be others with it.
 
     Parameters
     ----------
@@ -54,7 +56,7 @@ def exchange_model(point: OperatingPoint, origin: Origin) -> FmuModel:
     >>> point = find_equilibrium(load_process("quadruple-tank"))
     >>> model = exchange_model(point, Origin("the process", "quadruple-tank", "", 1.0))
     >>> [variable.name for variable in model.derivatives][:2]
-    ['der(held.tank_1.level)', 'der(held.tank_2.level)']
+    ['der(tank_1.level)', 'der(tank_2.level)']
     """
     process = point.process
     _refuse_delays(process)
@@ -63,7 +65,10 @@ def exchange_model(point: OperatingPoint, origin: Origin) -> FmuModel:
     members = {s.name: f"parameters.{s.identifier}" for s in process.parameters}
     members |= {s.name: f"inputs.{s.identifier}" for s in motion.inputs}
     size, events = len(process.motion.contents), len(process.motion.events)
-    contents, memories = motion.inputs[:size], motion.inputs[size : size + equations.memories]
+    contents, memories = motion.inputs[:size], list(motion.inputs[size : size + equations.memories])
+    for place in equations.followed:
+        words = f"{memories[place].description}, as the last event left it"
+        memories[place] = replace(memories[place], description=words)
     depends = output_dependencies(motion)
     results = variables_of(motion.outputs, "outputs", "output", "continuous", depends)
     derivatives = [
@@ -76,10 +81,14 @@ def exchange_model(point: OperatingPoint, origin: Origin) -> FmuModel:
         for result, content in zip(results[:size], contents, strict=True)
     ]
     indicators = [replace(r, causality="local") for r in results[size : size + events]]
+    shown = shown_contents(process)
     variables: list[FmuVariable] = [
         *variables_of(process.parameters, "parameters", "parameter", "tunable"),
         *variables_of(motion.inputs[size + equations.memories :], "inputs", "input", "continuous"),
-        *variables_of(contents, "inputs", "local", "continuous"),
+        *(
+            replace(content, causality="output" if content.name in shown else "local")
+            for content in variables_of(contents, "inputs", "local", "continuous")
+        ),
         *variables_of(memories, "inputs", "local", "discrete"),
         *derivatives,
         *indicators,
@@ -91,7 +100,7 @@ def exchange_model(point: OperatingPoint, origin: Origin) -> FmuModel:
         functions.append(
             call_beside("model_switch", "What the events that happen set.", beside[-1], members)
         )
-    if equations.updates:
+    if equations.followed:
         beside.append(equations.update())
         functions.append(
             call_beside("model_update", "What a step leaves behind.", beside[-1], members)
@@ -105,7 +114,7 @@ def exchange_model(point: OperatingPoint, origin: Origin) -> FmuModel:
         title=process.title,
         origin=origin,
         indicators=tuple(indicator.name for indicator in indicators),
-        updates=equations.updates,
+        followed=tuple(memories[place].name for place in equations.followed),
     )
 
 
@@ -129,13 +138,13 @@ class _Equations:
         held = (*process.motion.contents, *process.motion.memories)
         self.memories = len(process.motion.memories)
         self._inputs = (
-            *(held_signal(replace(s, initial=at[s.name])) for s in held),
+            *held_signals(process, [replace(s, initial=at[s.name]) for s in held]),
             *(replace(s, initial=at[s.name]) for s in (*process.inputs, *process.disturbances)),
         )
         self._size = len(self._inputs) + len(process.parameters)
 
     def motion(self) -> Program:
-        """Derivatives of the contents, guards of the events, states, measurements."""
+        """Derivatives of the contents, guards of the events, other states, measurements."""
         process, motion = self._process, self._process.motion
         builder = BlockBuilder(self._size)
         everything = list(range(self._size))
@@ -145,26 +154,29 @@ class _Equations:
         guards = inline(builder, motion.guards, everything)
         states = inline(builder, motion.to_state, [*contents, *parameters])
         measured = inline(builder, process.measure, [*states, *parameters])
+        shown = shown_contents(process)
+        others = [place for place, s in enumerate(process.state) if s.name not in shown]
         outputs = (
             *(
                 Signal(f"derivative.{s.name}", _rate_unit(s.unit), description=f"of {s.name}")
                 for s in motion.contents
             ),
             *(Signal(f"guard.{name}", description=words) for name, words in motion.events),
-            *process.state,
+            *(process.state[place] for place in others),
             *process.measurements,
         )
-        block = builder.finish([*rates, *guards, *states, *measured])
+        block = builder.finish([*rates, *guards, *(states[k] for k in others), *measured])
         return self._program("motion", outputs, block)
 
     @property
-    def updates(self) -> bool:
-        """Whether any memory is another one at the end of a step."""
+    def followed(self) -> list[int]:
+        """The places of those memories that may be others at the end of a step."""
         symbols = [
             ca.SX.sym(name, size) for name, size in zip("czmudp", self._sizes(), strict=True)
         ]
-        following = self._process.motion.updates(*symbols)
-        return not ca.is_equal(ca.densify(following), symbols[2], 1)
+        following = ca.densify(self._process.motion.updates(*symbols))
+        held = symbols[2]
+        return [k for k in range(self.memories) if not ca.is_equal(following[k], held[k], 1)]
 
     def switch(self) -> Program:
         """The memories after the events whose guards are zero or positive."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 import uuid
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,6 +19,10 @@ from clepsydra.program.program import Program
 
 Causality = Literal["input", "parameter", "output", "local"]
 Variability = Literal["continuous", "discrete", "tunable"]
+#: A name in the structured convention: words of letters, digits and underscores, joined by dots.
+_STRUCTURED = re.compile(
+    r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*|der\(([A-Za-z_]\w*\.)*[A-Za-z_]\w*\)", re.ASCII
+)
 #: Namespace of the tokens that identify a model.
 _NAMESPACE = uuid.uuid5(uuid.NAMESPACE_DNS, "clepsydra.functional-mock-up-unit")
 
@@ -98,13 +103,13 @@ class FmuModel:
     origin : Origin
     indicators : tuple of str
         The variables that are event indicators.
-    updates : bool
-        Whether something is remembered at the end of every integrator step.
+    followed : tuple of str
+        The memories that follow the motion at the end of every integrator step.
 
     Raises
     ------
     InputError
-        Two variables have one name.
+        Two variables have one name, or a name is none of the structured naming convention.
 
     Examples
     --------
@@ -119,11 +124,18 @@ class FmuModel:
     title: str
     origin: Origin
     indicators: tuple[str, ...] = ()
-    updates: bool = False
+    followed: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         names = [variable.name for variable in self.variables]
         for name in names:
+            if not _STRUCTURED.fullmatch(name):
+                raise InputError(
+                    f"program {self.name}, {name}", name,
+                    "a name that an FMU can have: letters from A to Z, digits and underscores, a "
+                    "letter first, and dots between words",
+                    "rename the input, output, parameter or state",
+                )  # fmt: skip
             if names.count(name) > 1:
                 raise InputError(
                     f"program {self.name}, {name}", name, "a name of its own in the FMU",
@@ -182,9 +194,11 @@ class FmuModel:
         if not self.exchange:
             return ()
         states = {derivative.derivative_of for derivative in self.derivatives}
+        # A state that is an output depends on itself.
+        depends_on = (variable.name,) if variable.depends_on is None else variable.depends_on
         return tuple(
             name
-            for name in variable.depends_on or ()
+            for name in depends_on
             if name in states or self.variable(name).causality == "input"
         )
 

@@ -9,7 +9,10 @@ from clepsydra.base.signal import Signal
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable
 from clepsydra.deploy.printing.expressions import decimal
 
-_ROLES = {"input": "ROLE_INPUT", "parameter": "ROLE_PARAMETER", "local": "ROLE_START"}
+_ROLES = {
+    "input": "ROLE_INPUT", "parameter": "ROLE_PARAMETER", "local": "ROLE_START",
+    "output": "ROLE_START",
+}  # fmt: skip
 _KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN"}
 
 
@@ -69,7 +72,7 @@ def _row(number: int, variable: FmuVariable) -> str:
 
 
 def _references(model: FmuModel) -> list[str]:
-    """Write the value references of states, derivatives and indicators, and the nominal values.
+    """Write the value references of states, derivatives, indicators, memories, and nominal values.
 
     An array of C has at least one element.
     """
@@ -91,6 +94,12 @@ def _references(model: FmuModel) -> list[str]:
             "uint32_t",
             "model_indicators",
             [str(model.reference(indicator)) for indicator in model.indicators],
+        ),
+        f"static const size_t model_memory_count = {len(model.followed)};",
+        array(
+            "uint32_t",
+            "model_memories",
+            [str(model.reference(memory)) for memory in model.followed],
         ),
         "",
     ]

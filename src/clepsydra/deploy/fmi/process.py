@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from clepsydra.base.signal import Signal
 from clepsydra.deploy.fmi.dependencies import output_dependencies
-from clepsydra.deploy.fmi.model import FmuModel, variables_of
+from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, variables_of
+from clepsydra.deploy.fmi.process_names import held_signals, shown_contents
 from clepsydra.deploy.fmi.side_program import call_beside
 from clepsydra.deploy.printing.entries import is_ring, signal_of
 from clepsydra.deploy.printing.origin import Origin
@@ -66,27 +66,9 @@ def process_model(point: OperatingPoint, substeps: int, origin: Origin) -> FmuMo
     members |= {s.name: f"state.{s.identifier}" for s in map(signal_of, program.state)}
     members |= {s.name: f"outputs.{s.identifier}" for s in program.outputs}
     show = call_beside("model_show", "The outputs of the present state.", reading, members)
-    held = [signal_of(entry) for entry in program.state if not is_ring(entry)]
-    contents = {s.name for s in reading.inputs}
     return FmuModel(
         programs=(program, reading),
-        variables=(
-            *variables_of(program.parameters, "parameters", "parameter", "tunable"),
-            *variables_of(program.inputs, "inputs", "input", "continuous"),
-            *(
-                variable
-                for signal in held
-                for variable in variables_of(
-                    [signal],
-                    "state",
-                    "local",
-                    "continuous" if signal.name in contents else "discrete",
-                )
-            ),
-            *variables_of(
-                program.outputs, "outputs", "output", "continuous", output_dependencies(reading)
-            ),
-        ),
+        variables=tuple(_variables(process, program, reading)),
         functions="\n".join([show, _ADVANCE.format(name=program.name)]),
         step=step,
         scans=False,
@@ -95,9 +77,40 @@ def process_model(point: OperatingPoint, substeps: int, origin: Origin) -> FmuMo
     )
 
 
+def _variables(process: Process, program: Program, reading: Program) -> list[FmuVariable]:
+    """Return the variables; a state that lives on as it is, such as a level, is an output."""
+    held = [signal_of(entry) for entry in program.state if not is_ring(entry)]
+    plain = [replace(s, name=s.name.removeprefix(f"{HELD}.")) for s in held]
+    names = dict(zip([s.name for s in held], held_signals(process, plain), strict=True))
+    shown, contents = shown_contents(process), {s.name for s in process.motion.contents}
+    states = [
+        FmuVariable(
+            names[signal.name],
+            f"state.{signal.identifier}",
+            "output" if name.name in shown else "local",
+            "continuous" if name.name in contents else "discrete",
+        )
+        for signal, name in zip(held, plain, strict=True)
+    ]
+    depends_on = [
+        tuple(names[name].name if name in names else name for name in each)
+        for each in output_dependencies(reading)
+    ]
+    results = variables_of(program.outputs, "outputs", "output", "continuous", depends_on)
+    return [
+        *variables_of(program.parameters, "parameters", "parameter", "tunable"),
+        *variables_of(program.inputs, "inputs", "input", "continuous"),
+        *states,
+        *(result for result in results if result.name not in shown),
+    ]
+
+
 def _reading(process: Process, program: Program) -> Program:
     """Return the program of states and measurements as functions of the contents."""
-    contents = [held_signal(signal) for signal in process.motion.contents]
+    contents = [
+        replace(signal, name=f"{HELD}.{signal.name}", kind="real")
+        for signal in process.motion.contents
+    ]
     builder = BlockBuilder(len(contents) + len(process.parameters))
     parameters = range(len(contents), len(contents) + len(process.parameters))
     states = inline(builder, process.motion.to_state, [*range(len(contents)), *parameters])
@@ -110,12 +123,3 @@ def _reading(process: Process, program: Program) -> Program:
         (*process.state, *process.measurements),
         builder.finish([*states, *measured]),
     )
-
-
-def held_signal(signal: Signal) -> Signal:
-    """Return the signal of what a process holds, as `process_program` names it.
-
-    >>> held_signal(Signal("tank_1.level", "m")).name
-    'held.tank_1.level'
-    """
-    return replace(signal, name=f"{HELD}.{signal.name}", kind="real")

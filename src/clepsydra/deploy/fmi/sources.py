@@ -8,7 +8,11 @@ from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.fmi.model import FmuModel
 from clepsydra.deploy.fmi.model_header import model_header
 
-_SHARED = ("instance.h", "stepping.h", "exchange.h")
+_SHARED = ("instance.h", "phases.h", "records.h", "exchange.h", "stepping.h")
+_OF_VERSION = {
+    "2.0": ("fmi2.c", "fmi2_types.h"),
+    "3.0": ("fmi3.c", "fmi3_types.h", "fmi3_absent.h"),
+}
 
 
 def source_files(model: FmuModel, version: str) -> dict[str, str]:
@@ -33,7 +37,7 @@ def source_files(model: FmuModel, version: str) -> dict[str, str]:
         files[printed.source_name] = printed.source
     files["model.h"] = model_header(model, version)
     wrapper = resources.files("clepsydra.deploy.fmi") / "wrapper"
-    for name in (*_SHARED, f"fmi{version[0]}.c"):
+    for name in (*_SHARED, *_OF_VERSION[version]):
         files[name] = (wrapper / name).read_text(encoding="utf-8")
     return files
 

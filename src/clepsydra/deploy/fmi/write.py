@@ -48,8 +48,8 @@ def write_fmu(
     Raises
     ------
     InputError
-        There is no compiler though a binary is wanted, the standard has no name for this kind
-        of machine, the version is unknown, or the file cannot be written.
+        There is no compiler though a binary is wanted, this version of the standard has no name
+        for this kind of machine, the version is unknown, or the file cannot be written.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def write_fmu(
     if compiler is None and not sources_only:
         raise InputError(
             f"FMU of {model.name}", "no C compiler", "a C compiler to build the binary with",
-            "install gcc or clang, or write an FMU of sources only",
+            "install gcc, or pip install 'clepsydra[zig]', or give sources_only=True",
         )  # fmt: skip
     contents = fmu_contents(model, version)
     if compiler is not None and not sources_only:

@@ -3,15 +3,11 @@
 #include "instance.h"
 
 #include "exchange.h"
+#include "phases.h"
+#include "records.h"
 #include "stepping.h"
 
-#if defined _WIN32
-#define EXPORTED __declspec(dllexport)
-#elif defined __GNUC__
-#define EXPORTED __attribute__((visibility("default")))
-#else
-#define EXPORTED
-#endif
+#include "fmi2_types.h"
 
 /* A program that links several models statically gives each one's functions a prefix. */
 #if defined FMI2_FUNCTION_PREFIX && !defined FMI2_OVERRIDE_FUNCTION_PREFIX
@@ -20,46 +16,6 @@
 #define NAMED(name) PREFIXED(FMI2_FUNCTION_PREFIX, name)
 #else
 #define NAMED(name) name
-#endif
-
-/* Where the standard's own headers are included first, they check every function below. */
-#ifndef fmi2FunctionTypes_h
-typedef enum {
-  fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal, fmi2Pending
-} fmi2Status;
-typedef enum { fmi2ModelExchange, fmi2CoSimulation } fmi2Type;
-typedef enum {
-  fmi2DoStepStatus, fmi2PendingStatus, fmi2LastSuccessfulTime, fmi2Terminated
-} fmi2StatusKind;
-typedef void *fmi2Component;
-typedef void *fmi2ComponentEnvironment;
-typedef void *fmi2FMUstate;
-typedef unsigned int fmi2ValueReference;
-typedef double fmi2Real;
-typedef int fmi2Integer;
-typedef int fmi2Boolean;
-typedef const char *fmi2String;
-typedef char fmi2Byte;
-typedef void (*fmi2CallbackLogger)(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String,
-                                   fmi2String, ...);
-typedef void *(*fmi2CallbackAllocateMemory)(size_t, size_t);
-typedef void (*fmi2CallbackFreeMemory)(void *);
-typedef void (*fmi2StepFinished)(fmi2ComponentEnvironment, fmi2Status);
-typedef struct {
-  fmi2CallbackLogger logger;
-  fmi2CallbackAllocateMemory allocateMemory;
-  fmi2CallbackFreeMemory freeMemory;
-  fmi2StepFinished stepFinished;
-  fmi2ComponentEnvironment componentEnvironment;
-} fmi2CallbackFunctions;
-typedef struct {
-  fmi2Boolean newDiscreteStatesNeeded;
-  fmi2Boolean terminateSimulation;
-  fmi2Boolean nominalsOfContinuousStatesChanged;
-  fmi2Boolean valuesOfContinuousStatesChanged;
-  fmi2Boolean nextEventTimeDefined;
-  fmi2Real nextEventTime;
-} fmi2EventInfo;
 #endif
 
 #define FUNCTION(name) EXPORTED fmi2Status NAMED(name)
@@ -164,12 +120,7 @@ FUNCTION(fmi2ExitInitializationMode)(fmi2Component each)
 
 FUNCTION(fmi2Terminate)(fmi2Component each)
 {
-  instance *it = each;
-  if (it->now.phase == INSTANTIATED || it->now.phase == TERMINATED) {
-    return status(refuse(it, "terminate: nothing is running"));
-  }
-  it->now.phase = TERMINATED;
-  return fmi2OK;
+  return status(end_run(each));
 }
 
 FUNCTION(fmi2Reset)(fmi2Component each)
@@ -187,21 +138,13 @@ FUNCTION(fmi2GetFMUstate)(fmi2Component each, fmi2FMUstate *state)
 
 FUNCTION(fmi2SetFMUstate)(fmi2Component each, fmi2FMUstate state)
 {
-  const instance_record *record = state;
-  if (!is_record(each, record)) {
-    return fmi2Error;
-  }
-  ((instance *)each)->now = record->state;
-  return fmi2OK;
+  return status(go_back(each, state));
 }
 
 FUNCTION(fmi2FreeFMUstate)(fmi2Component each, fmi2FMUstate *state)
 {
   (void)each;
-  if (state != NULL) {
-    free(*state);
-    *state = NULL;
-  }
+  free_record(state);
   return fmi2OK;
 }
 
@@ -215,11 +158,7 @@ FUNCTION(fmi2SerializedFMUstateSize)(fmi2Component each, fmi2FMUstate state, siz
 FUNCTION(fmi2SerializeFMUstate)(fmi2Component each, fmi2FMUstate state, fmi2Byte bytes[],
                                 size_t size)
 {
-  if (!is_record(each, state) || !fits_record(each, size)) {
-    return fmi2Error;
-  }
-  memcpy(bytes, state, size);
-  return fmi2OK;
+  return status(write_record(each, state, bytes, size));
 }
 
 FUNCTION(fmi2DeSerializeFMUstate)(fmi2Component each, const fmi2Byte bytes[], size_t size,
@@ -378,10 +317,12 @@ FUNCTION(fmi2EnterContinuousTimeMode)(fmi2Component each)
 FUNCTION(fmi2CompletedIntegratorStep)(fmi2Component each, fmi2Boolean no_state_before,
                                       fmi2Boolean *events, fmi2Boolean *terminate)
 {
+  bool event = false;
+  const bool done = complete_step(each, &event);
   (void)no_state_before;
-  *events = 0;
+  *events = event;
   *terminate = 0;
-  return status(complete_step(each));
+  return status(done);
 }
 
 FUNCTION(fmi2SetTime)(fmi2Component each, fmi2Real time)

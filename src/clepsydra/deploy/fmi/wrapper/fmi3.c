@@ -3,15 +3,11 @@
 #include "instance.h"
 
 #include "exchange.h"
+#include "phases.h"
+#include "records.h"
 #include "stepping.h"
 
-#if defined _WIN32
-#define EXPORTED __declspec(dllexport)
-#elif defined __GNUC__
-#define EXPORTED __attribute__((visibility("default")))
-#else
-#define EXPORTED
-#endif
+#include "fmi3_types.h"
 
 /* A program that links several models statically gives each one's functions a prefix. */
 #if defined FMI3_FUNCTION_PREFIX && !defined FMI3_OVERRIDE_FUNCTION_PREFIX
@@ -20,44 +16,6 @@
 #define NAMED(name) PREFIXED(FMI3_FUNCTION_PREFIX, name)
 #else
 #define NAMED(name) name
-#endif
-
-/* Where the standard's own headers are included first, they check every function below. */
-#ifndef fmi3FunctionTypes_h
-typedef enum { fmi3OK, fmi3Warning, fmi3Discard, fmi3Error, fmi3Fatal } fmi3Status;
-typedef enum {
-  fmi3Independent, fmi3Constant, fmi3Fixed, fmi3Tunable, fmi3Discrete, fmi3Dependent
-} fmi3DependencyKind;
-typedef enum {
-  fmi3IntervalNotYetKnown, fmi3IntervalUnchanged, fmi3IntervalChanged
-} fmi3IntervalQualifier;
-typedef void *fmi3Instance;
-typedef void *fmi3InstanceEnvironment;
-typedef void *fmi3FMUState;
-typedef uint32_t fmi3ValueReference;
-typedef float fmi3Float32;
-typedef double fmi3Float64;
-typedef int8_t fmi3Int8;
-typedef uint8_t fmi3UInt8;
-typedef int16_t fmi3Int16;
-typedef uint16_t fmi3UInt16;
-typedef int32_t fmi3Int32;
-typedef uint32_t fmi3UInt32;
-typedef int64_t fmi3Int64;
-typedef uint64_t fmi3UInt64;
-typedef bool fmi3Boolean;
-typedef bool fmi3Clock;
-typedef const char *fmi3String;
-typedef uint8_t fmi3Byte;
-typedef const fmi3Byte *fmi3Binary;
-typedef void (*fmi3LogMessageCallback)(fmi3InstanceEnvironment, fmi3Status, fmi3String,
-                                       fmi3String);
-typedef void (*fmi3ClockUpdateCallback)(fmi3InstanceEnvironment);
-typedef void (*fmi3IntermediateUpdateCallback)(fmi3InstanceEnvironment, fmi3Float64, fmi3Boolean,
-                                               fmi3Boolean, fmi3Boolean, fmi3Boolean,
-                                               fmi3Boolean *, fmi3Float64 *);
-typedef void (*fmi3LockPreemptionCallback)(void);
-typedef void (*fmi3UnlockPreemptionCallback)(void);
 #endif
 
 #define FUNCTION(name) EXPORTED fmi3Status NAMED(name)
@@ -139,19 +97,6 @@ EXPORTED fmi3Instance NAMED(fmi3InstantiateModelExchange)(
   return new_instance(name, token, environment, (void (*)(void))logger);
 }
 
-EXPORTED fmi3Instance NAMED(fmi3InstantiateScheduledExecution)(
-    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
-    fmi3Boolean logging, fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger,
-    fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
-    fmi3UnlockPreemptionCallback unlock)
-{
-  const instance plain = {.environment = environment, .logger = (void (*)(void))logger};
-  (void)name, (void)token, (void)resources, (void)visible, (void)logging, (void)update;
-  (void)lock, (void)unlock;
-  refuse(&plain, "instantiate scheduled execution: this model has no clocks");
-  return NULL;
-}
-
 EXPORTED void NAMED(fmi3FreeInstance)(fmi3Instance each)
 {
   free_instance(each);
@@ -177,12 +122,7 @@ FUNCTION(fmi3EnterEventMode)(fmi3Instance each)
 
 FUNCTION(fmi3Terminate)(fmi3Instance each)
 {
-  instance *it = each;
-  if (it->now.phase == INSTANTIATED || it->now.phase == TERMINATED) {
-    return status(refuse(it, "terminate: nothing is running"));
-  }
-  it->now.phase = TERMINATED;
-  return fmi3OK;
+  return status(end_run(each));
 }
 
 FUNCTION(fmi3Reset)(fmi3Instance each)
@@ -200,21 +140,13 @@ FUNCTION(fmi3GetFMUState)(fmi3Instance each, fmi3FMUState *state)
 
 FUNCTION(fmi3SetFMUState)(fmi3Instance each, fmi3FMUState state)
 {
-  const instance_record *record = state;
-  if (!is_record(each, record)) {
-    return fmi3Error;
-  }
-  ((instance *)each)->now = record->state;
-  return fmi3OK;
+  return status(go_back(each, state));
 }
 
 FUNCTION(fmi3FreeFMUState)(fmi3Instance each, fmi3FMUState *state)
 {
   (void)each;
-  if (state != NULL) {
-    free(*state);
-    *state = NULL;
-  }
+  free_record(state);
   return fmi3OK;
 }
 
@@ -228,11 +160,7 @@ FUNCTION(fmi3SerializedFMUStateSize)(fmi3Instance each, fmi3FMUState state, size
 FUNCTION(fmi3SerializeFMUState)(fmi3Instance each, fmi3FMUState state, fmi3Byte bytes[],
                                 size_t size)
 {
-  if (!is_record(each, state) || !fits_record(each, size)) {
-    return fmi3Error;
-  }
-  memcpy(bytes, state, size);
-  return fmi3OK;
+  return status(write_record(each, state, bytes, size));
 }
 
 FUNCTION(fmi3DeserializeFMUState)(fmi3Instance each, const fmi3Byte bytes[], size_t size,
@@ -246,7 +174,7 @@ FUNCTION(fmi3DeserializeFMUState)(fmi3Instance each, const fmi3Byte bytes[], siz
   return fmi3OK;
 }
 
-/* Values: three types are there. */
+/* Values of the three types that there are. */
 
 #define ACCESS(type, c_type, kind)                                                               \
   FUNCTION(fmi3Get##type)(fmi3Instance each, const fmi3ValueReference references[],              \
@@ -286,58 +214,6 @@ ACCESS(Float64, fmi3Float64, KIND_REAL)
 ACCESS(Int32, fmi3Int32, KIND_INTEGER)
 ACCESS(Boolean, fmi3Boolean, KIND_BOOLEAN)
 
-#define NO_ACCESS(type, c_type)                                                                  \
-  FUNCTION(fmi3Get##type)(fmi3Instance each, const fmi3ValueReference references[],              \
-                          size_t count, c_type values[], size_t size)                            \
-  {                                                                                              \
-    (void)references, (void)values, (void)size;                                                  \
-    return count == 0 ? fmi3OK : absent(each, "fmi3Get" #type);                                  \
-  }                                                                                              \
-  FUNCTION(fmi3Set##type)(fmi3Instance each, const fmi3ValueReference references[],              \
-                          size_t count, const c_type values[], size_t size)                      \
-  {                                                                                              \
-    (void)references, (void)values, (void)size;                                                  \
-    return count == 0 ? fmi3OK : absent(each, "fmi3Set" #type);                                  \
-  }
-
-NO_ACCESS(Float32, fmi3Float32)
-NO_ACCESS(Int8, fmi3Int8)
-NO_ACCESS(UInt8, fmi3UInt8)
-NO_ACCESS(Int16, fmi3Int16)
-NO_ACCESS(UInt16, fmi3UInt16)
-NO_ACCESS(UInt32, fmi3UInt32)
-NO_ACCESS(Int64, fmi3Int64)
-NO_ACCESS(UInt64, fmi3UInt64)
-NO_ACCESS(String, fmi3String)
-
-FUNCTION(fmi3GetBinary)(fmi3Instance each, const fmi3ValueReference references[], size_t count,
-                        size_t sizes[], fmi3Binary values[], size_t size)
-{
-  (void)references, (void)sizes, (void)values, (void)size;
-  return count == 0 ? fmi3OK : absent(each, "fmi3GetBinary");
-}
-
-FUNCTION(fmi3SetBinary)(fmi3Instance each, const fmi3ValueReference references[], size_t count,
-                        const size_t sizes[], const fmi3Binary values[], size_t size)
-{
-  (void)references, (void)sizes, (void)values, (void)size;
-  return count == 0 ? fmi3OK : absent(each, "fmi3SetBinary");
-}
-
-FUNCTION(fmi3GetClock)(fmi3Instance each, const fmi3ValueReference references[], size_t count,
-                       fmi3Clock values[])
-{
-  (void)references, (void)values;
-  return count == 0 ? fmi3OK : absent(each, "fmi3GetClock");
-}
-
-FUNCTION(fmi3SetClock)(fmi3Instance each, const fmi3ValueReference references[], size_t count,
-                       const fmi3Clock values[])
-{
-  (void)references, (void)values;
-  return count == 0 ? fmi3OK : absent(each, "fmi3SetClock");
-}
-
 /* Co-simulation. */
 
 FUNCTION(fmi3DoStep)(fmi3Instance each, fmi3Float64 from, fmi3Float64 length,
@@ -359,19 +235,6 @@ FUNCTION(fmi3DoStep)(fmi3Instance each, fmi3Float64 from, fmi3Float64 length,
   return status(done);
 }
 
-FUNCTION(fmi3EnterStepMode)(fmi3Instance each)
-{
-  return absent(each, "fmi3EnterStepMode");
-}
-
-FUNCTION(fmi3GetOutputDerivatives)(fmi3Instance each, const fmi3ValueReference references[],
-                                   size_t count, const fmi3Int32 orders[], fmi3Float64 values[],
-                                   size_t size)
-{
-  (void)references, (void)orders, (void)values, (void)size;
-  return count == 0 ? fmi3OK : absent(each, "fmi3GetOutputDerivatives");
-}
-
 /* Model exchange. */
 
 FUNCTION(fmi3EnterContinuousTimeMode)(fmi3Instance each)
@@ -383,27 +246,20 @@ FUNCTION(fmi3CompletedIntegratorStep)(fmi3Instance each, fmi3Boolean no_state_be
                                       fmi3Boolean *events, fmi3Boolean *terminate)
 {
   (void)no_state_before;
-  *events = false;
   *terminate = false;
-  return status(complete_step(each));
+  return status(complete_step(each, events));
 }
 
 FUNCTION(fmi3UpdateDiscreteStates)(fmi3Instance each, fmi3Boolean *more, fmi3Boolean *terminate,
                                    fmi3Boolean *nominals, fmi3Boolean *states,
                                    fmi3Boolean *next_defined, fmi3Float64 *next)
 {
-  *more = false;
   *terminate = false;
   *nominals = false;
   *states = false;
   *next_defined = false;
   *next = 0.0;
   return status(carry_out_events(each, more));
-}
-
-FUNCTION(fmi3EvaluateDiscreteStates)(fmi3Instance each)
-{
-  return absent(each, "fmi3EvaluateDiscreteStates");
 }
 
 FUNCTION(fmi3SetTime)(fmi3Instance each, fmi3Float64 time)
@@ -453,92 +309,4 @@ FUNCTION(fmi3GetNumberOfContinuousStates)(fmi3Instance each, size_t *count)
   return status(is_exchanged(each, "get number of continuous states"));
 }
 
-/* Clocks, partial derivatives and structural parameters: none. */
-
-FUNCTION(fmi3GetNumberOfVariableDependencies)(fmi3Instance each, fmi3ValueReference reference,
-                                              size_t *count)
-{
-  (void)reference, (void)count;
-  return absent(each, "fmi3GetNumberOfVariableDependencies");
-}
-
-FUNCTION(fmi3GetVariableDependencies)(fmi3Instance each, fmi3ValueReference dependent,
-                                      size_t places[], fmi3ValueReference independents[],
-                                      size_t independent_places[], fmi3DependencyKind kinds[],
-                                      size_t count)
-{
-  (void)dependent, (void)places, (void)independents, (void)independent_places, (void)kinds;
-  (void)count;
-  return absent(each, "fmi3GetVariableDependencies");
-}
-
-#define NO_DERIVATIVE(name)                                                                      \
-  FUNCTION(name)(fmi3Instance each, const fmi3ValueReference unknowns[], size_t unknown_count,   \
-                 const fmi3ValueReference knowns[], size_t known_count,                          \
-                 const fmi3Float64 seed[], size_t seed_size, fmi3Float64 sensitivity[],          \
-                 size_t sensitivity_size)                                                        \
-  {                                                                                              \
-    (void)unknowns, (void)unknown_count, (void)knowns, (void)known_count, (void)seed;            \
-    (void)seed_size, (void)sensitivity, (void)sensitivity_size;                                  \
-    return absent(each, #name);                                                                  \
-  }
-
-NO_DERIVATIVE(fmi3GetDirectionalDerivative)
-NO_DERIVATIVE(fmi3GetAdjointDerivative)
-
-FUNCTION(fmi3EnterConfigurationMode)(fmi3Instance each)
-{
-  return absent(each, "fmi3EnterConfigurationMode");
-}
-
-FUNCTION(fmi3ExitConfigurationMode)(fmi3Instance each)
-{
-  return absent(each, "fmi3ExitConfigurationMode");
-}
-
-FUNCTION(fmi3GetIntervalDecimal)(fmi3Instance each, const fmi3ValueReference references[],
-                                 size_t count, fmi3Float64 intervals[],
-                                 fmi3IntervalQualifier qualifiers[])
-{
-  (void)references, (void)count, (void)intervals, (void)qualifiers;
-  return absent(each, "fmi3GetIntervalDecimal");
-}
-
-FUNCTION(fmi3GetIntervalFraction)(fmi3Instance each, const fmi3ValueReference references[],
-                                  size_t count, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
-                                  fmi3IntervalQualifier qualifiers[])
-{
-  (void)references, (void)count, (void)counters, (void)resolutions, (void)qualifiers;
-  return absent(each, "fmi3GetIntervalFraction");
-}
-
-#define NO_DECIMAL(name, c_type)                                                                 \
-  FUNCTION(name)(fmi3Instance each, const fmi3ValueReference references[], size_t count,         \
-                 c_type values[])                                                                \
-  {                                                                                              \
-    (void)references, (void)count, (void)values;                                                 \
-    return absent(each, #name);                                                                  \
-  }
-
-NO_DECIMAL(fmi3GetShiftDecimal, fmi3Float64)
-NO_DECIMAL(fmi3SetShiftDecimal, const fmi3Float64)
-NO_DECIMAL(fmi3SetIntervalDecimal, const fmi3Float64)
-
-#define NO_FRACTION(name, c_type)                                                                \
-  FUNCTION(name)(fmi3Instance each, const fmi3ValueReference references[], size_t count,         \
-                 c_type counters[], c_type resolutions[])                                        \
-  {                                                                                              \
-    (void)references, (void)count, (void)counters, (void)resolutions;                            \
-    return absent(each, #name);                                                                  \
-  }
-
-NO_FRACTION(fmi3GetShiftFraction, fmi3UInt64)
-NO_FRACTION(fmi3SetShiftFraction, const fmi3UInt64)
-NO_FRACTION(fmi3SetIntervalFraction, const fmi3UInt64)
-
-FUNCTION(fmi3ActivateModelPartition)(fmi3Instance each, fmi3ValueReference clock,
-                                     fmi3Float64 time)
-{
-  (void)clock, (void)time;
-  return absent(each, "fmi3ActivateModelPartition");
-}
+#include "fmi3_absent.h"

@@ -24,6 +24,14 @@ typedef struct {
 
 #include "model.h"
 
+#if defined _WIN32
+#define EXPORTED __declspec(dllexport)
+#elif defined __GNUC__
+#define EXPORTED __attribute__((visibility("default")))
+#else
+#define EXPORTED
+#endif
+
 typedef enum { INSTANTIATED, INITIALISING, EVENTS, MOVING, STEPPING, TERMINATED } instance_phase;
 
 /* Everything that changes, so that a copy of it is a copy of the instance's state. */
@@ -34,6 +42,7 @@ typedef struct {
   double time;   /* [s] */
   double steps;  /* model steps made since the start, a whole number */
   model_memory memory;
+  double kept[sizeof model_memories / sizeof *model_memories]; /* see exchange.h */
 } instance_snapshot;
 
 typedef struct {
@@ -42,12 +51,6 @@ typedef struct {
   void *environment;
   void (*logger)(void); /* of the type that the interface defines */
 } instance;
-
-/* What a state looks like outside the instance: it is taken back by the same model only. */
-typedef struct {
-  char token[sizeof MODEL_TOKEN];
-  instance_snapshot state;
-} instance_record;
 
 /* Sends a text to the importer; returns false, so that a refusal can be returned at once. */
 static bool refuse(const instance *each, const char *text);
@@ -105,20 +108,6 @@ static bool in_phase(const instance *each, instance_phase phase, const char *fun
   return refuse(each, text);
 }
 
-static bool begin(instance *each, double start)
-{
-  if (!in_phase(each, INSTANTIATED, "enter initialization mode")) {
-    return false;
-  }
-  if (!(fabs(start) <= DBL_MAX)) {
-    return refuse(each, "enter initialization mode: the start time is not a number");
-  }
-  each->now.start = start;
-  each->now.time = start;
-  each->now.phase = INITIALISING;
-  return true;
-}
-
 /* Brings the results up to date where they are a function of what is set: in model exchange
    always, in co-simulation until the first step; then they hold from one model step to the next. */
 static void refresh(instance *each)
@@ -128,16 +117,6 @@ static void refresh(instance *each)
     model_show(&each->now.memory);
     each->now.stale = false;
   }
-}
-
-static bool end_initialisation(instance *each)
-{
-  if (!in_phase(each, INITIALISING, "exit initialization mode")) {
-    return false;
-  }
-  refresh(each);
-  each->now.phase = MODEL_EXCHANGE ? EVENTS : STEPPING;
-  return true;
 }
 
 /* Returns where a variable is, or NULL. The number 0 is that of time. */
@@ -192,55 +171,6 @@ static void *to_set(instance *each, uint32_t reference, variable_kind kind)
   }
   each->now.stale = true;
   return place;
-}
-
-static instance_record *record_of(const instance *each, instance_record *record)
-{
-  if (record == NULL) {
-    record = calloc(1, sizeof *record);
-  }
-  if (record == NULL) {
-    refuse(each, "get state: there is not enough memory");
-    return NULL;
-  }
-  memcpy(record->token, MODEL_TOKEN, sizeof record->token);
-  record->state = each->now;
-  return record;
-}
-
-static bool is_record(const instance *each, const instance_record *record)
-{
-  if (record != NULL && memcmp(record->token, MODEL_TOKEN, sizeof record->token) == 0) {
-    return true;
-  }
-  return refuse(each, "set state: this is no state of this model");
-}
-
-static bool fits_record(const instance *each, size_t size)
-{
-  if (size == sizeof(instance_record)) {
-    return true;
-  }
-  return refuse(each, "serialised state: it has another size than a state of this model");
-}
-
-static instance_record *read_record(const instance *each, const void *bytes, size_t size)
-{
-  instance_record *record;
-  if (!fits_record(each, size)) {
-    return NULL;
-  }
-  record = malloc(sizeof *record);
-  if (record == NULL) {
-    refuse(each, "deserialise state: there is not enough memory");
-    return NULL;
-  }
-  memcpy(record, bytes, sizeof *record);
-  if (!is_record(each, record)) {
-    free(record);
-    return NULL;
-  }
-  return record;
 }
 
 #endif
