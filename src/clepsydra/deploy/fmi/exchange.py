@@ -166,7 +166,7 @@ class _Equations:
             *process.measurements,
         )
         block = builder.finish([*rates, *guards, *(states[k] for k in others), *measured])
-        return self._program("motion", outputs, block)
+        return self._program("model_exchange", outputs, block)
 
     @property
     def followed(self) -> list[int]:
