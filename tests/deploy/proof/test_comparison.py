@@ -56,6 +56,7 @@ def test_decisions_are_counted_apart_from_differences():
 def test_numbers_that_are_none(first, second, largest, differing):
     found = compare(SIGNALS[:1], table([first]), table([second]))
     assert (found.largest, found.differing) == (largest, differing)
+    assert found.overflows == (math.isfinite(first) and not math.isfinite(second))
 
 
 def test_a_table_of_another_shape_is_a_mistake():
@@ -84,7 +85,9 @@ EQUAL = Difference(0.0, "", -1, 0, 0, -1)
         (dataclasses.replace(EQUAL, differing=9, largest=1e-13), 1e-12, "within the bound"),
         (dataclasses.replace(EQUAL, differing=9, largest=1e-11), 1e-12, "differs"),
         (dataclasses.replace(EQUAL, differing=9, largest=1e-13, decisions=1), 1e-12, "differs"),
+        (dataclasses.replace(EQUAL, differing=9, largest=1.0), None, "told"),
         (dataclasses.replace(EQUAL, differing=9, largest=math.inf), None, "told"),
+        (dataclasses.replace(EQUAL, differing=9, largest=math.inf, overflows=1), None, "differs"),
     ],
 )
 def test_verdicts(difference, bound, verdict):
@@ -101,5 +104,31 @@ def test_coverage_names_the_bits_that_lay_still():
     seen = coverage(program, table([1, 1, 2.0], [3, 1, 2.0], [3, 1, np.nan]))
     assert seen.seen == ("status_1 bit 1",)
     assert seen.unseen == ("status_1 bit 0", "status_1 bit 2", "good")
-    assert seen.still == ("y",) and not seen.is_idle
-    assert coverage(program, table([1, 1, 2.0], [1, 1, 2.0])).is_idle
+    assert seen.still == ("y",) and seen.moved == ()
+    # A bit of a status word alone does not make a proof.
+    assert seen.is_idle and "never moved: y" in seen.sentence
+
+
+@pytest.mark.parametrize(
+    ("outputs", "rows", "idle", "still"),
+    [
+        (("y", "z"), ([1.0, 2.0], [1.0, 3.0]), False, ("y",)),
+        (("y", "z"), ([1.0, 2.0], [1.0, 2.0]), True, ("y", "z")),
+        (("y", "z"), ([1.0, 2.0], [math.nan, 2.0]), True, ("y", "z")),
+        (("y",), ([1.0], [2.0]), False, ()),
+        (("good",), ([1.0], [0.0]), False, ()),
+        (("good",), ([1.0], [1.0]), True, ()),
+        ((), ([], []), True, ()),
+    ],
+)
+def test_idle_is_what_moves_no_real_output(outputs, rows, idle, still):
+    signals = tuple(Signal(name, kind="boolean" if name == "good" else "real") for name in outputs)
+    program = Program("law", (), (), (), signals, Block(0, (), ()))
+    seen = coverage(program, np.array(rows).reshape(2, len(outputs)))
+    assert (seen.is_idle, seen.still) == (idle, still)
+
+
+def test_a_counter_alone_does_not_make_a_proof():
+    counter = Signal("watchdog", kind="integer", low=0.0, high=32767.0)
+    program = Program("law", (), (), (), (counter, Signal("y")), Block(0, (), ()))
+    assert coverage(program, table([0, 5.0], [1, 5.0], [2, 5.0])).is_idle

@@ -72,6 +72,29 @@ def test_every_input_shows_what_it_can_express():
     assert 0.2 < near.mean() < 0.8
 
 
+def test_starts_and_acknowledgements_last_for_a_scan_or_for_long():
+    scans = random_scans(PROGRAM, SCANS, 1, 0.5)
+    for value in (1.0, 2.0):
+        lengths = runs(scans["start"] == value)
+        assert (lengths == 1).sum() > 5 and lengths.max() > 100
+    for value in (0.0, 1.0):
+        lengths = runs(scans["acknowledge"] == value)
+        assert lengths.min() < 10 and lengths.max() > 100
+    assert (scans["start"] == 0.0).mean() > 0.7
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_starts_come_while_a_sensor_is_bad_and_while_it_is_good(seed):
+    scans = random_scans(PROGRAM, SCANS, seed, 0.5)
+    current = 4.0 + 16.0 * scans["measurement_1"] / 10.0
+    with np.errstate(all="ignore"):
+        bad = ~((current >= 3.6) & (current <= 21.0)) | (scans["sensor_1"] == 0.0)
+    for value in (1.0, 2.0):
+        begins = np.flatnonzero(np.diff(scans["start"] == value) & (scans["start"][1:] == value))
+        begun_bad = bad[begins + 1].sum()
+        assert begun_bad >= 5 and len(begins) - begun_bad >= 2
+
+
 def test_half_of_the_time_somebody_tunes():
     scans = random_scans(PROGRAM, SCANS, 1, 0.5)
     tuned = ~np.isnan(scans["gain"])
@@ -102,7 +125,9 @@ def test_scans_depend_on_nothing_but_seed_and_name():
     for name, values in first.items():
         assert np.array_equal(values, again[name], equal_nan=True)
         assert not np.array_equal(values, other[name], equal_nan=True)
-    assert all(np.array_equal(alone[n], first[n], equal_nan=True) for n in alone)
+    # A start depends on the sensors too.
+    same = set(alone) - {"start"}
+    assert all(np.array_equal(alone[n], first[n], equal_nan=True) for n in same)
 
 
 @pytest.mark.parametrize(("scans", "seed"), [(0, 1), (-3, 1), (10, -1)])

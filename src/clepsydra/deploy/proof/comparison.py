@@ -38,6 +38,8 @@ class Difference:
         Integer and boolean outputs and states that differ.
     first_decision : int
         The scan in which the first of them differs; -1 where none does.
+    overflows : int
+        Numbers that are infinite or not a number in the second run and finite in the first.
 
     Examples
     --------
@@ -51,6 +53,7 @@ class Difference:
     differing: int
     decisions: int
     first_decision: int
+    overflows: int = 0
 
 
 def shown_signals(program: Program) -> tuple[Signal, ...]:
@@ -73,7 +76,8 @@ def compare(signals: Sequence[Signal], expected: Array, found: Array) -> Differe
     --------
     >>> y = Signal("y", low=0.0, high=10.0)
     >>> compare([y], np.array([[1.0], [np.nan]]), np.array([[1.5], [np.nan]]))
-    Difference(largest=0.05, signal='y', scan=0, differing=1, decisions=0, first_decision=-1)
+    Difference(largest=0.05, signal='y', scan=0, differing=1, decisions=0, first_decision=-1, \
+overflows=0)
     """
     if expected.shape != found.shape or expected.shape[1] != len(signals):
         raise ValueError(f"tables of {expected.shape} and {found.shape} for {len(signals)} signals")
@@ -91,6 +95,7 @@ def compare(signals: Sequence[Signal], expected: Array, found: Array) -> Differe
     return Difference(
         largest, signal, scan, int(differs.sum()), int(differs[:, decided].sum()),
         int(wrong[0]) if len(wrong) else -1,
+        int((np.isfinite(expected) & ~np.isfinite(found)).sum()),
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.c99.printer import print_c
+from clepsydra.deploy.c99.printer import CSource, print_c
 from clepsydra.deploy.compiler import (
     CompilationError,
     Compiler,
@@ -19,6 +19,7 @@ from clepsydra.deploy.compiler import (
     library_name,
 )
 from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
+from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.proof.instance import (
     Array,
@@ -54,6 +55,8 @@ class CompiledC(Instance):
     precision : {"double", "single"}
     compiler : Compiler, optional
         That of this machine if omitted.
+    printed : CSource, optional
+        What was printed of the program in this precision; it is printed if omitted.
 
     Raises
     ------
@@ -81,10 +84,11 @@ class CompiledC(Instance):
         folder: Path,
         precision: Precision = "double",
         compiler: Compiler | None = None,
+        printed: CSource | None = None,
     ) -> None:
         super().__init__(program)
         compiler = compiler or find_compiler("proof of C")
-        printed = print_c(program, precision=precision)
+        printed = printed or printed_c(program, precision)
         folder.mkdir(parents=True, exist_ok=True)
         (folder / printed.header_name).write_text(printed.header, encoding="utf-8")
         source = folder / printed.source_name
@@ -191,6 +195,16 @@ class CompiledC(Instance):
             with np.errstate(all="ignore"):
                 table[signal.identifier][~kept] = column[~kept]
         return table
+
+
+def printed_c(program: Program, precision: Precision, origin: Origin | None = None) -> CSource:
+    """Return the C of a program, as `clepsydra export` writes it.
+
+    Examples
+    --------
+    See `CompiledC`.
+    """
+    return print_c(program, origin=origin, precision=precision)
 
 
 def _structure(entries: Sequence[Entry], real: Any) -> type[ctypes.Structure]:

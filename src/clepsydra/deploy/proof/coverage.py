@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -24,34 +24,33 @@ class Coverage:
         Those that were not.
     still : tuple of str
         Outputs of real numbers that never moved.
+    moved : tuple of str
+        Those that did.
 
     Examples
     --------
-    >>> Coverage(("status_1 bit 0",), ("status_1 bit 7",), ()).sentence
+    >>> Coverage(("status_1 bit 0",), ("status_1 bit 7",), (), ("manipulated_1",)).sentence
     '1 of 2 status bits seen on and off; not status_1 bit 7'
     """
 
     seen: tuple[str, ...]
     unseen: tuple[str, ...]
     still: tuple[str, ...]
+    moved: tuple[str, ...]
 
     def as_dict(self) -> dict[str, list[str]]:
         """Return all of it for JSON."""
-        return {"seen": list(self.seen), "unseen": list(self.unseen), "still": list(self.still)}
-
-    @classmethod
-    def from_dict(cls, said: dict[str, list[str]]) -> Coverage:
-        """Return what `as_dict` described.
-
-        >>> Coverage.from_dict({"seen": ["status_1 bit 0"], "unseen": [], "still": []}).is_idle
-        False
-        """
-        return cls(tuple(said["seen"]), tuple(said["unseen"]), tuple(said["still"]))
+        return {name: list(found) for name, found in asdict(self).items()}
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing was seen to change, so that a comparison says nothing."""
-        return not self.seen and bool(self.still)
+        """Whether no real output moved at all, so that a comparison says nothing.
+
+        Where there is no real output, whether no status bit or truth value was seen to change.
+        """
+        if self.still or self.moved:
+            return not self.moved
+        return not self.seen
 
     @property
     def sentence(self) -> str:
@@ -80,18 +79,19 @@ def coverage(program: Program, table: Array) -> Coverage:
     seen: list[str] = []
     unseen: list[str] = []
     still: list[str] = []
+    moved: list[str] = []
     for column, signal in enumerate(program.outputs):
         values = table[:, column]
-        if signal.kind == "real":
-            if len(np.unique(values[~np.isnan(values)])) < 2:
-                still.append(signal.name)
-        elif signal.kind == "boolean":
+        if signal.kind == "boolean":
             both = bool(values.any() and not values.all())
             (seen if both else unseen).append(signal.name)
+        elif signal.kind == "real":
+            moves = len(np.unique(values[~np.isnan(values)])) > 1
+            (moved if moves else still).append(signal.name)
         elif signal.name.startswith("status") and math.isfinite(signal.high):
             word = values.astype(np.int64)
             for bit in range(int(signal.high).bit_length()):
                 on = word >> bit & 1
                 name = f"{signal.name} bit {bit}"
                 (seen if 0 < on.sum() < len(on) else unseen).append(name)
-    return Coverage(tuple(seen), tuple(unseen), tuple(still))
+    return Coverage(tuple(seen), tuple(unseen), tuple(still), tuple(moved))

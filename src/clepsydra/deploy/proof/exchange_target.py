@@ -13,7 +13,9 @@ import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.proof.comparison import Difference, compare, double_bound
+from clepsydra.deploy.proof.comparison import compare, double_bound
+from clepsydra.deploy.proof.contents import Contents
+from clepsydra.deploy.proof.fmu_targets import Measured, check_contents
 from clepsydra.deploy.proof.imported_fmu import FmuError, importer
 from clepsydra.deploy.proof.instance import Array
 from clepsydra.deploy.proof.item import ProofItem
@@ -23,10 +25,8 @@ from clepsydra.linear.operating_point import OperatingPoint
 if TYPE_CHECKING:
     from clepsydra.deploy.fmi.write import FmiVersion
 
-Measured = tuple[Difference, float | None, dict[str, Any]]
 
-
-def model_exchange(version: FmiVersion) -> Callable[[Job], Measured]:
+def model_exchange(version: FmiVersion) -> Callable[[Job, Contents], Measured]:
     """Return what measures an FMU for model exchange of a version of the interface.
 
     The trajectory of such an FMU is the importer's, so what is compared are the derivatives of
@@ -43,11 +43,11 @@ def model_exchange(version: FmiVersion) -> Callable[[Job], Measured]:
     >>> item = process_item(find_equilibrium(load_process("quadruple-tank")))
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     job = Job(item, 100, 1, Path(folder), find_compiler("example"))
-    ...     model_exchange("2.0")(job)[0].differing
+    ...     model_exchange("2.0")(job, exchange_contents("2.0")(job))[0].differing
     0
     """
 
-    def measure(job: Job) -> Measured:
+    def measure(job: Job, contents: Contents) -> Measured:
         from clepsydra.deploy.fmi.exchange import exchange_model
         from clepsydra.deploy.fmi.write import write_fmu
 
@@ -55,17 +55,35 @@ def model_exchange(version: FmiVersion) -> Callable[[Job], Measured]:
         job.folder.mkdir(parents=True, exist_ok=True)
         path = job.folder / f"{job.program.name}-exchange-{version}.fmu"
         write_fmu(path, exchange_model(point, origin), job.compiler, version=version)
+        check_contents(path, contents)
         random = np.random.default_rng((job.seed, 2))
         motion, process = point.process.motion, point.process
-        contents = _random_rows(motion.contents, job.scans, random)
+        held = _random_rows(motion.contents, job.scans, random)
         outside = _random_rows((*process.inputs, *process.disturbances), job.scans, random)
-        expected = _by_casadi(point, contents, outside)
+        expected = _by_casadi(point, held, outside)
         names = [signal.name for signal in (*process.inputs, *process.disturbances)]
-        found = _by_fmu(path, job.folder / path.stem, contents, outside, names)
+        found = _by_fmu(path, job.folder / path.stem, held, outside, names)
         shown = [Signal(f"der({signal.name})") for signal in motion.contents]
         return compare(shown, expected + 0.0, found + 0.0), double_bound(job.program), {}
 
     return measure
+
+
+def exchange_contents(version: FmiVersion) -> Callable[[Job], Contents]:
+    """Return what prints the files of an FMU for model exchange, all but its binary.
+
+    Examples
+    --------
+    See `model_exchange`.
+    """
+
+    def contents(job: Job) -> Contents:
+        from clepsydra.deploy.fmi.exchange import exchange_model
+        from clepsydra.deploy.fmi.write import fmu_contents
+
+        return fmu_contents(exchange_model(*_of_process(job.item)), version)
+
+    return contents
 
 
 def _of_process(item: ProofItem) -> tuple[OperatingPoint, Origin]:

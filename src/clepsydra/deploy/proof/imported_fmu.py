@@ -12,6 +12,7 @@ from typing import Any
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.deploy.process_program import HELD
 from clepsydra.deploy.proof.instance import Instance, given_parameters
 from clepsydra.program.program import Program
 
@@ -106,6 +107,8 @@ class ImportedFmu(Instance):
         version = _FUNCTIONS[self.description.fmiVersion]
         self._is_third = self.description.fmiVersion == "3.0"
         references = {v.name: v.valueReference for v in self.description.modelVariables}
+        # What a process holds has the name of the process in an FMU, where nothing else has it.
+        references = {f"{HELD}.{name}": number for name, number in references.items()} | references
         states = [signal_of(e) for e in program.state if not is_ring(e)]
         # A ring is no variable of the model description.
         self.shown = (*program.outputs, *states)
@@ -117,6 +120,8 @@ class ImportedFmu(Instance):
         self._printed: dict[str, float] = {}
         self._references, self._version = references, version
         self._getters = _accesses(self.shown, references, version)
+        read = [name for access in self._getters for name in access.names]
+        self._places = [read.index(signal.name) for signal in self.shown]
 
     def _started(self, fmpy: Any) -> Any:
         from fmpy.fmi2 import FMU2Slave
@@ -163,11 +168,12 @@ class ImportedFmu(Instance):
         except Exception as error:
             raise FmuError(f"{self._name}, scan {self._scan}: {error}") from None
         self._scan += 1
-        found: dict[str, float] = {}
+        found: list[float] = []
         for access in self._getters:
-            found |= access.read()
-        self._state = [found[s.name] for s in self.shown[len(self.program.outputs) :]]
-        return [found[s.name] for s in self.program.outputs]
+            found += access.values[:]
+        outputs = len(self.program.outputs)
+        self._state = [float(found[place]) for place in self._places[outputs:]]
+        return [float(found[place]) for place in self._places[:outputs]]
 
     def _call(self, verb: str, access: _Access) -> None:
         fmu, count = self._fmu, len(access.names)
@@ -211,11 +217,13 @@ class _Access:
         self.values = (type_ * count)()
 
     def fill(self, inputs: Mapping[str, float], printed: Mapping[str, float]) -> None:
-        for place, name in enumerate(self.names):
-            value = inputs[name]
-            if value != value and name in printed:
-                value = printed[name]
-            self.values[place] = self._conversion(value)
+        given = [inputs[name] for name in self.names]
+        if printed:
+            given = [
+                printed.get(name, value) if value != value else value
+                for name, value in zip(self.names, given, strict=True)
+            ]
+        self.values[:] = list(map(self._conversion, given))
 
     def read(self) -> dict[str, float]:
         return dict(zip(self.names, map(float, self.values), strict=True))

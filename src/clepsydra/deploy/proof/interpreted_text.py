@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
-from clepsydra.deploy.proof.instance import Instance, given_parameters
+from clepsydra.deploy.proof.instance import Instance
 from clepsydra.deploy.proof.text.interpreter import function_block
 from clepsydra.deploy.proof.text.scl import standard_text
 from clepsydra.deploy.structured_text.printer import print_structured_text
@@ -23,6 +24,8 @@ class InterpretedText(Instance):
         LREAL or REAL.
     dialect : str
         See `clepsydra.deploy.structured_text.printer.print_structured_text`.
+    text : str, optional
+        What was printed of the program so; it is printed if omitted.
 
     Raises
     ------
@@ -43,32 +46,48 @@ class InterpretedText(Instance):
     """
 
     def __init__(
-        self, program: Program, precision: Precision = "double", dialect: str = "codesys"
+        self,
+        program: Program,
+        precision: Precision = "double",
+        dialect: str = "codesys",
+        text: str | None = None,
     ) -> None:
         super().__init__(program)
-        text = print_structured_text(program, precision=precision, dialect=dialect)
+        text = text or printed_text(program, precision, dialect)
         self.block = function_block(standard_text(text) if dialect == "scl" else text)
-        self._printed = {
-            signal.name: self.block.state[signal.identifier.lower()]
-            for signal in program.parameters
-        }
+        # By the keys of the block's memory, which are asked for in every scan.
+        self._inputs = [(s.name, s.identifier.lower()) for s in program.inputs]
+        self._parameters = [(s.name, s.identifier.lower()) for s in program.parameters]
+        self._outputs = [s.identifier.lower() for s in program.outputs]
+        self._state = [(signal_of(e).identifier.lower(), is_ring(e)) for e in program.state]
+        self._printed = {name: self.block.state[key] for name, key in self._parameters}
 
     def __call__(self, inputs: Mapping[str, float]) -> list[float]:
         """Run one scan and return the outputs in order."""
-        given = {signal.identifier: inputs[signal.name] for signal in self.program.inputs}
-        for signal in given_parameters(self.program, inputs):
-            value = inputs[signal.name]
-            given[signal.identifier] = self._printed[signal.name] if value != value else value
+        given = {key: inputs[name] for name, key in self._inputs}
+        for name, key in self._parameters:
+            if name in inputs:
+                value = inputs[name]
+                given[key] = self._printed[name] if value != value else value
         found = self.block(**given)
-        return [float(found[signal.identifier.lower()]) for signal in self.program.outputs]
+        return [float(found[key]) for key in self._outputs]
 
     def state(self) -> list[float]:
         """Return the state in order; of a delay ring the value that the next scan reads."""
-        found, memory = [], self.block.state
-        for entry in self.program.state:
-            name = signal_of(entry).identifier.lower()
-            value = memory[name]
-            if is_ring(entry):
-                value = value[memory[f"{name}_position"]]
-            found.append(float(value))
-        return found
+        memory = self.block.state
+        return [
+            float(memory[key][memory[f"{key}_position"]] if ring else memory[key])
+            for key, ring in self._state
+        ]
+
+
+def printed_text(
+    program: Program, precision: Precision, dialect: str, origin: Origin | None = None
+) -> str:
+    """Return the Structured Text of a program, as `clepsydra export` writes it.
+
+    Examples
+    --------
+    See `InterpretedText`.
+    """
+    return print_structured_text(program, origin=origin, precision=precision, dialect=dialect)

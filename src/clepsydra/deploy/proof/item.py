@@ -36,12 +36,12 @@ class ProofItem:
     origin : Origin or None
         For the heads and comments of what is printed.
     controller : Controller or None
-        Whose program it is, so that its single-precision C can control the process.
+        Whose program it is, so that its single-precision C can control the process; or which has
+        none.
     point : OperatingPoint or None
         Where process or loop start.
     scenario : Scenario or None
         What the loop goes through; the default scenario of the process if omitted.
-
 
     Examples
     --------

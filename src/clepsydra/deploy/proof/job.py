@@ -7,8 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from clepsydra.deploy.c99.printer import CSource
 from clepsydra.deploy.compiler import Compiler
-from clepsydra.deploy.proof.compiled_c import CompiledC
+from clepsydra.deploy.proof.compiled_c import CompiledC, printed_c
+from clepsydra.deploy.proof.contents import loop_digest, tables_digest
 from clepsydra.deploy.proof.coverage import Coverage, coverage
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.instance import Array
@@ -84,13 +86,31 @@ class Job:
     @cached_property
     def single_c(self) -> CompiledC:
         """The C in single precision."""
-        return CompiledC(self.program, self.folder / "single", "single", self.compiler)
+        return CompiledC(
+            self.program, self.folder / "single", "single", self.compiler, self.printed_single_c
+        )
+
+    @cached_property
+    def printed_single_c(self) -> CSource:
+        """The printed C in single precision."""
+        return printed_c(self.program, "single", self.item.origin)
 
     @cached_property
     def run_of_single_c(self) -> Array:
         """The C in single precision over the scans."""
         self.single_c.initialise()
         return self.single_c.run(self.single_inputs)
+
+    @cached_property
+    def setting(self) -> str:
+        """Digest of the scans, of the engine's run over them, and of the time between them."""
+        period = np.array([self.item.sampling_period])
+        return tables_digest({**self.inputs, " engine": self.engine, " period": period})
+
+    @cached_property
+    def loop(self) -> str:
+        """Digest of the loop that the scores are of."""
+        return loop_digest(self.item)
 
     @cached_property
     def coverage(self) -> Coverage:

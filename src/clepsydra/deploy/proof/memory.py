@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.proof.coverage import Coverage
 from clepsydra.deploy.proof.row import ProofRow
 
 
-@dataclass(frozen=True)
-class Known:
-    """A row of an earlier proof, with what its scans exercised."""
-
-    row: ProofRow
-    coverage: Coverage
-
-
-def read_memory(path: Path) -> dict[tuple[object, ...], Known]:
+def read_memory(path: Path) -> dict[tuple[object, ...], ProofRow]:
     """Return the rows of an earlier proof that compared something and hold, by their keys.
 
-    A file that is not there holds nothing; rows that differ are computed anew.
+    A key holds digests of all that makes a row: of the program, of the printed text that ran, of
+    the scans and of what the simulation made of them. So a row is taken for true only where it
+    would come out the same. A file that is not there holds nothing; rows that differ or are
+    refused are computed anew.
 
     Raises
     ------
@@ -39,7 +32,6 @@ def read_memory(path: Path) -> dict[tuple[object, ...], Known]:
     place = f"proof, {path}"
     try:
         said = json.loads(path.read_text(encoding="utf-8"))
-        coverage = {n: Coverage.from_dict(entry) for n, entry in said["coverage"].items()}
         rows = [ProofRow.from_dict(entry) for entry in said["rows"]]
     except OSError as error:
         raise InputError(
@@ -49,8 +41,4 @@ def read_memory(path: Path) -> dict[tuple[object, ...], Known]:
         raise InputError(
             place, "something else", "what an earlier proof wrote", "move that file away"
         ) from None
-    return {
-        row.key: Known(row, coverage[row.subject])
-        for row in rows
-        if row.holds and row.verdict != "refused" and row.subject in coverage
-    }
+    return {row.key: row for row in rows if row.holds and row.verdict != "refused" and row.text}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.deploy.export import process_origin
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.proof.item import ProofItem, process_item
@@ -12,7 +13,7 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.study.result import StudyResult
 
 
-def proof_items(study: StudyResult) -> list[ProofItem]:
+def proof_items(study: StudyResult, settings: PlantShell | None = None) -> list[ProofItem]:
     """Return the controllers of a study in the order of its ranking, then the process.
 
     A controller that cannot be exported is an item without a program that says why.
@@ -20,6 +21,8 @@ def proof_items(study: StudyResult) -> list[ProofItem]:
     Parameters
     ----------
     study : StudyResult
+    settings : PlantShell, optional
+        Of the plant shell, as in the export that is to be proved.
 
     Examples
     --------
@@ -29,18 +32,21 @@ def proof_items(study: StudyResult) -> list[ProofItem]:
     """
     point = study.analysis.operating_point
     controllers = [candidate.controller for candidate in study.ranking]
-    items = [_controller_item(each, point, study.scenario) for each in controllers]
+    items = [_controller_item(each, point, study.scenario, settings) for each in controllers]
     return [*items, process_item(point, process_origin(point))]
 
 
 def _controller_item(
-    controller: Controller, point: OperatingPoint, scenario: Scenario
+    controller: Controller,
+    point: OperatingPoint,
+    scenario: Scenario,
+    settings: PlantShell | None,
 ) -> ProofItem:
     period = point.process.sampling_period
     try:
-        ready = exportable(controller, point)
+        ready = exportable(controller, point, settings)
     except InputError as refusal:
-        return ProofItem(controller.name, period, refusal=str(refusal))
+        return ProofItem(controller.name, period, refusal=str(refusal), controller=controller)
     return ProofItem(
         controller.name,
         period,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,9 +15,11 @@ from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.files import whole_file
 from clepsydra.deploy.compiler import find_compiler
 from clepsydra.deploy.printing.heading import digest
+from clepsydra.deploy.proof.contents import contents_digest
 from clepsydra.deploy.proof.coverage import Coverage
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.job import Job
+from clepsydra.deploy.proof.limits import limit_met
 from clepsydra.deploy.proof.memory import read_memory
 from clepsydra.deploy.proof.row import ProofRow
 from clepsydra.deploy.proof.scans import FEWEST
@@ -77,13 +79,13 @@ class Proof:
 
     @property
     def failures(self) -> tuple[ProofRow, ...]:
-        """The rows that are outside their bound or do not run."""
+        """The rows that are outside their bound, do not run, or are refused without need."""
         return tuple(row for row in self.rows if not row.holds)
 
     @property
     def refusals(self) -> tuple[ProofRow, ...]:
-        """The rows with nothing to run, with their reasons."""
-        return tuple(row for row in self.rows if row.verdict == "refused")
+        """The rows in which a target refuses what it cannot express by its nature."""
+        return tuple(row for row in self.rows if row.verdict == "refused" and row.holds)
 
     @property
     def idle(self) -> tuple[str, ...]:
@@ -125,10 +127,13 @@ def prove(
     as C built by this machine's compiler, as Structured Text of each dialect read by a grammar
     and an interpreter of their own, and as FMUs by FMPy; in single precision as C and as
     Structured Text, which are compared with each other, and as C with the engine in double
-    precision, which is only told, with what it does to the scores of the loop.
+    precision. That difference is only told, with what it does to the scores of the loop, unless a
+    number is infinite or not a number in single precision only.
 
     Bounds in double precision: every bit where the program has nothing but + − × ÷ √, comparison
     and rounding; otherwise 1e-12 of a signal's range, and no integer or boolean value may differ.
+    A target may refuse a program for what it cannot express by its nature (`limits.LIMITS`), and
+    for nothing else.
 
     Parameters
     ----------
@@ -141,8 +146,9 @@ def prove(
         Takes a `ProofProgress` before each row.
     folder : Path, optional
         Where the proof is written, as JSON and Markdown, after each row; rows that an earlier
-        proof there holds, of the same program, target, scans, seed and versions, are taken from
-        it. Control-C ends a proof with the rows so far, and the next one goes on.
+        proof there holds are taken from it where nothing could come out otherwise: program,
+        printed text, target, scans, simulation, versions, and for the scores the loop are the
+        same. Control-C ends a proof with the rows so far, and the next one goes on.
     stem : str
         Name of the files, without ending.
 
@@ -209,12 +215,8 @@ class _Work:
 
     def refuse(self, item: ProofItem) -> None:
         """Take up an item that has no program."""
-        self._rows.append(
-            ProofRow(
-                item.name, "every target", "double", "engine", "", 0, self._seed,
-                verdict="refused", reason=item.refusal,
-            )
-        )  # fmt: skip
+        blank = ProofRow(item.name, "every target", "double", "engine", "", 0, self._seed)
+        self._rows.append(_refused(blank, item, item.refusal))
 
     def do(self, job: Job, targets: Sequence[Target]) -> None:
         """Do every row of an item, or remember it."""
@@ -225,14 +227,10 @@ class _Work:
                 name, target.name, target.precision, target.against, program,
                 self._scans, self._seed, version=f"clepsydra {__version__}, {target.version}",
             )  # fmt: skip
-            known = self._memory.get(blank.key)
-            if known is not None:
-                row, self._coverage[name] = replace(known.row, subject=name), known.coverage
-            else:
-                row = _done(target, job, blank)
-                self._coverage[name] = job.coverage
+            row = _done(target, job, blank, self._memory)
+            self._coverage[name] = job.coverage
             self._rows.append(row)
-            if self._folder and known is None:
+            if self._folder and row.key not in self._memory:
                 self.write()
 
     def _say(self, name: str, targets: int) -> None:
@@ -259,12 +257,24 @@ class _Work:
         return proof
 
 
-def _done(target: Target, job: Job, blank: ProofRow) -> ProofRow:
+def _done(
+    target: Target, job: Job, blank: ProofRow, memory: Mapping[tuple[object, ...], ProofRow]
+) -> ProofRow:
+    """Print what a target runs, and run it where no earlier row knows how that comes out."""
     begun = time.monotonic()
     try:
-        row = target.row(job, blank)
+        printed = target.printed(job)
+        blank = replace(blank, text=contents_digest(printed), setting=target.setting(job))
+        if blank.key in memory:
+            return replace(memory[blank.key], subject=blank.subject)
+        row = target.row(job, blank, printed)
     except InputError as refusal:
-        row = replace(blank, verdict="refused", reason=str(refusal))
+        row = _refused(blank, job.item, str(refusal))
     except ClepsydraError as failure:
         row = replace(blank, verdict="fails", reason=str(failure))
     return replace(row, seconds=round(time.monotonic() - begun, 3))
+
+
+def _refused(blank: ProofRow, item: ProofItem, reason: str) -> ProofRow:
+    met = limit_met(blank.target, blank.precision, item)
+    return replace(blank, verdict="refused", limit=met.name if met else "", reason=reason)

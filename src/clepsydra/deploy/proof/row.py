@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 Verdict = Literal["equal", "within the bound", "differs", "told", "refused", "fails"]
 #: Verdicts with which a proof holds.
-HOLDING: tuple[Verdict, ...] = ("equal", "within the bound", "told", "refused")
+HOLDING: tuple[Verdict, ...] = ("equal", "within the bound", "told")
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class ProofRow:
     against : str
         What it is compared with: "engine", "C", "engine in double".
     program : str
-        Digest of the program; empty where there is none.
+        Digest of the program, as `clepsydra export` tells it; empty where there is none.
     scans, seed : int
     exact : bool
         Whether the program has nothing but + − × ÷ √, comparison and rounding.
@@ -43,6 +43,12 @@ class ProofRow:
     verdict : str
         "equal" in every bit, "within the bound", "differs"; "told" where there is no bound;
         "refused" where there is nothing to run, and "fails" where it does not run.
+    overflows : int
+        Numbers that are infinite or not a number where they are finite in what it is compared
+        with.
+    limit : str
+        The limit of the target that makes a refusal an expected one, see
+        `clepsydra.deploy.proof.limits`; empty where it is none, and the proof does not hold.
     reason : str
         What was refused or failed, or what else is to be said.
     seconds : float
@@ -52,12 +58,17 @@ class ProofRow:
     scores : dict
         What single precision does to the scores of the loop, see
         `clepsydra.deploy.proof.single_loop.ScoreChange`; None where a number is infinite.
+    text : str
+        Digest of the printed files that ran, and of the flags that they were compiled with.
+    setting : str
+        Digest of what they ran through: the scans, what the simulation makes of them, and where
+        there are scores the loop.
 
     Examples
     --------
-    >>> row = ProofRow("PI", "C", "double", "engine", "", 0, 1, verdict="refused", reason="Python")
+    >>> row = ProofRow("PI", "C", "double", "engine", "", 0, 1, verdict="refused", reason="?")
     >>> row.holds, ProofRow.from_dict(row.as_dict()) == row
-    (True, True)
+    (False, True)
     """
 
     subject: str
@@ -74,23 +85,27 @@ class ProofRow:
     differing: int = 0
     decisions: int = 0
     bound: float | None = None
+    overflows: int = 0
     verdict: Verdict = "equal"
+    limit: str = ""
     reason: str = ""
     seconds: float = 0.0
     version: str = ""
     scores: dict[str, Any] = field(default_factory=dict)
+    text: str = ""
+    setting: str = ""
 
     @property
     def holds(self) -> bool:
         """Whether the proof holds as far as this row goes."""
-        return self.verdict in HOLDING
+        return self.verdict in HOLDING or (self.verdict == "refused" and self.limit != "")
 
     @property
     def key(self) -> tuple[object, ...]:
         """What two rows share that must come out the same."""
         return (
             self.program, self.target, self.precision, self.against, self.scans, self.seed,
-            self.version,
+            self.version, self.text, self.setting,
         )  # fmt: skip
 
     def as_dict(self) -> dict[str, Any]:

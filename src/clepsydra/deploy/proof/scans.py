@@ -24,6 +24,8 @@ _BROKEN = (math.nan, math.inf, -math.inf, 1e301, -1e301, -0.0, 5e-324)
 #: Currents of a transmitter [mA]: 4 to 20 is the range of the signal; below 3.6 and above 21 it
 #: reports a fault, and 3.6 to 3.8 and 20.5 to 21 are uncertain (NAMUR NE 43).
 _CURRENTS = (3.5, 3.59, 3.61, 3.7, 3.79, 3.81, 20.49, 20.51, 20.7, 20.99, 21.01, 22.0)
+#: What is forgotten stays for this share of all scans on average.
+_LONG = 0.02
 #: A rate of this size is none that limits.
 _UNLIMITED = 1e9
 _WRONG_STEPS = (0.0, -1.0, math.nan, math.inf, -math.inf, 1e301)
@@ -39,17 +41,19 @@ def random_scans(
     over their whole range, with noise; they leave it through the uncertain currents into the
     faulty ones for times below and above the delay of a fault, and are no numbers. Sensors fail,
     modes change, also to modes that there are not, values of manual and tracking walk beyond
-    their limits, cold and warm starts and acknowledgements come at any time, and the time step
-    is uneven or wrong. What else is an input walks over its range. For half of the time somebody
-    tunes: parameters change by up to a hundredth, rates without a limit get one, delays of
-    sensors get others. Not a number stands for the printed value of a parameter.
+    their limits, cold and warm starts and acknowledgements come at any time, while a sensor is
+    bad too, and last for a scan or for many, and the time step is uneven or wrong. What else is
+    an input walks over its range. For half of the time somebody tunes: parameters change by up to
+    a hundredth, rates without a limit get one, delays of sensors get others. Not a number stands
+    for the printed value of a parameter.
 
     Parameters
     ----------
     program : Program
     scans : int
     seed : int
-        The same seed gives the same scans; an input depends on nothing but seed and name.
+        The same seed gives the same scans; an input depends on nothing but seed and name, and a
+        start on the sensors.
     sampling_period : float
         [s]
     broken : bool
@@ -87,6 +91,7 @@ class _Plant:
         self._scans, self._seed, self._period, self._broken = scans, seed, period, broken
         delay = math.ceil(_FAULT_DELAY / period)
         self._fault = max(1, min(delay, _LONGEST_FAULT // 3))
+        self._long = 1.0 + _LONG * scans
         calendar = np.random.default_rng((seed, zlib.crc32(b"tuning")))
         self._tuning = self._held(calendar, 500.0, lambda n: calendar.uniform(size=n)) > 0.5
 
@@ -205,16 +210,45 @@ class _Plant:
         )
 
     def _start(self, signal: Signal, random: np.random.Generator) -> Array:
+        """Starts of one scan, some while a sensor is bad, and some that nobody takes back."""
         low, high = self._range(signal)
-        values = np.full(self._scans, signal.initial)
-        places = random.random(self._scans) < 0.004
         if self._broken:
             low, high = low - 1.0, high + 1.0
-        values[places] = random.integers(int(low), int(high), int(places.sum()), endpoint=True)
+
+        starts = np.arange(low, high + 1.0)
+        values = np.full(self._scans, signal.initial)
+        for value in np.repeat(starts[starts != signal.initial], 2):
+            begin = int(random.integers(self._scans))
+            values[begin : begin + int(random.uniform(0.5, 1.5) * self._long)] = value
+        anywhere, bad = np.arange(self._scans), np.flatnonzero(self._bad_sensor())
+        for scans, share in ((anywhere, 0.004), (bad, 0.006)):
+            places = random.choice(scans, round(share * self._scans) if len(scans) else 0)
+            values[places] = random.choice(starts, len(places))
         return values
 
+    def _bad_sensor(self) -> Array:
+        """Whether a measurement is no current of a sound transmitter, or a sensor reports so."""
+        bad = np.zeros(self._scans, dtype=bool)
+        if not self._broken:
+            return bad
+        for signal in self._signals.values():
+            if signal.name.startswith("sensor_") and signal.kind == "boolean":
+                bad |= self.values(signal) == 0.0
+            elif signal.name.startswith("measurement_") and signal.kind == "real":
+                low, high = self._range(signal)
+                with np.errstate(all="ignore"):
+                    current = 4.0 + 16.0 * (self.values(signal) - low) / (high - low)
+                    bad |= ~((current >= 3.6) & (current <= 21.0))
+        return bad
+
     def _pulses(self, signal: Signal, random: np.random.Generator) -> Array:
-        return self._held(random, 20.0, lambda n: (random.random(n) < 0.3).astype(float))
+        """Truth values that change often, and now and then not for long."""
+        values = self._held(random, 20.0, lambda n: (random.random(n) < 0.3).astype(float))
+        held = self._held(random, self._long, lambda n: random.random(n)) < 0.25
+        values[held] = self._held(
+            random, self._long, lambda n: (random.random(n) < 0.6).astype(float)
+        )[held]
+        return values
 
     def _time_step(self, signal: Signal, random: np.random.Generator) -> Array:
         values = np.full(self._scans, self._period)

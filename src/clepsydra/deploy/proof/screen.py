@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -17,8 +18,8 @@ _STYLES = {"differs": "bold red", "fails": "bold red", "refused": "yellow", "tol
 _LEGEND = (
     "Largest difference as a share of the signal's range, in double precision from the engine: 0 "
     "is equal in every bit. ST single is compared with C single, and C single with the engine in "
-    "double precision; scores change where the number by which a study ranks does so by half a "
-    "percent. Of FMUs for model exchange the derivatives are compared with those of CasADi."
+    "double precision; the ranking changes where the number by which a study ranks does so by half "
+    "a percent. Of FMUs for model exchange the derivatives are compared with those of CasADi."
 )
 
 
@@ -48,12 +49,13 @@ def proof_screen(proof: Proof) -> RenderableType:
         table.add_column(head, justify="right", no_wrap=True)
     tells_scores = any(row.scores for row in proof.rows)
     if tells_scores:
-        table.add_column("scores\nsingle", justify="right", no_wrap=True)
+        table.add_column("ranking\nsingle", justify="right", no_wrap=True)
     for subject in dict.fromkeys(row.subject for row in proof.rows):
         found = {_head(row): row for row in proof.rows if row.subject == subject}
         texts = [_cell(found[head]) if head in found else ("", "") for head in heads]
         if all(not row.program for row in found.values()):
-            texts = [("refused", "yellow"), *texts[1:]]
+            refused = next(iter(found.values()))
+            texts = [("refused", _STYLES["refused" if refused.holds else "fails"]), *texts[1:]]
         if tells_scores:
             texts.append(_scores(found.values()))
         table.add_row(Text(subject), *(Text(text, style=style) for text, style in texts))
@@ -68,7 +70,7 @@ def proof_screen(proof: Proof) -> RenderableType:
 
 
 def _scores(rows: Iterable[ProofRow]) -> tuple[str, str]:
-    """Return whether single precision changes the scores of a loop."""
+    """Return whether single precision changes the ranking of a loop."""
     for row in rows:
         if row.scores:
             return ("change", "yellow") if row.scores["is_change"] else ("same", "dim")
@@ -85,8 +87,10 @@ def _head(row: ProofRow) -> str:
 
 def _cell(row: ProofRow) -> tuple[str, str]:
     style = _STYLES.get(row.verdict, "")
+    if row.verdict == "refused" and not row.holds:
+        style = _STYLES["fails"]
     if row.verdict in ("refused", "fails"):
         return row.verdict, style
-    if row.verdict == "differs" and row.largest == 0.0:
+    if row.verdict == "differs" and row.largest in (0.0, math.inf):
         return "differs", style
     return "0" if row.differing == 0 else f"{row.largest:.0e}".replace("e-0", "e-"), style

@@ -13,11 +13,23 @@ from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
+from clepsydra.scores.catalogue import SCORES
 from clepsydra.study.ranking import Trial, rank
 from clepsydra.study.trial import scores_of
 
 #: The number by which a study ranks has changed where its third digit has.
 _THIRD_DIGIT = 0.005
+#: A score below this share of its natural size is nearly zero.
+_LEAST = 1e-3
+#: Unit of a score, as `SCORES` tells it, to powers of the signal's range and of the duration.
+_SIZES = {
+    "signal unit": (1, 0),
+    "s": (0, 1),
+    "signal unit × s": (1, 1),
+    "signal unit × s²": (1, 2),
+    "signal unit² × s": (2, 1),
+    "signal unit² × s²": (2, 2),
+}
 
 
 @dataclass(frozen=True)
@@ -32,7 +44,9 @@ class ScoreChange:
     score : str
         The score that changes most, "iae[level_1]"; empty where none changes.
     change : float
-        By which share of itself; infinite where it is finite in one precision only.
+        By which share of itself, or of a thousandth of its natural size where it is nearly zero:
+        of range and duration for an integral of the error, of the range for an offset. Infinite
+        where it is finite in one precision only.
 
     Examples
     --------
@@ -46,7 +60,7 @@ class ScoreChange:
 
     @property
     def is_change(self) -> bool:
-        """Whether the ranking number changes in its third digit: by half a percent or more."""
+        """Whether the number that ranks changes in its third digit: by half a percent or more."""
         return not abs(self.ranking - 1.0) < _THIRD_DIGIT
 
 
@@ -96,7 +110,8 @@ def score_change(
     scores = [scores_of(run) for run in runs]
     largest, name = 0.0, ""
     for key in scores[0]:
-        change = _relative(scores[0][key], scores[1].get(key, math.nan))
+        least = _LEAST * _natural_size(key, runs[0])
+        change = _relative(scores[0][key], scores[1].get(key, math.nan), least)
         if change > largest:
             largest, name = change, key
     return ScoreChange(_ranking(runs, scores), name, largest)
@@ -114,9 +129,21 @@ def _ranking(runs: list[Run], scores: list[dict[str, float]]) -> float:
     return 1.0 if first == second else second / first
 
 
-def _relative(first: float, second: float) -> float:
+def _natural_size(key: str, run: Run) -> float:
+    """Return what a score is large against, in its own unit; 0 where nothing is known."""
+    score, _, rest = key.partition("[")
+    by_range, by_time = _SIZES.get(SCORES[score].unit_rule, (0, 0)) if score in SCORES else (0, 0)
+    if by_range == by_time == 0:
+        return 100.0 if score in SCORES and SCORES[score].unit_rule.startswith("%") else 0.0
+    spans = [s.span for s in (*run.process.measurements, *run.process.inputs)
+             if s.name == rest.rstrip("]")]  # fmt: skip
+    span = spans[0] if spans and math.isfinite(spans[0]) else 0.0
+    return float(span**by_range * run.scenario.duration**by_time)
+
+
+def _relative(first: float, second: float, least: float) -> float:
     if first == second or (math.isnan(first) and math.isnan(second)):
         return 0.0
     if not (math.isfinite(first) and math.isfinite(second)):
         return math.inf
-    return abs(second - first) / max(abs(first), abs(second))
+    return abs(second - first) / max(abs(first), abs(second), least)

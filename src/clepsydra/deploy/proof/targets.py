@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from clepsydra.base.errors import InputError
+from clepsydra.deploy.c99.printer import CSource
 from clepsydra.deploy.compiler import Compiler
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.proof.comparison import (
@@ -18,10 +19,15 @@ from clepsydra.deploy.proof.comparison import (
     is_exact,
     shown_signals,
 )
-from clepsydra.deploy.proof.compiled_c import CompiledC
-from clepsydra.deploy.proof.exchange_target import model_exchange
-from clepsydra.deploy.proof.fmu_targets import Measured, co_simulation
-from clepsydra.deploy.proof.interpreted_text import InterpretedText
+from clepsydra.deploy.proof.compiled_c import CompiledC, printed_c
+from clepsydra.deploy.proof.contents import Contents
+from clepsydra.deploy.proof.exchange_target import exchange_contents, model_exchange
+from clepsydra.deploy.proof.fmu_targets import (
+    Measured,
+    co_simulation,
+    co_simulation_contents,
+)
+from clepsydra.deploy.proof.interpreted_text import InterpretedText, printed_text
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.job import Job
 from clepsydra.deploy.proof.row import ProofRow, Verdict
@@ -30,6 +36,9 @@ from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 #: Largest difference of C in floats and Structured Text in REALs where the law uses functions of
 #: a library, as a share of a signal's range: some thousand roundings.
 SINGLE_LIBRARY_BOUND = 1e-4
+_SINGLE_DIALECT = "codesys"
+#: What a printed text is called among the files of a target.
+_TEXT = "text"
 
 
 @dataclass(frozen=True)
@@ -44,9 +53,13 @@ class Target:
         What it is compared with.
     version : str
         Of what runs it.
-    measure : callable
-        Takes a job and returns the difference, the bound (None: there is none), and further
-        fields of the row.
+    printed : callable
+        Takes a job and returns the files that it prints.
+    run : callable
+        Takes a job and these files, and returns the difference, the bound (None: there is none),
+        and further fields of the row.
+    scores : bool
+        Whether the row tells scores of the loop.
 
     Examples
     --------
@@ -58,11 +71,21 @@ class Target:
     precision: Precision
     against: str
     version: str
-    measure: Callable[[Job], Measured]
+    printed: Callable[[Job], Contents]
+    run: Callable[[Job, Contents], Measured]
+    scores: bool = False
 
-    def row(self, job: Job, blank: ProofRow) -> ProofRow:
-        """Run a job on this target and fill its row."""
-        difference, bound, more = self.measure(job)
+    def measure(self, job: Job) -> Measured:
+        """Print and run a job on this target."""
+        return self.run(job, self.printed(job))
+
+    def setting(self, job: Job) -> str:
+        """Return a digest of what a job runs through on this target."""
+        return f"{job.setting} {job.loop}" if self.scores else job.setting
+
+    def row(self, job: Job, blank: ProofRow, printed: Contents) -> ProofRow:
+        """Run what was printed of a job on this target and fill its row."""
+        difference, bound, more = self.run(job, printed)
         return replace(
             blank,
             exact=is_exact(job.program),
@@ -71,6 +94,7 @@ class Target:
             scan=difference.scan,
             differing=difference.differing,
             decisions=difference.decisions,
+            overflows=difference.overflows,
             bound=bound,
             verdict=_verdict(difference, bound),
             **more,
@@ -86,25 +110,61 @@ def targets_of(kind: str, compiler: Compiler) -> list[Target]:
         A package of the proof is missing.
     """
     grammar, importer = _version("tree-sitter-iec61131-3-st"), _version("FMPy")
-    found = [Target("C", "double", "engine", compiler.version, _c)]
+    found = [Target("C", "double", "engine", compiler.version, _c_files, _c)]
     found += [
-        Target(f"Structured Text, {dialect}", "double", "engine", grammar, _text(dialect))
+        Target(
+            f"Structured Text, {dialect}",
+            "double",
+            "engine",
+            grammar,
+            _text_files(dialect),
+            _text(dialect),
+        )
         for dialect in DIALECT_NAMES
     ]
     found += [
-        Target(f"FMU {version}", "double", "engine", importer, co_simulation(version))
+        Target(
+            f"FMU {version}",
+            "double",
+            "engine",
+            importer,
+            co_simulation_contents(version),
+            co_simulation(version),
+        )
         for version in ("3.0", "2.0")
     ]
     if kind == "process":
         exchanged = [
-            Target(f"FMU {version} exchange", "double", "CasADi", importer, model_exchange(version))
+            Target(
+                f"FMU {version} exchange",
+                "double",
+                "CasADi",
+                importer,
+                exchange_contents(version),
+                model_exchange(version),
+            )
             for version in ("3.0", "2.0")
         ]
         return [*found, *exchanged]
     return [
         *found,
-        Target("Structured Text", "single", "C in single", grammar, _single_text),
-        Target("C", "single", "engine in double", compiler.version, _single_c),
+        Target(
+            "Structured Text",
+            "single",
+            "C in single",
+            grammar,
+            _single_text_files,
+            _single_text,
+        ),
+        Target(
+            "C",
+            "single",
+            "engine in double",
+            compiler.version,
+            _single_c_files,
+            _single_c,
+            scores=True,
+        ),
     ]
 
 
@@ -122,37 +182,70 @@ def _verdict(difference: Difference, bound: float | None) -> Verdict:
     if difference.differing == 0:
         return "equal"
     if bound is None:
-        return "told"
+        # Rounding may move a number, and turn none into what is infinite or not a number.
+        return "differs" if difference.overflows else "told"
     # Where nothing but exact operations are, the sign of a zero counts too; and a decision that
     # differs is no matter of a bound.
     within = bound > 0.0 and difference.largest <= bound and difference.decisions == 0
     return "within the bound" if within else "differs"
 
 
-def _c(job: Job) -> Measured:
-    instance = CompiledC(job.program, job.folder / "double", compiler=job.compiler)
+def _c_files(job: Job) -> Contents:
+    return _files(printed_c(job.program, "double", job.item.origin), job.compiler)
+
+
+def _files(printed: CSource, compiler: Compiler) -> Contents:
+    return {
+        printed.header_name: printed.header.encode(),
+        printed.source_name: printed.source.encode(),
+        "compiler": " ".join([compiler.version, *compiler.flags]).encode(),
+    }
+
+
+def _c(job: Job, files: Contents) -> Measured:
+    name = job.program.name
+    printed = CSource(name, files[f"{name}.h"].decode(), files[f"{name}.c"].decode())
+    instance = CompiledC(job.program, job.folder / "double", compiler=job.compiler, printed=printed)
     found = compare(shown_signals(job.program), job.engine, instance.run(job.inputs))
     return found, double_bound(job.program), {}
 
 
-def _text(dialect: str) -> Callable[[Job], Measured]:
-    def measure(job: Job) -> Measured:
-        instance = InterpretedText(job.program, dialect=dialect)
+def _text_files(dialect: str) -> Callable[[Job], Contents]:
+    def files(job: Job) -> Contents:
+        text = printed_text(job.program, "double", dialect, job.item.origin)
+        return {_TEXT: text.encode()}
+
+    return files
+
+
+def _text(dialect: str) -> Callable[[Job, Contents], Measured]:
+    def measure(job: Job, files: Contents) -> Measured:
+        instance = InterpretedText(job.program, dialect=dialect, text=files[_TEXT].decode())
         found = compare(shown_signals(job.program), job.engine, instance.run(job.inputs))
         return found, double_bound(job.program), {}
 
     return measure
 
 
-def _single_text(job: Job) -> Measured:
-    instance = InterpretedText(job.program, "single")
+def _single_c_files(job: Job) -> Contents:
+    return _files(job.printed_single_c, job.compiler)
+
+
+def _single_text_files(job: Job) -> Contents:
+    text = printed_text(job.program, "single", _SINGLE_DIALECT, job.item.origin)
+    return {**_single_c_files(job), _TEXT: text.encode()}
+
+
+def _single_text(job: Job, files: Contents) -> Measured:
+    text = files[_TEXT].decode()
+    instance = InterpretedText(job.program, "single", _SINGLE_DIALECT, text)
     found = compare(
         shown_signals(job.program), job.run_of_single_c, instance.run(job.single_inputs)
     )
     return found, 0.0 if is_exact(job.program) else SINGLE_LIBRARY_BOUND, {}
 
 
-def _single_c(job: Job) -> Measured:
+def _single_c(job: Job, files: Contents) -> Measured:
     found = compare(shown_signals(job.program), job.engine_of_single, job.run_of_single_c)
     return found, None, _scores(job.item, job)
 

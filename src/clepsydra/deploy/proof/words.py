@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from collections import Counter
+from decimal import Decimal
 from typing import TYPE_CHECKING
 
-from clepsydra.deploy.proof.row import ProofRow
+from clepsydra.deploy.proof.limits import LIMITS
+from clepsydra.deploy.proof.row import ProofRow, Verdict
 
 if TYPE_CHECKING:
     from clepsydra.deploy.proof.proof import Proof
 
+_SMALLEST_PERCENT = 1e-4
+_FAILURES: dict[Verdict, str] = {
+    "differs": "outside the bound",
+    "fails": "not running",
+    "refused": "more refused without need",
+}
 HEADS = ("target", "precision", "compared with", "largest difference", "decisions", "verdict", "s")
 
 
@@ -30,13 +38,19 @@ def result_sentence(proof: Proof) -> str:
         return "Nothing was compared."
     over = f"{_count(subjects, 'program')} in {len(compared)} rows of {proof.scans:,} random scans"
     if proof.failures:
-        return f"The proof fails: of {over}, {len(proof.failures)} differ or do not run."
+        counts = Counter(row.verdict for row in proof.failures)
+        said = [f"{counts[each]} {words}" for each, words in _FAILURES.items() if counts[each]]
+        return f"The proof fails: of {over}, {', '.join(said)}."
     if proof.idle:
-        return f"The proof says nothing of {', '.join(proof.idle)}: no output moved."
+        return f"The proof says nothing of {', '.join(proof.idle)}: no real output moved."
     verdicts = Counter(row.verdict for row in compared)
     equal = f"{verdicts['equal']} equal in every bit"
-    within = f", {verdicts['within the bound']} within 1e-12 of the range"
-    return f"The proof holds: {over}, {equal}{within if verdicts['within the bound'] else ''}."
+    if verdicts["within the bound"]:
+        equal += f", {verdicts['within the bound']} within 1e-12 of the range"
+    if proof.refusals:
+        refused = _count(len(proof.refusals), "row")
+        equal += f"; {refused} refused by what the target cannot express"
+    return f"The proof holds: {over}, {equal}."
 
 
 def cells(row: ProofRow) -> tuple[str, ...]:
@@ -63,14 +77,14 @@ def notes(proof: Proof, *, brief: bool = False) -> list[str]:
     ----------
     proof : Proof
     brief : bool
-        Whether scores are left out that single precision does not change.
+        Whether scores are left out where single precision does not change the ranking.
 
     Examples
     --------
     >>> from clepsydra.deploy.proof.proof import Proof
     >>> notes(Proof((ProofRow("own law", "every target", "double", "engine", "", 0, 1,
     ...                       verdict="refused", reason="it is a Python function"),)))
-    ['own law, every target: refused; it is a Python function']
+    ['own law, every target: refused without need; it is a Python function']
     """
     said = []
     reasons: dict[tuple[str, str, str], list[str]] = {}
@@ -79,19 +93,32 @@ def notes(proof: Proof, *, brief: bool = False) -> list[str]:
         if row.verdict == "differs":
             said.append(f"{row.subject}, {target}: {_difference_sentence(row)}")
         elif row.reason:
-            reasons.setdefault((row.subject, row.verdict, row.reason), []).append(target)
+            reasons.setdefault((row.subject, _verb(row), row.reason), []).append(target)
         if row.scores and (row.scores["is_change"] or not brief):
             said.append(f"{row.subject}: {_score_sentence(row)}")
-    for (subject, verdict, reason), targets in reasons.items():
-        verb = "" if verdict == "told" else f"{verdict}; "
+    for (subject, verb, reason), targets in reasons.items():
         said.append(f"{subject}, {', '.join(targets)}: {verb}{reason}")
+    met = {row.limit for row in proof.refusals}
+    said += [f"{limit.name}: {limit.reason}" for limit in LIMITS if limit.name in met]
     for name, seen in proof.coverage.items():
         if seen.unseen or seen.still:
             said.append(f"{name}: {seen.sentence}")
     return said
 
 
+def _verb(row: ProofRow) -> str:
+    if row.verdict == "refused":
+        return f"refused ({row.limit}); " if row.limit else "refused without need; "
+    return "" if row.verdict == "told" else f"{row.verdict}; "
+
+
 def _difference_sentence(row: ProofRow) -> str:
+    if row.bound is None:
+        return (
+            f"{_count(row.overflows, 'number')} {'is' if row.overflows == 1 else 'are'} infinite "
+            "or not a number, and finite in what it is compared with; the worst is "
+            f"{row.signal or 'a decision'} in scan {row.scan}"
+        )
     bound = "in every bit" if not row.bound else f"within {row.bound:g} of the range"
     where = ""
     if row.signal:
@@ -109,13 +136,24 @@ def _score_sentence(row: ProofRow) -> str:
     if not scores["score"]:
         return "single precision changes no score of the loop"
     verb = "changes" if scores["is_change"] else "does not change"
-    if None in (scores["change"], scores["ranking"]):
-        return f"single precision {verb} the scores: {scores['score']} goes from finite to infinite"
-    return (
-        f"single precision {verb} the scores: the ranking number becomes {scores['ranking']:.6f} "
-        f"times that in double precision; most changes {scores['score']}, by "
-        f"{100 * scores['change']:.1g} %"
+    said = f"single precision {verb} the ranking"
+    if scores["ranking"] is None:
+        said += ": its number is finite in one precision only"
+    elif scores["ranking"] != 1.0:
+        said += f": its number differs by {_percent(scores['ranking'] - 1.0)}"
+    if scores["change"] is None:
+        return f"{said}; {scores['score']} is finite in one precision only"
+    return f"{said}; the score that changes most is {scores['score']}, by " + _percent(
+        scores["change"]
     )
+
+
+def _percent(share: float) -> str:
+    """Return a share in percent with two digits, without an exponent."""
+    percent = 100.0 * abs(share)
+    if 0.0 < percent < _SMALLEST_PERCENT:
+        return f"less than {_SMALLEST_PERCENT:.4f} %"
+    return f"{Decimal(f'{percent:.2g}'):f} %"
 
 
 def next_step(proof: Proof) -> str:
@@ -129,6 +167,8 @@ def next_step(proof: Proof) -> str:
     """
     if proof.interrupted:
         return "run the same command again: it goes on from here."
+    if any(row.verdict == "refused" for row in proof.failures):
+        return "mend what is refused without need; the reasons are above."
     if proof.failures:
         return (
             "do not use the targets that differ; look at the scan and signal named above, and "

@@ -16,6 +16,7 @@ from clepsydra.deploy.proof.text.operations import (
     quotient,
     remainder,
 )
+from clepsydra.deploy.proof.text.single_precision import rounding
 from clepsydra.deploy.proof.text.tree import StructuredTextError, content, part, wrong
 from clepsydra.deploy.proof.text.values import LITERALS, REALS, in_range, literal
 
@@ -85,10 +86,10 @@ class Expressions:
     def __init__(self, unit: Unit, units: Mapping[str, Unit]) -> None:
         self._unit, self._units = unit, units
         self.read: set[str] = set()
-        #: What the translated code calls and the constants that it reads.
+        #: What the translated code calls.
         self.namespace: dict[str, Any] = {
             "quotient": quotient, "remainder": remainder, "in_range": in_range, "entry": entry,
-            "checked": checked, "abs": abs,
+            "checked": checked, "single": rounding(),
         }  # fmt: skip
         self._divisors = 0
 
@@ -156,21 +157,13 @@ class Expressions:
         """Return what calls a function of the namespace."""
         return ast.Call(ast.Name(function, _LOAD), list(arguments), [])
 
-    def constant(self, value: Any) -> ast.expr:
-        """Return what reads a constant of any type."""
-        if isinstance(value, (bool, int, float)):
-            return ast.Constant(value)
-        name = f"constant_{len(self.namespace)}"
-        self.namespace[name] = value
-        return ast.Name(name, _LOAD)
-
     def _literal(self, node: Node, wanted: str) -> Typed:
         if node.type == "typed_literal":
             type_name = content(part(node, "type")).upper()
         else:
             possible = LITERALS[node.type]
             type_name = wanted if wanted in possible else possible[0]
-        return Typed(type_name, self.constant(literal(node, type_name)))
+        return Typed(type_name, ast.Constant(literal(node, type_name)))
 
     def _variable(self, node: Node) -> Typed:
         name = content(node).lower()
@@ -219,9 +212,10 @@ class Expressions:
         if operator in COMPARISONS and kind in COMPARED:
             return Typed("BOOL", ast.Compare(left.code, [COMPARISONS[operator]], [right.code]))
         if (kind, operator) in ARITHMETIC:
-            return Typed(kind, ast.BinOp(left.code, ARITHMETIC[kind, operator], right.code))
-        if (kind, operator) == ("LREAL", "/"):
-            return Typed(kind, self._quotient(left.code, right.code))
+            found: ast.expr = ast.BinOp(left.code, ARITHMETIC[kind, operator], right.code)
+            return Typed(kind, self._rounded(kind, found))
+        if operator == "/" and kind in REALS:
+            return Typed(kind, self._rounded(kind, self._quotient(left.code, right.code)))
         if (kind, operator) == ("DINT", "+"):
             return Typed(kind, self.called("in_range", ast.BinOp(left.code, ast.Add(), right.code)))
         if (kind, operator) == ("DINT", "MOD"):
@@ -229,6 +223,9 @@ class Expressions:
         if operator == "**" and kind in REALS:
             return self._applied(node, "EXPT", [left, right])
         raise wrong(node, f"{operator} of {kind}")
+
+    def _rounded(self, kind: str, code: ast.expr) -> ast.expr:
+        return self.called("single", code) if kind == "REAL" else code
 
     def _quotient(self, left: ast.expr, right: ast.expr) -> ast.expr:
         """Divide by what is not zero without a call: `left / d if (d := right) else …`."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from clepsydra.deploy.proof.text.configuration import Task, tasks_of
 from clepsydra.deploy.proof.text.declarations import Declared, Unit, units_of
 from clepsydra.deploy.proof.text.statements import compiled
@@ -54,7 +52,7 @@ class StructuredText:
     ... ''')
     >>> quarter = text.instance("quarter")
     >>> quarter.run()
-    >>> float(quarter.state["y"])
+    >>> quarter.state["y"]
     0.75
     """
 
@@ -96,6 +94,7 @@ class FunctionBlock:
             if declared.section != "VAR_TEMP"
         }
         self._inputs = {n: d.type for n, d in unit.declared.items() if d.section == "VAR_INPUT"}
+        self._spelt: dict[str, tuple[str, str]] = {}
         self._outputs = [n for n, d in unit.declared.items() if d.section == "VAR_OUTPUT"]
 
     def __call__(self, **inputs: Any) -> dict[str, Any]:
@@ -107,17 +106,23 @@ class FunctionBlock:
             A name is no input, a value is none of its type, or the text does what is undefined.
         """
         for name, value in inputs.items():
-            if name.lower() not in self._inputs:
-                raise StructuredTextError(f"{name} is no input")
-            self.state[name.lower()] = admitted(self._inputs[name.lower()], value)
+            key, kind = self._spelt.get(name) or self._input(name)
+            self.state[key] = admitted(kind, value)
         self.run()
         return {name: self.state[name] for name in self._outputs}
+
+    def _input(self, name: str) -> tuple[str, str]:
+        """Return key and type of an input, however its name is spelt."""
+        key = name.lower()
+        if key not in self._inputs:
+            raise StructuredTextError(f"{name} is no input")
+        self._spelt[name] = key, self._inputs[key]
+        return self._spelt[name]
 
     def run(self) -> None:
         """Run once with the inputs as they stand."""
         try:
-            with np.errstate(all="ignore"):
-                self._run(self.state)
+            self._run(self.state)
         except UnboundLocalError as error:
             name = str(error).partition("'v_")[2].partition("'")[0]
             raise StructuredTextError(f"{name} is read before it was written") from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import ctypes
 import math
 from collections.abc import Callable
 from typing import Any
@@ -80,20 +81,28 @@ def _finite(value: Any) -> float:
     return float(value)
 
 
-def _of_numpy(function: Any, kind: type) -> Callable[..., Any]:
-    def compute(*arguments: Any) -> Any:
+def _single(value: float) -> float:
+    return ctypes.c_float(value).value
+
+
+def _single_root(a: float) -> float:
+    return _single(square_root(a))
+
+
+def _of_numpy(function: Any, kind: type) -> Callable[..., float]:
+    def compute(*arguments: float) -> float:
         with np.errstate(all="ignore"):
-            return kind(function(*arguments))
+            return float(kind(function(*map(kind, arguments))))
 
     return compute
 
 
-#: Operators on two values of a type, with the type of the result, that Python has too.
+#: Operators on two values of a type, with the type of the result, that Python has too; those of
+#: REAL are rounded to it afterwards.
 ARITHMETIC: dict[tuple[str, str], ast.operator] = {
     **{(kind, "+"): ast.Add() for kind in ("LREAL", "REAL")},
     **{(kind, "-"): ast.Sub() for kind in ("LREAL", "REAL")},
     **{(kind, "*"): ast.Mult() for kind in ("LREAL", "REAL")},
-    ("REAL", "/"): ast.Div(),
     # Both operands are evaluated: what goes wrong in the second one is not overlooked.
     ("BOOL", "AND"): ast.BitAnd(),
     ("BOOL", "OR"): ast.BitOr(),
@@ -115,7 +124,7 @@ FUNCTIONS: dict[tuple[str, tuple[str, ...]], tuple[str, Callable[..., Any]]] = {
     ("ABS", _LREAL): ("LREAL", abs),
     ("ABS", _REAL): ("REAL", abs),
     ("SQRT", _LREAL): ("LREAL", square_root),
-    ("SQRT", _REAL): ("REAL", np.sqrt),
+    ("SQRT", _REAL): ("REAL", _single_root),
     ("TRUNC", _LREAL): ("DINT", truncated),
     ("TRUNC", _REAL): ("DINT", truncated),
     ("TRUNC_DINT", _LREAL): ("DINT", truncated),
@@ -123,9 +132,9 @@ FUNCTIONS: dict[tuple[str, tuple[str, ...]], tuple[str, Callable[..., Any]]] = {
     ("LREAL_TO_DINT", _LREAL): ("DINT", rounded),
     ("REAL_TO_DINT", _REAL): ("DINT", rounded),
     ("DINT_TO_LREAL", _DINT): ("LREAL", float),
-    ("DINT_TO_REAL", _DINT): ("REAL", np.float32),
+    ("DINT_TO_REAL", _DINT): ("REAL", _single),
     ("REAL_TO_LREAL", _REAL): ("LREAL", float),
-    ("LREAL_TO_REAL", _LREAL): ("REAL", np.float32),
+    ("LREAL_TO_REAL", _LREAL): ("REAL", _single),
     **{(name, _LREAL): ("LREAL", _of_numpy(f, float)) for name, f in _SHARED.items()},
     **{(name, _REAL): ("REAL", _of_numpy(f, np.float32)) for name, f in _SHARED.items()},
     **{(name, _LREAL * 2): ("LREAL", _of_numpy(f, float)) for name, f in _OF_TWO.items()},

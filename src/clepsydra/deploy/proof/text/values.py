@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
@@ -13,8 +14,8 @@ from clepsydra.deploy.proof.text.tree import StructuredTextError, content, part,
 if TYPE_CHECKING:
     from tree_sitter import Node
 
-#: Type to its value where a declaration gives none.
-ZEROS: dict[str, Any] = {"LREAL": 0.0, "REAL": np.float32(0.0), "DINT": 0, "BOOL": False}
+#: Type to its value where a declaration gives none. A REAL is the double of its value.
+ZEROS: dict[str, Any] = {"LREAL": 0.0, "REAL": 0.0, "DINT": 0, "BOOL": False}
 REALS = ("LREAL", "REAL")
 #: What a literal without a type may become.
 LITERALS = {
@@ -37,7 +38,7 @@ def literal(node: Node, type_name: str) -> Any:
     >>> from clepsydra.deploy.proof.text.tree import parse, walk
     >>> root = parse("PROGRAM p VAR x : REAL := 0.1; END_VAR END_PROGRAM")
     >>> tenth = next(node for node in walk(root) if node.type == "real_literal")
-    >>> literal(tenth, "LREAL"), float(literal(tenth, "REAL"))
+    >>> literal(tenth, "LREAL"), literal(tenth, "REAL")
     (0.1, 0.10000000149011612)
     """
     if node.type == "typed_literal":
@@ -57,7 +58,7 @@ def literal(node: Node, type_name: str) -> Any:
     return value
 
 
-def nearest_single(text: str) -> np.float32:
+def nearest_single(text: str) -> float:
     """Return the single-precision number nearest to a decimal.
 
     The nearest double need not lead there: a decimal close to the middle between two
@@ -70,7 +71,7 @@ def nearest_single(text: str) -> np.float32:
     A little above the middle of 1 and the next number, by less than a double can tell:
 
     >>> middle = "1.00000005960464477539062500000001"
-    >>> float(np.float32(float(middle))), float(nearest_single(middle))
+    >>> float(np.float32(float(middle))), nearest_single(middle)
     (1.0, 1.0000001192092896)
     """
     value, exact = float(text), Decimal(text)
@@ -78,8 +79,7 @@ def nearest_single(text: str) -> np.float32:
         toward = math.inf if Decimal(value) < exact else -math.inf
         if not np.float64(value).view(np.int64) & 1:
             value = math.nextafter(value, toward)
-    with np.errstate(all="ignore"):
-        return np.float32(value)
+    return ctypes.c_float(value).value
 
 
 def admitted(type_name: str, value: Any) -> Any:
@@ -98,8 +98,7 @@ def admitted(type_name: str, value: Any) -> Any:
     if type_name == "LREAL":
         return float(value)
     if type_name == "REAL":
-        with np.errstate(all="ignore"):
-            return np.float32(value)
+        return ctypes.c_float(value).value
     if type_name == "BOOL" and value in (0, 1):
         return bool(value)
     if type_name == "DINT" and math.isfinite(value) and value == int(value):

@@ -1,0 +1,168 @@
+"""An earlier row is taken for true only where it would come out the same."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from deployed import need_compiler, need_grammar, need_importer
+from spoilt_programs import dropped, item, level_control, places, quick_proof, spoilt
+
+from clepsydra.deploy.exportable import exportable
+from clepsydra.deploy.fmi import sources
+from clepsydra.deploy.proof import compiled_c, interpreted_text, job
+from clepsydra.deploy.proof import proof as proof_module
+from clepsydra.deploy.proof.item import ProofItem
+from clepsydra.deploy.proof.proof import prove
+from clepsydra.deploy.proof.targets import Target
+from clepsydra.design.simc import design_simc
+from clepsydra.linear.analysis import analyse
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.process.reader import load_process
+
+C = {("C", "double")}
+FMUS = {("FMU 3.0", "double"), ("FMU 2.0", "double")}
+TEXTS = {(f"Structured Text, {dialect}", "double") for dialect in ("matiec", "codesys", "scl")}
+SINGLE_C = {("C", "single"), ("Structured Text", "single")}
+SINGLE_TEXT = {("Structured Text", "single")}
+
+
+@pytest.fixture(autouse=True)
+def _tools():
+    need_compiler()
+    need_grammar()
+    need_importer()
+
+
+@pytest.fixture
+def ran(monkeypatch):
+    """Targets that run, by name and precision; those that are remembered do not."""
+    found = set()
+    row = Target.row
+
+    def watched(target, *more):
+        found.add((target.name, target.precision))
+        return row(target, *more)
+
+    monkeypatch.setattr(Target, "row", watched)
+    return found
+
+
+def broken(printer):
+    place = places(level_control(), "add")[-1]
+    return lambda program, **more: printer(spoilt(program, place, dropped), **more)
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "again", "wrong"),
+    [
+        (compiled_c, "print_c", C | SINGLE_C, C | SINGLE_TEXT),
+        (interpreted_text, "print_structured_text", TEXTS | SINGLE_TEXT, TEXTS | SINGLE_TEXT),
+        (sources, "print_c", FMUS, FMUS),
+    ],
+)
+def test_a_printer_that_broke_since_is_found_out(
+    module, name, again, wrong, monkeypatch, tmp_path, ran
+):
+    assert quick_proof(monkeypatch, folder=tmp_path).holds
+    ran.clear()
+    assert quick_proof(monkeypatch, folder=tmp_path).holds and not ran
+    monkeypatch.setattr(module, name, broken(getattr(module, name)))
+    proof = quick_proof(monkeypatch, folder=tmp_path)
+    assert ran == again
+    assert {(row.target, row.precision) for row in proof.failures} == wrong
+
+
+def test_a_comment_that_changed_is_another_text(monkeypatch, tmp_path, ran):
+    quick_proof(monkeypatch, folder=tmp_path)
+    printed = interpreted_text.print_structured_text
+    monkeypatch.setattr(
+        interpreted_text,
+        "print_structured_text",
+        lambda program, **more: printed(program, **more) + "\n(* printed anew *)\n",
+    )
+    ran.clear()
+    assert quick_proof(monkeypatch, folder=tmp_path).holds
+    assert ran == (TEXTS | SINGLE_TEXT)
+
+
+def test_a_part_of_an_fmu_that_changed_is_another_text(monkeypatch, tmp_path, ran):
+    from clepsydra.deploy.fmi import write
+
+    quick_proof(monkeypatch, folder=tmp_path)
+    page = write.documentation_page
+    monkeypatch.setattr(write, "documentation_page", lambda model: page(model) + "<!-- -->")
+    ran.clear()
+    assert quick_proof(monkeypatch, folder=tmp_path).holds and ran == FMUS
+
+
+def test_an_engine_that_broke_since_is_found_out(monkeypatch, tmp_path, ran):
+    assert quick_proof(monkeypatch, folder=tmp_path).holds
+    run = job.engine_run
+    place = places(level_control(), "add")[-1]
+    monkeypatch.setattr(
+        job, "engine_run", lambda program, inputs: run(spoilt(program, place, dropped), inputs)
+    )
+    ran.clear()
+    proof = quick_proof(monkeypatch, folder=tmp_path)
+    assert {(row.target, row.precision) for row in proof.failures} == C | TEXTS | FMUS
+    assert ran == C | TEXTS | FMUS | SINGLE_C
+
+
+def test_another_sampling_period_is_another_proof(monkeypatch, tmp_path, ran):
+    monkeypatch.setattr(proof_module, "FEWEST", 1000)
+    for period in (1.0, 0.1):
+        ran.clear()
+        timed = dataclasses.replace(item(), sampling_period=period)
+        assert prove([timed], scans=1000, folder=tmp_path).holds and len(ran) == 8
+
+
+def loop_item() -> ProofItem:
+    analysis = analyse(load_process("quadruple-tank"))
+    controller = design_simc(analysis.model, analysis.pairing)
+    point = analysis.operating_point
+    ready = exportable(controller, point)
+    return ProofItem(
+        controller.name, point.process.sampling_period, ready.program, origin=ready.origin,
+        controller=ready.controller, point=point, scenario=default_scenario(analysis.model),
+    )  # fmt: skip
+
+
+def with_larger_steps(whole: ProofItem) -> ProofItem:
+    scenario = whole.scenario
+    setpoints = np.array(scenario.setpoints)
+    setpoints[len(setpoints) // 2 :] += 0.5
+    return dataclasses.replace(whole, scenario=dataclasses.replace(scenario, setpoints=setpoints))
+
+
+def elsewhere(whole: ProofItem) -> ProofItem:
+    point = dataclasses.replace(whole.point, state=whole.point.state * 1.05)
+    return dataclasses.replace(whole, point=point)
+
+
+def with_another_tank(whole: ProofItem) -> ProofItem:
+    process = whole.point.process
+    first, *rest = process.parameters
+    parameters = (dataclasses.replace(first, initial=first.initial * 1.02), *rest)
+    process = dataclasses.replace(process, parameters=parameters)
+    return dataclasses.replace(whole, point=dataclasses.replace(whole.point, process=process))
+
+
+@pytest.mark.parametrize("changed", [with_larger_steps, elsewhere, with_another_tank])
+def test_scores_of_another_loop_are_run_again(changed, monkeypatch, tmp_path, ran):
+    """Scenario, process and operating point belong to the scores, and to nothing else."""
+    targets = proof_module.targets_of
+    monkeypatch.setattr(proof_module, "FEWEST", 1000)
+    monkeypatch.setattr(
+        proof_module,
+        "targets_of",
+        lambda kind, compiler: [t for t in targets(kind, compiler) if t.name == "C"],
+    )
+    whole = loop_item()
+    first = prove([whole], scans=1000, folder=tmp_path)
+    assert ran == {("C", "double"), ("C", "single")}
+    ran.clear()
+    assert prove([whole], scans=1000, folder=tmp_path).rows == first.rows and not ran
+    second = prove([changed(whole)], scans=1000, folder=tmp_path)
+    assert ran == {("C", "single")} and second.rows[0] == first.rows[0]
+    fresh = prove([changed(whole)], scans=1000)
+    assert second.rows[1].scores == fresh.rows[1].scores != first.rows[1].scores

@@ -1,0 +1,79 @@
+"""What a proof says of single precision, of refusals and of numbers that are none."""
+
+import dataclasses
+import math
+
+import pytest
+from deployed import need_compiler, need_grammar, need_importer
+from spoilt_programs import quick_proof
+
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.proof.coverage import Coverage
+from clepsydra.deploy.proof.proof import Proof
+from clepsydra.deploy.proof.row import ProofRow
+from clepsydra.deploy.proof.words import notes, result_sentence
+from clepsydra.program.program import Block, Operation, Program
+
+ROW = ProofRow("PI", "C", "single", "engine in double", "0f", 10_000, 1, verdict="told")
+
+
+def scored(ranking, score, change, is_change):
+    scores = {"ranking": ranking, "score": score, "change": change, "is_change": is_change}
+    return Proof((dataclasses.replace(ROW, scores=scores),))
+
+
+@pytest.mark.parametrize(
+    ("ranking", "score", "change", "is_change", "sentence"),
+    [
+        (1.00123, "iae[level_1]", 0.1049, False,
+         "PI: single precision does not change the ranking: its number differs by 0.12 %; the "
+         "score that changes most is iae[level_1], by 10 %"),
+        (0.98, "iae[level_1]", 1.5, True,
+         "PI: single precision changes the ranking: its number differs by 2 %; the score that "
+         "changes most is iae[level_1], by 150 %"),
+        (1.0 + 1e-9, "travel[pump_1]", 3.456e-5, False,
+         "PI: single precision does not change the ranking: its number differs by less than "
+         "0.0001 %; the score that changes most is travel[pump_1], by 0.0035 %"),
+        (1.0, "", 0.0, False, "PI: single precision changes no score of the loop"),
+        (1.0, "settling_time[level_1]", None, False,
+         "PI: single precision does not change the ranking; settling_time[level_1] is finite in "
+         "one precision only"),
+        (None, "iae[level_1]", 0.5, True,
+         "PI: single precision changes the ranking: its number is finite in one precision only; "
+         "the score that changes most is iae[level_1], by 50 %"),
+    ],
+)  # fmt: skip
+def test_what_single_precision_does_is_said_in_plain_numbers(
+    ranking, score, change, is_change, sentence
+):
+    assert notes(scored(ranking, score, change, is_change)) == [sentence]
+
+
+def test_outputs_that_stand_still_are_named():
+    seen = Coverage(("status_1 bit 0",), (), ("manipulated_2",), ("manipulated_1",))
+    proof = Proof((ROW,), {"PI": seen})
+    assert notes(proof) == ["PI: 1 of 1 status bits seen on and off; never moved: manipulated_2"]
+    assert proof.holds
+    still = Coverage(("status_1 bit 0",), (), ("manipulated_1", "manipulated_2"), ())
+    proof = Proof((ROW,), {"PI": still})
+    assert not proof.holds and "no real output moved" in result_sentence(proof)
+
+
+def test_what_is_infinite_in_single_precision_only_fails_the_proof(monkeypatch):
+    need_compiler()
+    need_grammar()
+    need_importer()
+    square = Program(
+        "square", (), (Signal("u", low=0.0, high=1e30),), (), (Signal("y"),),
+        Block(1, (Operation(1, "multiply", (0, 0)),), (1,)),
+    )  # fmt: skip
+    proof = quick_proof(monkeypatch, square)
+    (failed,) = proof.failures
+    assert (failed.target, failed.precision, failed.verdict) == ("C", "single", "differs")
+    assert failed.overflows > 500 and failed.largest == math.inf and not proof.holds
+    said = [note for note in notes(proof) if "C in single precision" in note]
+    assert len(said) == 1 and "are infinite or not a number, and finite in what" in said[0]
+    assert "of y" not in said[0] and "the worst is y in scan" in said[0]
+    assert ProofRow.from_dict(failed.as_dict()) == failed
+    small = dataclasses.replace(square, inputs=(Signal("u", low=0.0, high=1e15),))
+    assert quick_proof(monkeypatch, small).rows[-1].verdict == "told"
