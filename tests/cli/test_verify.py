@@ -47,3 +47,9 @@ def test_a_printer_that_errs_ends_in_status_1(command, monkeypatch):
 def test_too_few_scans_are_refused_before_any_work(command):
     status, out, error = command("verify", "quadruple-tank", "--scans", "100")
     assert status == 2 and out == "" and "10000" in error
+
+
+def test_a_controller_that_does_not_apply_is_refused_and_nothing_is_proved(command, tmp_path):
+    status, out, error = command("verify", "quadruple-tank", "--controller", "Start/stop levels")
+    assert status == 2 and out == "" and "does not" in error
+    assert not list(tmp_path.iterdir())

@@ -40,11 +40,15 @@ def verify(
         typer.Option("--output", "-o", metavar="FOLDER", help="Where the proof is written."),
     ] = Path(),
 ) -> None:
-    """Run every controller as C, Structured Text and FMU, and compare it with the simulation."""
+    """Run every controller as C, Structured Text and FMU, and compare it with the simulation.
+
+    Exit status: 0 all within their bounds, 1 not, 130 interrupted; run it again to go on.
+    """
     from clepsydra.cli.output import check_folder, print_json
     from clepsydra.cli.plant_options import read_plant_shell
     from clepsydra.cli.progress import shown_progress
-    from clepsydra.cli.subject import read_subject
+    from clepsydra.cli.subject import read_subject, study_of_one
+    from clepsydra.deploy.printing.identifiers import identifier_of
     from clepsydra.deploy.proof.of_study import proof_items
     from clepsydra.deploy.proof.proof import prove
     from clepsydra.study.file.request import StudyRequest
@@ -59,23 +63,22 @@ def verify(
         setpoint_rate=setpoint_rate,
         rate_limit=rate_limit,
     )
-    chosen = 1 if seed is None else seed
-    with shown_progress(quiet=as_json) as tell:
-        study = run_study(
-            request, seed=chosen, progress=tell, tuning_folder=folder, only=controller
-        )
+    chosen, stem = 1 if seed is None else seed, request.file_stem
+    if controller is None:
+        with shown_progress(quiet=as_json) as tell:
+            study = run_study(request, seed=chosen, progress=tell, tuning_folder=folder)
+        items = proof_items(study, settings)
+    else:
+        study = study_of_one(request, controller, seed, folder, quiet=as_json)
         items = [
             item
             for item in proof_items(study, settings)
-            if controller in (None, item.name) or item.kind == "process"
+            if item.name == controller or item.kind == "process"
         ]
+        stem = f"{stem}-{identifier_of(controller).replace('_', '-')}"
+    with shown_progress(quiet=as_json) as tell:
         proof = prove(
-            items,
-            scans=scans,
-            seed=chosen,
-            progress=tell,
-            folder=folder,
-            stem=f"{request.file_stem}-proof",
+            items, scans=scans, seed=chosen, progress=tell, folder=folder, stem=f"{stem}-proof"
         )
     if as_json:
         print_json(proof.as_dict())
@@ -85,5 +88,7 @@ def verify(
         from clepsydra.deploy.proof.screen import proof_screen
 
         Console(width=100).print(proof_screen(proof))
+    if proof.interrupted:
+        raise typer.Exit(130)
     if not proof.holds:
         raise typer.Exit(1)
