@@ -49,7 +49,8 @@ from clepsydra.program.counted_loop import counted_loop
 RANGES = ((0.0, 10.0), (-1.0, 1.0), (0.004, 0.02), (0.0, 100.0), (1e5, 3e5))
 UNITS = ("m", "V", "1", "l/s", "mol/m^3", "A", "furlong")
 DESCRIPTIONS = (
-    "", "level of tank 1", "a */ comment (* that */ closes *)", 'says "less" < & > more', "Füllstand",
+    "", "level of tank 1", "a */ comment (* that */ closes *)", 'says "less" < & > more',
+    "Füllstand",
     "two\nlines\tand a tab", "ends in a backslash \\", "what?" + "?/ a trigraph", "$N, $$ and 'q'",
     "{pragma} // and more", "]]> --",
 )  # fmt: skip
@@ -94,7 +95,8 @@ class _Expressions:
         "{0} + {1}", "{0} - {1}", "{0} * {1}", "{0} / {1}", "ca.fmin({0}, {1})",
         "ca.fmax({0}, {1})", "ca.if_else({0} < {1}, {0}, {1})", "({0} < {1})", "({0} <= {1})",
         "({0} == {1})", "({0} != {1})", "ca.logic_and({0} > 0, {1} > 0)",
-        "ca.logic_or({0} > 0.5, {1} < 0)", "ca.if_else(ca.logic_not(ca.fabs({0}) <= 1e300), {1}, {0})",
+        "ca.logic_or({0} > 0.5, {1} < 0)",
+        "ca.if_else(ca.logic_not(ca.fabs({0}) <= 1e300), {1}, {0})",
         "ca.if_else({0}, ca.if_else({1}, {0}, {1}), ca.if_else({0} > {1}, {1}, -{0}))",
     )  # fmt: skip
 
@@ -141,8 +143,8 @@ class _Expressions:
             f'body{number} = ca.Function("body{number}", [{row}, {total}, {given}], [{body}])',
         ]
         return (
-            f'counted_loop("turns{number}", {count}, body{number}, carried=ca.SX({self.operand()}), '
-            f"tables=[{table!r}], invariants=ca.SX({self.operand()}))"
+            f'counted_loop("turns{number}", {count}, body{number}, tables=[{table!r}], '
+            f"carried=ca.SX({self.operand()}), invariants=ca.SX({self.operand()}))"
         )
 
     def kept_within(self, low: float, high: float) -> str:
@@ -168,7 +170,7 @@ def own_laws(draw) -> Written:
     inputs += [Signal(f"last_{s.name}", s.unit) for s in moved if draw(st.booleans())]
     gains = [Signal(f"gain_{k}", initial=draw(modest)) for k in range(draw(st.integers(0, 3)))]
     if draw(st.booleans()):
-        gains.append(Signal("switch", low=0.0, high=1.0, initial=1.0, kind="boolean"))
+        gains.append(Signal("chosen", low=0.0, high=1.0, initial=1.0, kind="boolean"))
     if draw(st.booleans()):
         gains.append(Signal("count_to", low=0.0, high=9.0, initial=3.0, kind="integer"))
     state = [
@@ -222,9 +224,12 @@ def _listed(signals: list[Signal]) -> str:
 @st.composite
 def _shelled(
     draw, law: str, measured: list[Signal], controlled: list[Signal], moved: list[Signal],
-    values: dict[str, float],
+    values: dict[str, float], clamps: bool = False,
 ) -> Written:  # fmt: skip
-    """Put a law into a controller, bare or in its shell with random settings."""
+    """Put a law into a controller, bare or in its shell with random settings.
+
+    The shell limits no rate of a law that clamps.
+    """
     period = draw(st.sampled_from(PERIODS))
     names = [[f"y{k}" for k in range(len(measured))], [f"r{k}" for k in range(len(controlled))],
              [f"u{k}" for k in range(len(moved))]]  # fmt: skip
@@ -235,25 +240,25 @@ def _shelled(
         ("rate_limit", names[2], (0.5, 1e-3, 1e6)),
     ):
         chosen = {name: draw(st.sampled_from(choices)) for name in group if draw(st.booleans())}
-        if chosen:
+        if chosen and not (clamps and what == "rate_limit"):
             settings[what] = chosen
     shell = ", ".join(f"{what}={value!r}" for what, value in settings.items())
     bare = draw(st.integers(0, 4)) == 4
     lines = [
         # Remote setpoints and their choice.
-        'wired = ("setpoint_", "measurement_", "sensor_", "mode_", "manual_", "tracking_", "time_")',
+        'wired = "setpoint_", "measurement_", "sensor_", "mode_", "manual_", "tracking_", "time_"',
         "free = {s.name: s.initial for s in law.inputs",
         '        if not s.name.startswith(wired) or s.name.startswith("setpoint_source_")}',
         f"values = {{p.name: p.initial for p in law.parameters}} | {values!r}",
-        "start = {getattr(e, 'signal', e).name: getattr(e, 'signal', e).initial for e in law.state}",
-        f'controller = Controller("random", "random", "", law, values, start, {tuple(names[0])!r},',
-        f"                        {tuple(names[1])!r}, {tuple(names[2])!r}, (), free)",
+        "start = {e.name: getattr(e, 'signal', e).initial for e in law.state}",
+        f"names = {tuple(map(tuple, names))!r}",
+        'controller = Controller("random", "random", "", law, values, start, *names, (), free)',
         f"period = {period!r}",
         "program = controller.program()"
         if bare
         else f"program = with_plant_shell(controller, period, PlantShell({shell})).program()",
     ]
-    return Written(f"{LAW_IMPORTS}\n{law}\n" + "\n".join(lines) + "\n")
+    return Written(f"{LAW_IMPORTS}\n{law}\n" + "\n".join(lines) + "\n", period=period)
 
 
 @st.composite
@@ -308,9 +313,11 @@ def pid_controllers(draw) -> Written:
     written = ", ".join(f"{name}={value!r}" for name, value in options.items())
     text = (
         f"measured = {_listed(measured)}\nmoved = {_listed(moved)}\n"
-        f"law = multiloop_pid_law({loops}, {form!r}, measured=measured, manipulated=moved, {written})"
+        f"form = {form!r}\n"
+        f"law = multiloop_pid_law({loops}, form, measured=measured, manipulated=moved, {written})"
     )
-    return draw(_shelled(text, measured, measured, moved, draw(_values_of(law))))
+    clamps = form.anti_windup == "clamping"
+    return draw(_shelled(text, measured, measured, moved, draw(_values_of(law)), clamps))
 
 
 # ------------------------------------------------------------------ schemes of blocks
@@ -364,6 +371,7 @@ class _Scheme:
         """Append a block that moves a signal, and return its name."""
         kinds = ["pid", "pid"] + (["selector", "feedforward", "ratio", "trimmed"] if depth else [])
         kind, name = self.draw(st.sampled_from(kinds)), self._name()
+        own = self._count
         if kind == "selector":
             count = self.draw(st.integers(2, 3))
             sources = tuple(self.giver(moved, depth - 1, selected=True) for _ in range(count))
@@ -374,9 +382,7 @@ class _Scheme:
             for k in range(self.draw(st.integers(1, 2))):
                 signal, number = self._measurement()
                 taken = f"measurement_{number}"
-                terms.append(
-                    FeedforwardTerm(f"{self._count}_{k}", signal, taken, self.draw(st.booleans()))
-                )
+                terms.append(FeedforwardTerm(f"{own}_{k}", signal, taken, self.draw(st.booleans())))
             block = FeedforwardBlock(name, source, moved, tuple(terms))
         elif kind in ("ratio", "trimmed"):
             wild, number = self._measurement()
@@ -384,7 +390,7 @@ class _Scheme:
             source = None
             if kind == "trimmed":
                 source = self.giver(share, depth - 1, selected=selected)
-            block = RatioBlock(name, self._count, wild, number, moved, source)
+            block = RatioBlock(name, own, wild, number, moved, source)
         else:
             block = self._pid(name, moved, depth, selected, output)
         self.blocks.append(block)
@@ -419,7 +425,9 @@ def schemes(draw) -> Written:
         'law = structure_law("scheme", blocks, controlled=controlled, measured=measured)'
     )
     values = draw(_values_of(law))
-    return draw(_shelled(text, scheme.measured, scheme.controlled, scheme.moved, values))
+    loops = [block for block in scheme.blocks if isinstance(block, PidBlock)]
+    clamps = any(block.form.anti_windup == "clamping" for block in loops)
+    return draw(_shelled(text, scheme.measured, scheme.controlled, scheme.moved, values, clamps))
 
 
 # ------------------------------------------------------------------ linear laws
@@ -461,7 +469,7 @@ def linear_laws(draw) -> Written:
     return draw(_shelled(text, measured, controlled, moved, draw(_values_of(law))))
 
 
-KINDS = {
+CONTROLLERS = {
     "own law": own_laws,
     "PID": pid_controllers,
     "scheme": schemes,

@@ -56,8 +56,8 @@ WRONG_NAMES = (
 class Written:
     """A random thing as the Python text that makes it; its text is what is shown of it."""
 
-    def __init__(self, text: str, nasty: tuple[str, ...] = ()) -> None:
-        self.text = text
+    def __init__(self, text: str, nasty: tuple[str, ...] = (), period: float = 1.0) -> None:
+        self.text, self.period = text, period
         #: Names that may be refused.
         self.nasty = nasty
 

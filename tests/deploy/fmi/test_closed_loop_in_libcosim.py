@@ -20,6 +20,8 @@ SCANS = 300
 CHANGE, SETPOINT = 20, 7.0
 SECOND = 1_000_000_000  # libcosim counts nanoseconds
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.fixture(autouse=True)
 def _libcosim():

@@ -21,6 +21,8 @@ from clepsydra.process.reader import load_process
 
 SCANS = 1200
 
+pytestmark = pytest.mark.thorough
+
 
 def simulated(program, inputs) -> np.ndarray:
     """Outputs, then states that are no rings, after each scan [scans, entries]."""

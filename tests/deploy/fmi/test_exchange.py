@@ -18,6 +18,8 @@ from clepsydra.process.reader import load_process
 
 POINTS = 200
 
+pytestmark = pytest.mark.thorough
+
 
 def started(model, folder, version: str) -> Imported:
     path = written(model, folder, version)

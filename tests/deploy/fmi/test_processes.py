@@ -18,6 +18,8 @@ from clepsydra.process.reader import load_process
 
 SAMPLES = 1000
 
+pytestmark = pytest.mark.thorough
+
 
 def proven(point, substeps: int, folder, version: str, samples: int = SAMPLES) -> None:
     """Run a process over sampling periods by the engine and as an FMU, and compare all outputs."""

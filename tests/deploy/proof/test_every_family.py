@@ -1,0 +1,262 @@
+"""One controller of every family, in its plant shell, proved on every target over 10,000 scans."""
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+from deployed import need_compiler, need_grammar, need_importer
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.deploy.exportable import exportable
+from clepsydra.deploy.proof.item import ProofItem
+from clepsydra.deploy.proof.of_study import proof_items
+from clepsydra.deploy.proof.proof import Proof, prove
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.linearise import linearise
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.process.reader import load_process
+from clepsydra.study.designs import DESIGNS
+from clepsydra.study.file.reader import read_study
+from clepsydra.study.study import run_study
+
+#: Where each design applies: a small process, so that the proof is quick.
+APPLIES_TO = {
+    "PI, arrest time": "wet-well",
+    "PI, SIMC": "wet-well",
+    "PI, lambda": "wet-well",
+    "PI, phase margin": "wet-well",
+    "PI, AMIGO": "wet-well",
+    "PI, Ziegler-Nichols": "wet-well",
+    "PI, Tyreus-Luyben": "wet-well",
+    "PI, SIMC, static decoupling": "averaging-tank:inflow-constant",
+    "PI, SIMC, dynamic decoupling": "quadruple-tank",
+    "PI, variable structure": "wet-well",
+    "PI, gain scheduling": "three-tanks",
+    "PID, SIMC": "three-tanks",
+    "PID, phase margin": "wet-well",
+    "PID, AMIGO": "three-tanks",
+    "PID, Ziegler-Nichols": "three-tanks",
+    "LQI, Bryson": "equalisation-tank",
+    "LQI with Kalman filter": "equalisation-tank",
+    "LQI with extended Kalman filter": "equalisation-tank",
+    "LQI, gain scheduling": "three-tanks",
+    "LQI, recomputed": "wet-well",
+    "LQR with precompensator": "equalisation-tank",
+    "2DOF polynomial, LQ": "wet-well",
+    "Smith predictor, LQ": "three-tanks",
+    "Smith predictor, PI": "eight-tanks",
+    "Feedback linearisation": "equalisation-tank",
+    "Glover-McFarlane on PI, SIMC": "equalisation-tank",
+    "Fuzzy PI": "wet-well",
+    "Start/stop levels": "wet-well:start-stop",
+    "State feedback, pole placement": "equalisation-tank",
+}
+#: One design of each kind of law; the others give other numbers to the same law.
+PROVED = (
+    "PI, SIMC", "PI, SIMC, static decoupling", "PI, SIMC, dynamic decoupling",
+    "PI, variable structure", "PI, gain scheduling", "PID, phase margin",
+    "LQI with Kalman filter", "LQI with extended Kalman filter", "LQI, gain scheduling",
+    "LQI, recomputed", "LQR with precompensator", "2DOF polynomial, LQ", "Smith predictor, LQ",
+    "Smith predictor, PI", "Feedback linearisation", "Glover-McFarlane on PI, SIMC", "Fuzzy PI",
+    "Start/stop levels",
+)  # fmt: skip
+
+LOOP = """
+[controllers.{name}.loops.{loop}]
+measurement = "{measurement}"
+output = "{output}"
+actions = "{actions}"
+action = "{action}"
+gain = "{gain}"
+integral_time = "{time}"
+"""
+
+
+def loop(name, loop, measurement, output, action, gain, time, actions="PI"):
+    return LOOP.format(
+        name=name, loop=loop, measurement=measurement, output=output, action=action, gain=gain,
+        time=time, actions=actions,
+    )  # fmt: skip
+
+
+OWN_LAW = """\
+from clepsydra.base.signal import Signal
+from clepsydra.program.step_law import Equations, step_law
+import casadi as ca
+
+def equations(s):
+    error = s["setpoint_1"] - s["measurement_1"]
+    wanted = s["gain"] * error + s["integral"]
+    rests = ca.logic_and(ca.fabs(error) < 0.01, s["quiet"] > 3)
+    quiet = ca.if_else(ca.fabs(error) < 0.1, ca.fmin(s["quiet"] + 1, 9), 0)
+    moved = ca.if_else(rests, s["last_manipulated_1"], wanted)
+    following = ca.if_else(rests, s["integral"], s["integral"] + error * s["time_step"] / 30)
+    return Equations({"integral": following, "quiet": quiet}, {"manipulated_1": moved},
+                     {"error": error, "rests": rests})
+
+law = step_law(
+    "resting_pi",
+    inputs=[Signal("setpoint_1", "V"), Signal("measurement_1", "V"), Signal("time_step", "s"),
+            Signal("last_manipulated_1", "V")],
+    parameters=[Signal("gain", "V/V", initial=2.0)],
+    state=[Signal("integral", "V", initial=3.0), Signal("quiet", low=0.0, high=9.0)],
+    outputs=[Signal("manipulated_1", "V")],
+    equations=equations,
+)
+"""
+PYTHON_LAW = """\
+inputs = ["setpoint_1", "measurement_1"]
+outputs = ["manipulated_1"]
+
+def step(state, inputs, parameters, time_step):
+    return {}, {"manipulated_1": 3.0 + inputs["setpoint_1"] - inputs["measurement_1"]}
+"""
+RULES = """\
+[inputs.e]
+of = "level_1"
+unit = "V"
+[inputs.e.sets]
+N = { left_shoulder = [-1, 0] }
+ZO = { triangle = [-1, 0, 1] }
+P = { right_shoulder = [0, 1] }
+[outputs.du]
+moves = "pump_1"
+action = "increment"
+unit = "V/min"
+range = [-4, 4]
+[outputs.du.sets]
+down = { left_shoulder = [-4, 0] }
+stay = { trapezoid = [-2, -1, 1, 2] }
+up = { right_shoulder = [0, 4] }
+[rules]
+R1 = "if e is N then du is down"
+R2 = "if e is ZO then du is stay"
+R3 = "if e is P then du is up"
+"""
+OWN = """
+[controllers.own]
+law = "law.py"
+measurements = ["level_1"]
+setpoints = ["level_1"]
+manipulated = ["pump_1"]
+"""
+#: What only a study file has: name to the study.
+WRITTEN = {
+    "cascade": 'process = "wet-well:flow-meters"'
+    + loop("cascade", "level", "level", "flow.setpoint", "direct", "3 %/%", "10 min")
+    + loop("cascade", "flow", "duty_flow", "duty", "reverse", "0.3 %/%", "6 s"),
+    "selector": 'process = "equalisation-tank"'
+    + loop("selector", "level", "level", "highest", "direct", "0.5 %/%", "10 h")
+    + loop("selector", "flood", "level", "highest", "direct", "10 %/%", "30 min")
+    + 'setpoint = "85 %"\n[controllers.selector.selectors.highest]\nselect = "high"\n'
+    'output = "outflow"\n[controllers.selector.outputs.outflow]\nlow = "20 %"\n'
+    'rate_limit = "5 %/min"',
+    "split range": 'process = "equalisation-tank:relief"'
+    + loop('"split range"', "level", "level", "ways", "direct", "4 %/%", "2 h")
+    + '[controllers."split range".split_ranges.ways]\nparts = [\n'
+    '{ output = "outflow", from = "0 %", to = "60 %", at_from = "0 %", at_to = "100 %" },\n'
+    '{ output = "relief", from = "60 %", to = "100 %", at_from = "0 %", at_to = "100 %" }]',
+    "ratio": 'process = "equalisation-tank:dosing"\n[controllers.ratio.ratios.share]\n'
+    'measurement = "inflow_meter"\noutput = "acid_flow.setpoint"\nratio = 0.01\n'
+    + loop("ratio", "acid_flow", "acid_meter", "acid", "reverse", "0.2 %/%", "30 s")
+    + loop("ratio", "level", "level", "outflow", "direct", "2 %/%", "6 h"),
+    "feedforward": 'process = "wet-well:flow-meters"'
+    + loop("feedforward", "level", "level", "duty", "direct", "3 %/%", "10 min")
+    + '[controllers.feedforward.feedforward.inflow]\nmeasurement = "inflow_meter"\n'
+    'to = "level"\ngain = "1.5 %/(l/s)"\nlead = "2 s"\nlag = "10 s"',
+    "own": f'process = "quadruple-tank"{OWN}',
+    "rules": 'process = "quadruple-tank"\n[controllers.rules]\nfuzzy = "rules.toml"',
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _tools():
+    need_compiler()
+    need_grammar()
+    need_importer()
+
+
+@cache
+def analysed(process: str):
+    return analyse(load_process(process))
+
+
+@cache
+def designed(name: str) -> Controller:
+    return DESIGNS[name](analysed(APPLIES_TO[name]))
+
+
+def kind(controller: Controller) -> tuple[str, str]:
+    """What two controllers share that differ in numbers only."""
+    return controller.family, controller.law.name
+
+
+def proof_of(controller: Controller, point: OperatingPoint) -> Proof:
+    ready = exportable(controller, point)
+    # Without the loop: what single precision does to scores is another matter.
+    period = point.process.sampling_period
+    return prove([ProofItem(controller.name, period, ready.program, origin=ready.origin)])
+
+
+def check(proof: Proof, controller: Controller) -> None:
+    """Every target was run, every row holds, and what the scans show of it moves."""
+    assert not proof.refusals, [row.reason for row in proof.refusals]
+    assert proof.holds, proof.failures
+    rows = [(row.target, row.precision, row.verdict) for row in proof.rows]
+    assert len(rows) == 8
+    compared = [verdict for *_, precision, verdict in rows if precision == "double"]
+    assert compared == ["equal"] * 6
+    assert ("Structured Text", "single", "equal") in rows
+    coverage = proof.coverage[controller.name]
+    assert coverage.still == ()
+    assert len(coverage.seen) > len(coverage.unseen), coverage.sentence
+
+
+def test_every_design_has_a_process_here():
+    """A design that is added to a study has to be added here too, or it is not proved."""
+    assert set(APPLIES_TO) == set(DESIGNS)
+
+
+@pytest.mark.thorough
+def test_every_kind_of_law_is_proved():
+    kinds: dict[tuple[str, str], str] = {}
+    for name in DESIGNS:
+        kinds.setdefault(kind(designed(name)), name)
+    missing = set(kinds) - {kind(designed(name)) for name in PROVED}
+    assert not missing, {found: kinds[found] for found in missing}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", PROVED)
+def test_a_design_of_each_kind(name):
+    controller = designed(name)
+    check(proof_of(controller, analysed(APPLIES_TO[name]).operating_point), controller)
+
+
+def written(name: str, folder: Path, law: str = OWN_LAW) -> Path:
+    (folder / "law.py").write_text(law)
+    (folder / "rules.toml").write_text(RULES)
+    path = folder / "study.toml"
+    path.write_text(WRITTEN[name])
+    return path
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", WRITTEN)
+def test_what_is_written_out_in_a_study(name, tmp_path):
+    """Schemes of every block, a law of a user's own, and rules."""
+    request = read_study(written(name, tmp_path))
+    point = request.analysis.operating_point
+    (asked,) = request.controllers
+    controller = asked.make(request.analysis, linearise(point))
+    check(proof_of(controller, point), controller)
+
+
+@pytest.mark.thorough
+def test_a_law_in_python_is_refused_with_its_reason(tmp_path):
+    request = read_study(written("own", tmp_path, PYTHON_LAW))
+    items = [item for item in proof_items(run_study(request)) if item.kind == "controller"]
+    (row,) = prove(items).rows
+    assert row.verdict == "refused" and row.target == "every target"
+    assert "a law in Python" in row.reason and "write it as expressions" in row.reason
+    assert not prove(items).holds
