@@ -32,6 +32,8 @@ NAMES = [
     pytest.param(name, marks=[] if name in OFTEN else [pytest.mark.thorough]) for name in PROCESSES
 ]
 
+pytestmark = pytest.mark.thorough
+
 
 def written(printed: CSource, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)

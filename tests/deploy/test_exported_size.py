@@ -43,6 +43,8 @@ STRUCTURES = {
 }
 REMEDY = "run python -m benchmarks.exported --write"
 
+pytestmark = pytest.mark.thorough
+
 
 def page_rows(path=page.SIZES_PAGE):
     """The cells of each controller on the page, by heading."""

@@ -15,6 +15,8 @@ from clepsydra.process.reader import load_process
 
 FULL = Path(__file__).parents[1] / "controllers" / "full-effects.toml"
 
+pytestmark = pytest.mark.thorough
+
 
 def proven(controller, folder, spans, seed):
     """Run the scans of a plant that goes wrong, with levels within the ranges of the sensors."""

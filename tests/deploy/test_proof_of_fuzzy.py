@@ -27,6 +27,8 @@ from clepsydra.program.reader import program_of
 
 SCANS, HELD = 1_500, 20
 
+pytestmark = pytest.mark.thorough
+
 
 def of_the_document():
     point = find_equilibrium(load_process("averaging-tank:all-inputs"))

@@ -12,6 +12,8 @@ from clepsydra.design.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.mark.parametrize("decoupling", [None, "dynamic"])
 def test_it_is_the_same_in_engine_c_and_structured_text(decoupling, tmp_path):

@@ -25,6 +25,8 @@ LAWS = {
     ),
 }
 
+pytestmark = pytest.mark.thorough
+
 
 def settings(program, seed):
     """Stable models and lively gains, none with a short binary form."""

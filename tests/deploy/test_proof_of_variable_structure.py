@@ -19,6 +19,8 @@ FORMS = {
     "gap": PidForm("PI", error="gap"),
 }
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.mark.parametrize("name", FORMS)
 def test_every_form(name, tmp_path):

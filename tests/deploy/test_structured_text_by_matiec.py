@@ -39,6 +39,8 @@ CONTROLLERS = [
     ("wet-well:start-stop", "Start/stop levels"),
 ]  # fmt: skip
 
+pytestmark = pytest.mark.thorough
+
 
 def bits(values: np.ndarray) -> np.ndarray:
     """The bits of numbers; every not-a-number counts as the same one."""

@@ -2,6 +2,7 @@
 
 import math
 import re
+from functools import cache
 from importlib import resources
 from pathlib import Path
 
@@ -20,14 +21,14 @@ from clepsydra.study.study import run_study
 NAMES = ["quadruple-tank", "quadruple-tank-nonminimum-phase"]
 
 
-@pytest.fixture(scope="module")
-def results() -> dict[str, StudyResult]:
-    return {name: run_study(name) for name in NAMES}
+@cache
+def studied(name: str) -> StudyResult:
+    return run_study(name)
 
 
-@pytest.fixture(params=NAMES)
-def result(request, results) -> StudyResult:
-    return results[request.param]
+@pytest.fixture(params=[NAMES[0], pytest.param(NAMES[1], marks=pytest.mark.thorough)])
+def result(request) -> StudyResult:
+    return studied(request.param)
 
 
 def test_every_design_is_ranked_or_listed_with_its_reason(result):
@@ -142,10 +143,11 @@ def test_every_run_met_its_error_estimate_or_says_so(result):
         assert estimate <= 1e-6 or any("Halving" in warning for warning in candidate.warnings)
 
 
-def test_both_phases_are_told_apart(results):
-    minimum, nonminimum = (results[name] for name in NAMES)
+@pytest.mark.thorough
+def test_both_phases_are_told_apart():
+    both = minimum, nonminimum = [studied(name) for name in NAMES]
     assert minimum.analysis.minimum_phase and not nonminimum.analysis.minimum_phase
-    slowest = [min(c.scores["settling_time[level_1]"] for c in r.ranking) for r in results.values()]
+    slowest = [min(c.scores["settling_time[level_1]"] for c in r.ranking) for r in both]
     assert slowest[1] > slowest[0]
 
 
@@ -163,9 +165,9 @@ def test_the_dictionary_says_the_same(result):
     assert len(said["scenario"]["segments"]) == len(result.scenario.segments)
 
 
-def test_the_same_seed_gives_the_same_bits_and_another_seed_other_noise(results):
+def test_the_same_seed_gives_the_same_bits_and_another_seed_other_noise():
     again, other = run_study(NAMES[0], seed=1), run_study(NAMES[0], seed=2)
-    first = results[NAMES[0]]
+    first = studied(NAMES[0])
     assert np.array_equal(first.scenario.noise, again.scenario.noise)
     assert again.verdict == first.verdict
     for a, b in zip(first.ranking, again.ranking, strict=True):
@@ -189,12 +191,12 @@ def test_the_same_seed_gives_the_same_bits_and_another_seed_other_noise(results)
     assert not np.array_equal(one.values["pump_1"], two.values["pump_1"])
 
 
-def test_a_file_of_the_same_text_is_the_same_study(results, tmp_path):
+def test_a_file_of_the_same_text_is_the_same_study(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(catalogue_text())
     result = run_study(path)
-    assert result.verdict == results[NAMES[0]].verdict
-    assert [c.scores for c in result.ranking] == [c.scores for c in results[NAMES[0]].ranking]
+    assert result.verdict == studied(NAMES[0]).verdict
+    assert [c.scores for c in result.ranking] == [c.scores for c in studied(NAMES[0]).ranking]
 
 
 MIXED = """process = "quadruple-tank"

@@ -88,6 +88,7 @@ def test_counted_loops_stay_loops_and_names_stay_names():
     }
 
 
+@pytest.mark.thorough
 def test_the_reference_solver_runs_it_too():
     analysis = analyse(load_process("quadruple-tank"))
     shelled = with_plant_shell(DESIGNS["PI, SIMC"](analysis), 1.0)

@@ -89,7 +89,7 @@ def equations(s):
     wanted = s["gain"] * error + s["integral"]
     rests = ca.logic_and(ca.fabs(error) < 0.01, s["quiet"] > 3)
     quiet = ca.if_else(ca.fabs(error) < 0.1, ca.fmin(s["quiet"] + 1, 9), 0)
-    moved = ca.if_else(rests, s["last_manipulated_1"], wanted)
+    moved = ca.if_else(rests, s["last_output_1"], wanted)
     following = ca.if_else(rests, s["integral"], s["integral"] + error * s["time_step"] / 30)
     return Equations({"integral": following, "quiet": quiet}, {"manipulated_1": moved},
                      {"error": error, "rests": rests})
@@ -97,7 +97,7 @@ def equations(s):
 law = step_law(
     "resting_pi",
     inputs=[Signal("setpoint_1", "V"), Signal("measurement_1", "V"), Signal("time_step", "s"),
-            Signal("last_manipulated_1", "V")],
+            Signal("last_output_1", "V")],
     parameters=[Signal("gain", "V/V", initial=2.0)],
     state=[Signal("integral", "V", initial=3.0), Signal("quiet", low=0.0, high=9.0)],
     outputs=[Signal("manipulated_1", "V")],

@@ -31,6 +31,8 @@ MISTAKES = {
     "a choice is turned round": (("select",), turned),
 }
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.fixture(autouse=True)
 def _tools():
@@ -126,7 +128,6 @@ def test_a_text_that_is_none_fails_the_proof(monkeypatch):
     assert "the grammar does not accept" in failed[0].reason
 
 
-@pytest.mark.thorough
 def test_nearly_every_single_mistake_is_found():
     """Each operation spoilt on its own; a few mistakes change nothing that any scan can show."""
     program = level_control()

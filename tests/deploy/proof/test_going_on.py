@@ -25,6 +25,8 @@ TEXTS = {(f"Structured Text, {dialect}", "double") for dialect in ("matiec", "co
 SINGLE_C = {("C", "single"), ("Structured Text", "single")}
 SINGLE_TEXT = {("Structured Text", "single")}
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.fixture(autouse=True)
 def _tools():

@@ -36,6 +36,8 @@ TARGETS = [
     ("C", "single"),
 ]
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.fixture(autouse=True)
 def _tools():
