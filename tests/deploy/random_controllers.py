@@ -167,7 +167,9 @@ def own_laws(draw) -> Written:
     inputs = [*setpoints, *measured]
     if draw(st.booleans()):
         inputs.append(Signal("time_step", "s", low=0.0, initial=1.0))
-    inputs += [Signal(f"last_{s.name}", s.unit) for s in moved if draw(st.booleans())]
+    inputs += [
+        Signal(f"last_output_{k}", s.unit) for k, s in enumerate(moved, 1) if draw(st.booleans())
+    ]
     gains = [Signal(f"gain_{k}", initial=draw(modest)) for k in range(draw(st.integers(0, 3)))]
     if draw(st.booleans()):
         gains.append(Signal("chosen", low=0.0, high=1.0, initial=1.0, kind="boolean"))

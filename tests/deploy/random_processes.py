@@ -80,12 +80,13 @@ def _somewhere(signal, random: np.random.Generator) -> float:
 class _Plant:
     """The tables of a process file while they are drawn."""
 
-    def __init__(self, draw) -> None:
+    def __init__(self, draw, most: int) -> None:
         self.draw = draw
         self.tables: list[str] = []
         self.manipulated: list[str] = []
         self._count: dict[str, int] = {}
-        self.tanks = [f"tank_{k}" for k in range(1, draw(st.sampled_from([1, 2, 1, 3, 2, 4])) + 1)]
+        count = draw(st.sampled_from([c for c in (1, 2, 1, 3, 2, 4) if c <= most]))
+        self.tanks = [f"tank_{k}" for k in range(1, count + 1)]
         self.heights: dict[str, float] = {}
         self.salt = draw(st.booleans())
 
@@ -251,6 +252,6 @@ def _written(names: list[str]) -> str:
 
 
 @st.composite
-def processes(draw) -> ProcessFile:
-    """A process file."""
-    return _Plant(draw).whole()
+def processes(draw, most: int = 4) -> ProcessFile:
+    """A process file of at most so many tanks."""
+    return _Plant(draw, most).whole()

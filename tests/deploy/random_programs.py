@@ -99,11 +99,11 @@ def names(draw, count: int, wrong: bool) -> list[str]:
     plain = [f"q{k}" for k in range(1, count + 1)]
     found: list[str] = []
     for own in plain:
-        choice = draw(st.integers(0, 3))
+        choice = draw(st.integers(0, 9))
         wanted = own
-        if choice == 1:
+        if choice in (1, 2):
             wanted = draw(st.sampled_from(INNER_NAMES))
-        elif choice == 2 and wrong:
+        elif choice == 3 and wrong:
             wanted = draw(st.sampled_from(WRONG_NAMES))
         known = {name.replace(".", "_") for name in found}
         found.append(own if wanted.replace(".", "_") in known else wanted)
@@ -140,7 +140,8 @@ def _signal(draw, name: str, kind: str) -> str:
         length = draw(st.sampled_from([1, 2, 3, 7]))
         return f"DelayRing(Signal({name!r}, initial={draw(modest)!r}), {length})"
     if kind == "boolean":
-        return f"Signal({name!r}, low=0.0, high=1.0, initial={draw(st.sampled_from([0.0, 1.0]))}, kind='boolean')"  # noqa: E501
+        initial = draw(st.sampled_from([0.0, 1.0]))
+        return f"Signal({name!r}, low=0.0, high=1.0, initial={initial}, kind='boolean')"
     if kind == "integer":
         low, high = draw(st.sampled_from([(-5.0, 5.0), (0.0, 3.0), (-(2.0**20), 2.0**20)]))
         initial = draw(st.sampled_from([1.0, 0.0, 3.0]))
@@ -151,16 +152,14 @@ def _signal(draw, name: str, kind: str) -> str:
 class _Text:
     """The lines of a program while they are drawn."""
 
-    def __init__(self, draw, library: bool) -> None:
+    def __init__(self, draw) -> None:
         self.draw = draw
         self.lines: list[str] = []
         self._count = 0
-        self._codes = {1: [], 2: [], 3: []}
+        # Arithmetic twice, so that it is drawn more often.
+        self._codes: dict[int, list[str]] = {1: [], 2: sorted(_ARITHMETIC), 3: []}
         for code in sorted(EXACT - {"constant", "number", "truth"}):
-            size = 3 if code == "select" else 1 if code in _UNARY else 2
-            self._codes[size].append(code)
-        self._codes[2] += ["add", "subtract", "multiply", "divide"]
-        self._codes[1] += sorted(c for c in LIBRARY if LIBRARY[c] == 1) if library else []
+            self._codes[_operands(code)].append(code)
 
     def new(self) -> str:
         self._count += 1
@@ -169,12 +168,12 @@ class _Text:
     def statements(self, builder: str, pool: list[str], most: int, depth: int) -> None:
         """Append statements of a block; the pool grows by their values."""
         for _ in range(self.draw(st.integers(1, most))):
-            what = self.draw(st.integers(0, 11))
-            if what == 10 and depth < 2:
+            what = self.draw(st.integers(0, 9))
+            if what == 8 and depth < 2:
                 self._loop(builder, pool, depth)
-            elif what == 11 and depth < 2:
+            elif what == 9 and depth < 2:
                 self._conditional(builder, pool, depth)
-            elif what > 7:
+            elif what > 6:
                 name = self.new()
                 self.lines.append(f"{name} = {builder}.constant({self.draw(numbers)!r})")
                 pool.append(name)
@@ -205,7 +204,7 @@ class _Text:
         self.lines.append(f"{builder} = BlockBuilder({arguments})")
         inside = [str(k) for k in range(arguments)]
         self.statements(builder, inside, 5, depth + 1)
-        chosen = [self.one_of(inside[::-1]) for _ in range(results)]
+        chosen = [self.one_of(self._unread(inside)[::-1]) for _ in range(results)]
         self.lines.append(f"{body} = {builder}.finish([{', '.join(chosen)}])")
         return body
 
@@ -270,6 +269,7 @@ class _Text:
         return value
 
 
+_ARITHMETIC = ("add", "subtract", "multiply", "divide")
 _UNARY = frozenset({"negate", "square_root", "absolute", "floor", "ceiling", "not"})
 
 
@@ -281,7 +281,7 @@ def _operands(code: str) -> int:
 def programs(draw, wrong: bool = False) -> Written:
     """A program of operations, loops with and without rings, and conditionals."""
     drawn = draw(signals(wrong))
-    text = _Text(draw, library=False)
+    text = _Text(draw)
     pool = [str(k) for k in range(drawn.arguments)]
     text.statements("b", pool, 16, 0)
     results = [text.result(pool, kind) for kind in drawn.kinds]
@@ -296,7 +296,7 @@ def programs(draw, wrong: bool = False) -> Written:
 def library_programs(draw) -> Written:
     """A program whose outputs are functions of a library, of what is exact until then."""
     drawn = draw(signals())
-    text = _Text(draw, library=False)
+    text = _Text(draw)
     pool = [str(k) for k in range(drawn.arguments)]
     text.statements("b", pool, 6, 1)
     results = [text.result(pool, kind) for kind in drawn.kinds]
@@ -315,7 +315,7 @@ def _nasty(drawn: Drawn) -> tuple[str, ...]:
 
 def _program_text(drawn: Drawn, lines: list[str], results: list[str], named: dict) -> str:
     groups = {
-        name: f"({''.join(f'{NEW_LINE}    {entry},' for entry in getattr(drawn, name))}\n)"
+        name: "(" + "".join(f"\n    {entry}," for entry in getattr(drawn, name)) + "\n)"
         for name in ("state", "inputs", "parameters", "outputs")
     }
     body = "\n".join([f"b = BlockBuilder({drawn.arguments})", *lines])
@@ -327,9 +327,6 @@ def _program_text(drawn: Drawn, lines: list[str], results: list[str], named: dic
         + 'program = Program("law", state, inputs, parameters, outputs, block, '
         + f"{{{names_text}}})\n"
     )
-
-
-NEW_LINE = "\n"
 
 
 def odd_scans(program: Program, scans: int, seed: int) -> dict[str, np.ndarray]:

@@ -131,23 +131,30 @@ def is_justified(
 fmu_or_none = st.sampled_from([(), (), (), ("FMU 3.0",), ("FMU 2.0",)])
 
 
-@in_tiers(8, 120)
+@in_tiers(5, 45)
 def test_programs_of_every_statement(examples):
-    seen: set[str] = set()
-
     @settings(FIXED, max_examples=examples)
     @given(programs(), fmu_or_none)
     def every_program(written: Written, more: tuple[str, ...]) -> None:
-        program = written.program()
-        seen.update(codes_of(program))
-        proved(ProofItem("random", 1.0, program), USUAL + more, job=OddJob)
+        proved(ProofItem("random", 1.0, written.program()), USUAL + more, job=OddJob)
 
     every_program()
-    if examples > 50:
-        assert seen >= EVERYTHING, EVERYTHING - seen
 
 
-@in_tiers(6, 60)
+@pytest.mark.thorough
+def test_random_programs_leave_out_no_operation_and_no_statement():
+    seen: set[str] = set()
+
+    @settings(FIXED, max_examples=200)
+    @given(programs())
+    def every_program(written: Written) -> None:
+        seen.update(codes_of(written.program()))
+
+    every_program()
+    assert seen >= EVERYTHING, EVERYTHING - seen
+
+
+@in_tiers(4, 40)
 def test_names_that_a_language_cannot_have_are_refused_or_harmless(examples):
     """Keywords, macros, names that differ in case, names of the printers' own variables."""
 
@@ -160,7 +167,7 @@ def test_names_that_a_language_cannot_have_are_refused_or_harmless(examples):
     every_program()
 
 
-@in_tiers(5, 40)
+@in_tiers(3, 20)
 def test_functions_of_a_library(examples):
     """Within 1e-12 of the range, and no decision differs."""
 
@@ -172,7 +179,7 @@ def test_functions_of_a_library(examples):
     every_program()
 
 
-@in_tiers(3, 20)
+@in_tiers(2, 7)
 @pytest.mark.parametrize("kind", CONTROLLERS)
 def test_controllers(kind, examples):
     """Random laws behind the plant shell or bare, in a plant that goes wrong in every way."""
@@ -193,10 +200,10 @@ process_targets = st.tuples(
 )
 
 
-@in_tiers(2, 12)
+@in_tiers(2, 6)
 def test_processes(examples):
     @settings(FIXED, max_examples=examples)
-    @given(processes(), process_targets)
+    @given(processes(most=1 if examples < 5 else 4), process_targets)
     def every_process(written: ProcessFile, targets: tuple[str, ...]) -> None:
         item = process_item(written.point())
         # Nearly empty, the tip of a cone fills too quickly for any step.
@@ -208,11 +215,11 @@ def test_processes(examples):
 
 
 def test_a_mistake_of_a_printer_is_found_and_made_small(monkeypatch):
-    """One sign of comparison is printed wrongly: the law that shows it is down to a few lines."""
+    """A sum is printed as a difference: the program that shows it is down to a few lines."""
     printed = interpreted_text.print_structured_text
 
     def wrong(program, **more):
-        return printed(program, **more).replace(" <= ", " < ")
+        return printed(program, **more).replace(" + ", " - ")
 
     monkeypatch.setattr(interpreted_text, "print_structured_text", wrong)
 
@@ -225,7 +232,7 @@ def test_a_mistake_of_a_printer_is_found_and_made_small(monkeypatch):
         every_program()
     shown = "\n".join(caught.value.__notes__)
     assert "program = Program(" in shown
-    assert "less_equal" in shown
+    assert 'b.operation("add"' in shown
     assert shown.count("b.operation(") <= 5, shown
 
 

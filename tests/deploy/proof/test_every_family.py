@@ -86,12 +86,12 @@ import casadi as ca
 
 def equations(s):
     error = s["setpoint_1"] - s["measurement_1"]
-    wanted = s["gain"] * error + s["integral"]
+    wanted = s["gain"] * error + s["summed"]
     rests = ca.logic_and(ca.fabs(error) < 0.01, s["quiet"] > 3)
     quiet = ca.if_else(ca.fabs(error) < 0.1, ca.fmin(s["quiet"] + 1, 9), 0)
     moved = ca.if_else(rests, s["last_output_1"], wanted)
-    following = ca.if_else(rests, s["integral"], s["integral"] + error * s["time_step"] / 30)
-    return Equations({"integral": following, "quiet": quiet}, {"manipulated_1": moved},
+    following = ca.if_else(rests, s["summed"], s["summed"] + error * s["time_step"] / 30)
+    return Equations({"summed": following, "quiet": quiet}, {"manipulated_1": moved},
                      {"error": error, "rests": rests})
 
 law = step_law(
@@ -99,7 +99,7 @@ law = step_law(
     inputs=[Signal("setpoint_1", "V"), Signal("measurement_1", "V"), Signal("time_step", "s"),
             Signal("last_output_1", "V")],
     parameters=[Signal("gain", "V/V", initial=2.0)],
-    state=[Signal("integral", "V", initial=3.0), Signal("quiet", low=0.0, high=9.0)],
+    state=[Signal("summed", "V", initial=3.0), Signal("quiet", low=0.0, high=9.0)],
     outputs=[Signal("manipulated_1", "V")],
     equations=equations,
 )

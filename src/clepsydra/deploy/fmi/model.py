@@ -127,7 +127,8 @@ class FmuModel:
     followed: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        names = [variable.name for variable in self.variables]
+        # The independent variable of the standard has a name too.
+        names = ["time", *(variable.name for variable in self.variables)]
         for name in names:
             if not _STRUCTURED.fullmatch(name):
                 raise InputError(
