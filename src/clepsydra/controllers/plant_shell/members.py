@@ -216,7 +216,7 @@ def _unhurried(law: StepLaw, number: int, known: Iterable[str], name: str) -> st
     if not {f"low_limit_{number}", f"high_limit_{number}"} <= set(known):
         return f"the law has no limits of {name} that could be moved with it"
     for block in law.blocks:
-        if isinstance(block, PidBlock) and block.form.anti_windup == "clamping":
+        if isinstance(block, PidBlock) and block.form.winding == "clamping":
             return (
                 "clamping would keep the integral within the reach of the rate limit; the law "
                 "with another anti-windup, or with a rate limit of its own, can have one"
