@@ -94,7 +94,7 @@ def test_the_version(command):
     assert command("--version") == (0, f"clepsydra {clepsydra.__version__}\n", "")
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [NAMES[0], pytest.param(NAMES[1], marks=pytest.mark.thorough)])
 def test_study_prints_one_document_and_writes_report_and_data(command, tmp_path, name):
     status, output, _ = command("study", name, "--json", "--output", str(tmp_path))
     assert status == 0
@@ -316,6 +316,7 @@ def test_an_interrupted_study_ends_with_status_130(command, tmp_path, monkeypatc
     assert names(tmp_path) == []
 
 
+@pytest.mark.thorough
 def test_a_real_process_studies_a_file_of_ones_own(tmp_path):
     (tmp_path / "mine.toml").write_bytes(edited(('name = "quadruple-tank"', 'name = "mine"')))
     done = process(COMMAND, "study", "mine.toml", "--json", folder=tmp_path)

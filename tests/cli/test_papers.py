@@ -36,6 +36,7 @@ def test_json_is_a_list_of_rows_with_these_names(command):
     assert not any(row["reason"] == "" for row in rows if row["verdict"] != "reproduced")
 
 
+@pytest.mark.thorough
 def test_the_page_shows_every_row_and_every_figure(command):
     status, out, _ = command("papers", "three-tanks")
     page = Path("papers.html").read_text("utf-8")
@@ -71,6 +72,7 @@ def test_two_rows_of_one_name_are_a_mistake(monkeypatch):
         audits.audit(["d"])
 
 
+@pytest.mark.thorough
 def test_processes_share_the_work_and_find_the_same(monkeypatch):
     told = []
     alone = audits.audit(["three-tanks"])

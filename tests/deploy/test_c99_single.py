@@ -25,6 +25,7 @@ def equal_in_every_bit(program: Program, folder, inputs: dict[str, np.ndarray]) 
     return in_c
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", PROCESSES)
 def test_a_bare_law_in_float_is_its_operations_in_single_precision(name, tmp_path):
     program = bare(name)

@@ -45,6 +45,7 @@ def test_only_lags_of_instruments_that_settle_get_steps_as_long_as_themselves(
     assert substeps_for(sampled(name, period).model) == substeps
 
 
+@pytest.mark.thorough
 def test_the_tanks_are_as_exact_as_the_reference_solver_while_the_valve_jumps_each_sample() -> None:
     """Steps as long as the lag of 0.3 s; the valve goes up to its whole stroke from sample to
     sample, and the basin with it."""

@@ -64,6 +64,7 @@ def walk(block: Block):
             yield from walk(statement.body)
 
 
+@pytest.mark.thorough
 def test_the_random_blocks_nest_both_ways():
     blocks = [random_block(5000 + seed, 4, 6, nesting=0.15)[0] for seed in range(40)]
     nested = {

@@ -165,6 +165,7 @@ def test_the_dictionary_says_the_same(result):
     assert len(said["scenario"]["segments"]) == len(result.scenario.segments)
 
 
+@pytest.mark.thorough
 def test_the_same_seed_gives_the_same_bits_and_another_seed_other_noise():
     again, other = run_study(NAMES[0], seed=1), run_study(NAMES[0], seed=2)
     first = studied(NAMES[0])
@@ -191,6 +192,7 @@ def test_the_same_seed_gives_the_same_bits_and_another_seed_other_noise():
     assert not np.array_equal(one.values["pump_1"], two.values["pump_1"])
 
 
+@pytest.mark.thorough
 def test_a_file_of_the_same_text_is_the_same_study(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(catalogue_text())
@@ -245,6 +247,7 @@ def without_sensor(number: int, folder: Path) -> Path:
     return path
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("number", [3, 4])
 def test_a_design_that_needs_a_missing_sensor_is_listed_with_the_level(number, tmp_path):
     result = run_study(without_sensor(number, tmp_path))

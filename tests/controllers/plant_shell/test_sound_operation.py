@@ -33,6 +33,8 @@ FAMILIES = [
     ("Start/stop levels", "wet-well:start-stop"),
 ]
 
+pytestmark = pytest.mark.thorough
+
 
 @cache
 def designed(name, process):
@@ -88,7 +90,6 @@ def test_counted_loops_stay_loops_and_names_stay_names():
     }
 
 
-@pytest.mark.thorough
 def test_the_reference_solver_runs_it_too():
     analysis = analyse(load_process("quadruple-tank"))
     shelled = with_plant_shell(DESIGNS["PI, SIMC"](analysis), 1.0)

@@ -48,6 +48,8 @@ integral_time = "6 s"
 setpoint_high = "35 l/s"
 """
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.fixture(scope="module")
 def quadruple():
