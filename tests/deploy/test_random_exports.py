@@ -131,7 +131,7 @@ def is_justified(
 fmu_or_none = st.sampled_from([(), (), (), ("FMU 3.0",), ("FMU 2.0",)])
 
 
-@in_tiers(5, 45)
+@in_tiers(5, 30)
 def test_programs_of_every_statement(examples):
     @settings(FIXED, max_examples=examples)
     @given(programs(), fmu_or_none)
@@ -154,7 +154,7 @@ def test_random_programs_leave_out_no_operation_and_no_statement():
     assert seen >= EVERYTHING, EVERYTHING - seen
 
 
-@in_tiers(4, 40)
+@in_tiers(4, 25)
 def test_names_that_a_language_cannot_have_are_refused_or_harmless(examples):
     """Keywords, macros, names that differ in case, names of the printers' own variables."""
 

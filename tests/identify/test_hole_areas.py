@@ -11,6 +11,7 @@ from clepsydra.engine.kernel import Kernel
 from clepsydra.identify.hole_areas import hole_areas, hole_areas_at_rest
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.loop.open_loop import _OpenLoop, simulate
+from clepsydra.loop.process_period import process_period
 from clepsydra.process.reader import load_process
 
 pytestmark = pytest.mark.thorough
@@ -67,7 +68,8 @@ def noisy_records():
     loop = _OpenLoop(point, still, 1, {})
     drawn = 0.1 * np.random.default_rng(5).standard_normal((2, seeds, samples))
     noise = {f"pump_{i}.noise": drawn[i - 1] for i in (1, 2)}
-    kernel = Kernel(loop._program(), individual=list(noise))
+    program = process_period(PROCESS, loop.motion, loop.recorded, shown="start")
+    kernel = Kernel(program, individual=list(noise))
     rest = {s.name: float(v) for s, v in zip(PROCESS.motion.contents, loop.contents, strict=True)}
     result = kernel.run(samples, inputs={**still, **noise}, state=rest)
     levels = {name: result.output(name) for name in (f"tank_{i}.level" for i in (1, 2, 3, 4))}

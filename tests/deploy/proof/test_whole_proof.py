@@ -61,9 +61,7 @@ def screen(proof) -> str:
     return console.export_text()
 
 
-@pytest.mark.parametrize(
-    "name", ["PI, SIMC", pytest.param("LQI with Kalman filter", marks=pytest.mark.thorough)]
-)
+@pytest.mark.parametrize("name", ["PI, SIMC"])
 def test_a_controller_in_its_shell_is_the_same_on_every_target(name):
     proof = prove([shelled(name)])
     assert [(row.target, row.precision) for row in proof.rows] == TARGETS
