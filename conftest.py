@@ -1,27 +1,52 @@
-"""Examples in docstrings that need a compiler or an optional package are skipped without one."""
+"""Tests that need a compiler or an optional package are skipped without it, and run again by name.
 
-import importlib.util
-import os
-import shutil
+`pytest --last-skipped` runs just what the run before skipped: the checks use it when they have
+installed the optional packages, so that no test runs twice.
+"""
+
 from pathlib import Path
 
 import pytest
+from tools import REQUIRE, missing
 
-_NEEDED = {
-    "no C compiler (cc, gcc or clang) is installed": any(map(shutil.which, ("cc", "gcc", "clang"))),
-    "the packages of clepsydra[verify] are not installed": all(
-        map(importlib.util.find_spec, ("fmpy", "tree_sitter_iec61131_3_st"))
-    ),
-}
+_SKIPPED = "clepsydra/skipped"
 _FOLDERS = tuple(Path("src/clepsydra/deploy") / name for name in ("proof", "fmi", "compiler.py"))
+_skipped: set[str] = set()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--last-skipped", action="store_true", help="run only what the run before skipped"
+    )
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    missing = [reason for reason, found in _NEEDED.items() if not found]
-    if not missing or os.environ.get("CLEPSYDRA_REQUIRE_TOOLS") == "1":
-        return
-    skip = pytest.mark.skip(reason=missing[0])
-    for item in items:
-        path = item.path.relative_to(config.rootpath)
-        if isinstance(item, pytest.DoctestItem) and any(map(path.is_relative_to, _FOLDERS)):
-            item.add_marker(skip)
+    reason = "" if REQUIRE else missing("fmpy", "tree_sitter_iec61131_3_st", compiler=True)
+    if reason:
+        for item in items:
+            path = item.path.relative_to(config.rootpath)
+            if isinstance(item, pytest.DoctestItem) and any(map(path.is_relative_to, _FOLDERS)):
+                item.add_marker(pytest.mark.skip(reason=reason))
+    if config.getoption("last_skipped"):
+        names = set(config.cache.get(_SKIPPED, []))
+        # A file that could not be imported was skipped as a whole, by its own name.
+        keep = {item for item in items if {item.nodeid, item.nodeid.split("::")[0]} & names}
+        config.hook.pytest_deselected(items=[item for item in items if item not in keep])
+        items[:] = [item for item in items if item in keep]
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    if report.skipped:
+        _skipped.add(report.nodeid)
+
+
+def pytest_collectreport(report: pytest.CollectReport) -> None:
+    if report.skipped:
+        _skipped.add(report.nodeid)
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    config = session.config
+    worker, cached = hasattr(config, "workerinput"), hasattr(config, "cache")
+    if cached and not worker and not config.getoption("last_skipped"):
+        config.cache.set(_SKIPPED, sorted(_skipped))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import shutil
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tools import need
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -94,9 +94,9 @@ def test_python_control_equals_numpy(form: object) -> None:
     assert largest_difference(form(ONE_RUN)(), solve(ONE_RUN)) < AGREEMENT
 
 
-@pytest.mark.skipif(importlib.util.find_spec("jax") is None, reason="JAX is not installed")
 @pytest.mark.filterwarnings("ignore")
 def test_jax_equals_numpy() -> None:
+    need("jax")
     from benchmarks import with_jax
 
     assert largest_difference(with_jax.batch(BATCH)(), solve(BATCH)) < AGREEMENT

@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from pages import blocks
 
 from clepsydra.base.errors import InputError
 from clepsydra.linear.equilibrium import find_equilibrium
@@ -14,9 +15,12 @@ from clepsydra.process.kinds import KINDS
 from clepsydra.process.reader import load_process
 
 ROOT = Path(__file__).parents[1]
-PAGE = (ROOT / "docs" / "process-files.md").read_text(encoding="utf-8")
+PAGE = "".join(
+    (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+    for name in ("process-files", "switches")
+)
 SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL))
-BLOCKS = re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+BLOCKS = [block.text for block in blocks("docs/process-files.md", "toml")]
 WHOLE = [block for block in BLOCKS if "name" in tomllib.loads(block)]
 PARTS = [block for block in BLOCKS if block not in WHOLE]
 
@@ -46,7 +50,7 @@ destination = "channel_1"
 area = "0.071 cm^2"
 
 [delays.channel_1]
-destination = "tank_1"
+destination = "basin"
 time = "10 s"
 
 [pumps.pump_1]
@@ -240,7 +244,7 @@ def test_signals_that_the_page_names_exist(tmp_path: Path) -> None:
             motion.totals, motion.memories, motion.delays,
         ):  # fmt: skip
             known |= {signal.name for signal in signals}
-        known |= {name for name, _ in motion.events}
+        known |= {event.name for event in motion.events}
     stems = r"(?:tank|pump|valve|level|channel)_1|feed"
     named = set(re.findall(rf"`((?:{stems})\.\w+)`", PAGE))
     assert len(named) > 15
@@ -269,5 +273,11 @@ hysteresis = "1 cm"
 tank = "tank_1"
 range = ["0 cm", "20 cm"]
 lag = "1 s"
-"""
+""",
+    """
+[tanks.tank_1]
+area = "28 cm^2"
+height = "20 cm"
+when_full = "inflow stops"
+""",
 ]

@@ -82,7 +82,7 @@ def test_a_file_in_place_of_the_folder_is_refused_in_words(tmp_path):
 
 
 def test_a_name_that_no_file_can_have_is_refused_in_words(tmp_path):
-    with pytest.raises(InputError, match="null byte"), whole_file(tmp_path / "a\0b"):
+    with pytest.raises(InputError, match="null character"), whole_file(tmp_path / "a\0b"):
         pytest.fail("there is no such name")
 
 
@@ -171,3 +171,17 @@ def test_a_folder_in_the_place_of_one_file_leaves_the_others_alone(tmp_path):
         write_together(tmp_path, NEW)
     assert names(tmp_path) == ["law.c", "law.h"]
     assert (tmp_path / "law.h").read_bytes() == b"old h"
+
+
+def test_parts_that_a_killed_process_left_are_removed_by_the_next_writing(tmp_path):
+    """Those of the same file, and not what another process is writing at this moment."""
+    old, fresh, other = (
+        tmp_path / name for name in (".a.txt.1.part", ".a.txt.2.part", ".b.1.part")
+    )
+    for part in (old, fresh, other):
+        part.write_text("half")
+    for part in (old, other):
+        os.utime(part, (0, 0))
+    with whole_file(tmp_path / "a.txt") as part:
+        part.write_text("whole")
+    assert names(tmp_path) == [".a.txt.2.part", ".b.1.part", "a.txt"]

@@ -282,20 +282,6 @@ def test_wrong_usage_ends_with_status_2(command, tmp_path, arguments):
     assert names(tmp_path) == []
 
 
-def test_a_missing_output_folder_is_a_message_before_any_work(command, tmp_path):
-    status, output, errors = command("study", NAMES[0], "--output", str(tmp_path / "missing"))
-    assert (status, output) == (2, "")
-    assert "--output" in errors and "missing" in errors and "folder" in errors
-    assert names(tmp_path) == []
-
-
-def test_a_file_is_no_output_folder(command, tmp_path):
-    (tmp_path / "file").write_text("in the way")
-    status, output, errors = command("study", NAMES[0], "--output", "file")
-    assert (status, output) == (2, "") and "folder" in errors
-    assert (tmp_path / "file").read_text() == "in the way"
-
-
 @pytest.mark.parametrize("ending", ["html", "parquet"])
 def test_an_output_that_cannot_be_written_is_a_message(command, tmp_path, ending):
     (tmp_path / f"quadruple-tank.{ending}").mkdir()
@@ -337,3 +323,21 @@ def test_a_real_process_refuses_a_bad_file(tmp_path):
         assert part in done.stderr
     assert "Traceback" not in done.stderr
     assert names(tmp_path) == ["bad.toml"]
+
+
+def test_a_warning_of_a_library_is_said_once_and_in_words(tmp_path):
+    code = (
+        "import clepsydra.cli, warnings\n"
+        "def told():\n"
+        "    for _ in range(3):\n"
+        "        warnings.warn('overflow encountered in multiply', RuntimeWarning)\n"
+        "    warnings.warn('old', FutureWarning)\n"
+        "clepsydra.cli._run = lambda arguments: told()\n"
+        "clepsydra.cli.main()"
+    )
+    said = process(code, folder=tmp_path, PYTHONWARNINGS="")
+    assert said.returncode == 0
+    (line,) = said.stderr.splitlines()
+    assert line.startswith("clepsydra: on the way a number could not be computed (overflow")
+    as_it_is = process(code, folder=tmp_path, PYTHONWARNINGS="default")
+    assert "RuntimeWarning: overflow encountered" in as_it_is.stderr

@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -119,6 +120,56 @@ def test_a_simulation_is_read_back_and_the_fitted_file_used(command, identified,
     assert command("analyse", "fitted.toml", "--json")[0] == 0
 
 
+def test_the_input_of_a_simulation_needs_no_name(identified, run_csv):
+    status, output, _ = identified(RUN, "--measured", "level_2", "--json")
+    found = json.loads(output)
+    assert (status, found["manipulated"], found["measured"]) == (0, "pump_1", "level_2")
+
+
+def test_what_simulate_writes_of_one_tank_needs_no_name_at_all(command, tmp_path):
+    """From a process file by the command line alone: state, sensor, pump and a still inflow."""
+    shutil.copy(Path(__file__).parents[1] / "one-tank.toml", tmp_path)
+    steps = ["1.7 V @ 1 min", "1.4 V @ 5 min", "1.6 V @ 9 min", "1.5 V @ 12 min"]
+    moves = [word for step in steps for word in ("--input", f"pump_1={step}")]
+    assert command("simulate", "one-tank.toml", *moves, "--duration", "15 min",
+                   "--format", "csv")[0] == 0  # fmt: skip
+    status, output, errors = command("identify", "one-tank-simulation.csv", "--json")
+    assert (status, errors) == (0, "")
+    found = json.loads(output)
+    assert (found["manipulated"], found["measured"]) == ("pump_1", "level_1")
+
+
+LABORATORY = {
+    "filling from empty": (["--start", "empty"], {}, "outlet_1.area", 0.071),
+    "draining": (["--input", "pump_1=0V"], {}, "outlet_1.area", 0.071),
+    "at rest": ([], {}, "outlet_1.area", 0.071),
+    "plugged": (["--start", "empty"], {'"0.071 cm^2"': '"0 cm^2"'}, "pump_1.gain", 3.33),
+}
+
+
+@pytest.mark.parametrize("case", LABORATORY)
+def test_records_of_a_laboratory_at_constant_input(case, command, tmp_path):
+    """By the command line alone: simulate, spoil the number in the file, and find it again."""
+    arguments, edits, name, truth = LABORATORY[case]
+    text = (Path(__file__).parents[1] / "one-tank.toml").read_text("utf-8")
+    for old, new in edits.items():
+        text = text.replace(old, new)
+    plant = tmp_path / "tank.toml"
+    plant.write_text(text, "utf-8")
+    status, _, errors = command(
+        "simulate", "tank.toml", *arguments, "--duration", "100 s", "--format", "csv"
+    )
+    assert (status, errors) == (0, "")
+    plant.write_text(text.replace(f'"{truth} cm', f'"{0.8 * truth} cm'), "utf-8")
+    fit = ["--process", "tank.toml", "--parameters", name, "--json"]
+    status, output, errors = command("identify", "one-tank-simulation.csv", *fit)
+    assert (status, errors) == (0, "")
+    (found,) = json.loads(output)["parameters"]
+    per_shown = 1e-4 if name == "outlet_1.area" else 1e-6
+    assert found["value"] == pytest.approx(truth * per_shown, rel=1e-4)
+    assert found["low"] <= found["value"] <= found["high"] < 1.01 * found["low"]
+
+
 def test_one_column_of_a_simulation(identified, run_csv):
     status, output, _ = identified(
         RUN, "--manipulated", "pump_1", "--measured", "level_1", "--json"
@@ -129,7 +180,14 @@ def test_one_column_of_a_simulation(identified, run_csv):
 
 
 BAD = {
-    "many columns": ([RUN], "expected to be told which of them is manipulated"),
+    "many columns": (
+        [RUN],
+        "run.csv: got '12 columns', expected to be told which of them is measured; name it, as in "
+        "--manipulated pump_1 --measured level_1 (measured may be level_1, level_2, level_4).",
+    ),
+    "an unknown output": (
+        [RUN, "--measured", "level_9"], "measured: got 'level_9', expected a column of run.csv",
+    ),
     "no such column": (
         [RUN, "--manipulated", "pmup_1", "--measured", "level_1"], "perhaps 'pump_1' was meant",
     ),
@@ -149,8 +207,9 @@ BAD = {
         [RUN, "--process", "quadruple-tank", "--parameters", "pump_1.gain", "--write", "a.csv"],
         "a file that ends in .toml",
     ),
-    "no file": (["nothing.csv"], "nothing.csv: got 'no such file or directory'"),
-    "no folder": ([RUN, "-o", "nowhere"], "--output: got 'nowhere'"),
+    "no file": (["nothing.csv"], "nothing.csv: got 'no such file'"),
+    "a device": (["/dev/zero"], "/dev/zero: got 'no regular file'"),
+    "a folder": (["."], ".: got 'a folder'"),
 }  # fmt: skip
 
 
@@ -163,6 +222,24 @@ def test_bad_input_is_one_message(case, identified, run_csv, tmp_path):
     assert errors.startswith("clepsydra: ") and errors.count("\n") == 1
     assert expected in errors
     assert sorted(path.name for path in tmp_path.iterdir()) == before
+
+
+def test_a_pipe_is_refused_at_once(identified, tmp_path):
+    """Where it is opened to be read, the program waits for somebody to write."""
+    os.mkfifo(tmp_path / "pipe.csv")
+    status, _, errors = identified("pipe.csv")
+    assert status == 2 and errors.startswith("clepsydra: pipe.csv: got 'no regular file'")
+
+
+def test_a_million_rows_are_refused_with_the_reason(identified, tmp_path):
+    """They would be fitted for many minutes; that they are too many shows before they are read."""
+    (tmp_path / "long.csv").write_bytes(b"time [s],u [V],y [m]\n" + 1_000_000 * b"0,3,1\n")
+    status, _, errors = identified("long.csv")
+    assert status == 2
+    assert (
+        "long.csv: got '1,000,000 rows', expected at most 100,000 rows; keep one row of 10"
+        in errors
+    )
 
 
 def test_a_bad_cell_is_named(identified, tank):

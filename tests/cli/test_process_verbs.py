@@ -92,9 +92,10 @@ def test_draw_writes_where_it_is_told(command, tmp_path):
     assert command("draw", "eight-tanks", "-o", "a.svg")[0] == 0
     assert names(tmp_path) == ["a.svg"]
     refused(command("draw", "eight-tanks", "-o", "a.png"), "--output", "a.png", ".svg")
-    refused(command("draw", "eight-tanks", "-o", "missing/a.svg"), "missing/a.svg")
     refused(command("draw", "eight-tonks"), "eight-tanks")
     assert names(tmp_path) == ["a.svg"]
+    assert command("draw", "eight-tanks", "-o", "new/a.svg")[0] == 0
+    assert names(tmp_path / "new") == ["a.svg"]
 
 
 def test_a_plant_without_rest_is_drawn_and_the_reason_given(command, tmp_path):

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import numpy as np
+from pages import blocks
 
 from clepsydra.controllers.fuzzy import file as fuzzy_file
 from clepsydra.controllers.fuzzy.file import load_fuzzy
@@ -30,8 +31,8 @@ def test_every_key_is_told_and_no_other():
 
 
 def test_the_example_holds_the_level(tmp_path):
-    (text,) = (t for t in re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL) if "[rules]" in t)
-    (tmp_path / "level-rules.toml").write_text(text, encoding="utf-8")
+    (block,) = (b for b in blocks("docs/fuzzy-files.md") if b.file == "level-rules.toml")
+    (tmp_path / block.file).write_text(block.text, encoding="utf-8")
     analysis = analyse(load_process("quadruple-tank"))
     point = analysis.operating_point
     file = load_fuzzy(tmp_path / "level-rules.toml")
@@ -42,13 +43,3 @@ def test_the_example_holds_the_level(tmp_path):
     error = scenario.setpoints[:, 0] - run.true_measurement("level_1")
     assert abs(error[int(step.start)]) > 0.9
     assert np.abs(error[int(step.stop) - 60 : int(step.stop)]).max() < 0.05
-
-
-def test_the_python_of_the_page_runs(tmp_path, monkeypatch):
-    (code,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-    (text,) = (t for t in re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL) if "[rules]" in t)
-    (tmp_path / "level-rules.toml").write_text(text, encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    names = {}
-    exec(code, names)
-    assert names["run"].controller.name == "by rules"

@@ -232,6 +232,17 @@ def test_a_parameter_changed_to_nonsense_and_back(form):
             assert max(following[-32:]) - min(following[-32:]) > 1.0, (name, value)
 
 
+@pytest.mark.parametrize("rate", [-1.0, -1.0000000000000002e300])
+def test_a_ramp_below_zero_leaves_the_setpoint_where_it_is(rate):
+    form = PidForm("PI", setpoint_ramp=True)
+    law = one_loop(form, settings(form, gain=3.0), time_step=STEP)
+    trajectory(law, 20)
+    before = law.state["working_setpoint_1"]
+    law.set(setpoint_ramp_1=rate)
+    law.moved(setpoint_1=REST + 2.0)
+    assert law.state["working_setpoint_1"] == before
+
+
 anything = st.floats()
 scan = st.fixed_dictionaries(
     {

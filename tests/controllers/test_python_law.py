@@ -1,10 +1,10 @@
 """A user's own step law, as its documentation shows it: Python beside expressions, and faults."""
 
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from pages import blocks
 
 import clepsydra as cl
 from clepsydra.base.errors import ClepsydraError, InputError
@@ -17,8 +17,7 @@ from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.scenario import Scenario
 from clepsydra.program.step_law import StepLaw
 
-PAGE = (Path(__file__).parents[2] / "docs" / "own-law.md").read_text(encoding="utf-8")
-SLOW, USE, FAST = re.findall(r"```python\n(.*?)```", PAGE, re.S)
+SLOW, USE, FAST = (block.text for block in blocks("docs/own-law.md", "python"))
 WIRES = {"measurements": ["level_1"], "setpoints": ["level_1"], "manipulated": ["pump_1"]}
 
 

@@ -1,42 +1,18 @@
 """Printed programs made to run, by the package's own proof: C compiled, text interpreted."""
 
-import importlib.util
 import math
-import os
-import shutil
 import struct
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
+from tools import need_compiler, need_grammar
 
 from clepsydra.deploy import compiler
 from clepsydra.deploy.proof import compiled_c, interpreted_text
 from clepsydra.program.program import Program
 
-COMPILER = next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
 STRICT = list(compiler.STRICT)
-
-
-def need_compiler() -> str:
-    return COMPILER or _missing("no C compiler (cc, gcc or clang) is installed")
-
-
-def need_grammar() -> None:
-    if importlib.util.find_spec("tree_sitter_iec61131_3_st") is None:
-        _missing("the package tree-sitter-iec61131-3-st is not installed")
-
-
-def need_importer() -> None:
-    if importlib.util.find_spec("fmpy") is None:
-        _missing("the package FMPy is not installed")
-
-
-def _missing(reason: str):
-    if os.environ.get("CLEPSYDRA_REQUIRE_TOOLS") == "1":
-        pytest.fail(reason)
-    pytest.skip(reason)
 
 
 def bits(value: float) -> int:

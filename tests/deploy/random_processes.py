@@ -21,7 +21,7 @@ VESSELS = (
     'shape = "cone"\nrim_diameter = "40 cm"\nheight = "60 cm"',
     'shape = "cone"\nfloor_diameter = "40 cm"\nrim_diameter = "20 cm"\nheight = "60 cm"',
     'shape = "sphere"\ndiameter = "50 cm"\nheight = "40 cm"',
-    'shape = "horizontal cylinder"\ndiameter = "40 cm"\nlength = "1 m"',
+    'shape = "horizontal cylinder"\ndiameter = "40 cm"\nlength = "1 m"\nwhen_full = "run ends"',
 )
 HEIGHTS = (0.50, 0.40, 0.45, 0.60, 0.60, 0.40, 0.40)
 SIGNALS = ('["0 V", "10 V"]', '["4 mA", "20 mA"]', '["0 %", "100 %"]', '["0 Hz", "50 Hz"]')
@@ -112,8 +112,10 @@ class _Plant:
         for tank in self.tanks:
             vessel = draw(st.integers(0, len(VESSELS) - 1))
             self.heights[tank] = HEIGHTS[vessel]
-            keys = self.maybe('weir = "15 cm"'), self.maybe('evaporation = "2 mm/h"')
-            self.table("tanks", tank, VESSELS[vessel], *keys)
+            # A full tank spills over its weir: beside one, the file may not say when_full.
+            weir = "" if "when_full" in VESSELS[vessel] else self.maybe('weir = "15 cm"')
+            evaporation = self.maybe('evaporation = "2 mm/h"')
+            self.table("tanks", tank, VESSELS[vessel], weir, evaporation)
         self._feed()
         for place, tank in enumerate(self.tanks):
             for _ in range(draw(st.sampled_from([1, 1, 2]))):

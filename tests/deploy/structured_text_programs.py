@@ -1,22 +1,8 @@
 """Programs that the tests of Structured Text and of PLCopen XML print."""
 
-import importlib.util
-import os
-
-import pytest
-
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Loop, Operation, Program
-
-
-def need(package: str) -> None:
-    """Skip a test without a package, or fail where the tools are to be there."""
-    if importlib.util.find_spec(package) is None:
-        reason = f"the package {package} is not installed"
-        if os.environ.get("CLEPSYDRA_REQUIRE_TOOLS") == "1":
-            pytest.fail(reason)
-        pytest.skip(reason)
 
 
 def every_kind() -> Program:

@@ -1,17 +1,19 @@
 """Printed C by compilers at their strictest, as C++, under sanitizers, and by zig."""
 
-import importlib.util
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from deployed import CompiledC, all_bits, need_compiler
+from deployed import CompiledC, all_bits
+from driven_c import built, written
+from driven_c import run as run_driver
 from families import PROCESSES, bare, family
+from tools import need, need_compiler
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.c99.printer import CSource, print_c
+from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.compiler import Compiler
 from clepsydra.deploy.proof.compiled_c import CompiledC as Compiled
 from clepsydra.deploy.proof.scans import random_scans
@@ -33,14 +35,6 @@ NAMES = [
 ]
 
 pytestmark = pytest.mark.thorough
-
-
-def written(printed: CSource, folder: Path) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / printed.header_name).write_text(printed.header, encoding="utf-8")
-    source = folder / printed.source_name
-    source.write_text(printed.source, encoding="utf-8")
-    return source
 
 
 def run(command: list[str]) -> subprocess.CompletedProcess:
@@ -103,29 +97,6 @@ def test_a_compiler_with_other_numbers_is_stopped(precision, macro, tmp_path):
     assert "another number than that of IEEE 754" in done.stderr
 
 
-DRIVER = """\
-#include "{name}.h"
-#include <stdio.h>
-static double rows[{scans}][{columns}];
-int main(void)
-{{
-  static {name}_parameters parameters;
-  static {name}_state state;
-  static {name}_inputs inputs;
-  static {name}_outputs outputs;
-  if (fread(rows, sizeof rows, 1, stdin) != 1) return 1;
-  {name}_default_parameters(&parameters);
-  {name}_initialise(&state);
-  for (int k = 0; k < {scans}; ++k) {{
-    double found[{results}];
-{given}
-    {name}_step(&parameters, &state, &inputs, &outputs);
-{taken}
-    fwrite(found, sizeof found, 1, stdout);
-  }}
-  return 0;
-}}
-"""
 SANITIZED = [
     "-std=c99", "-O1", "-g", "-ffp-contract=off", "-fsanitize=address,undefined",
     "-fsanitize=float-cast-overflow", "-fno-sanitize-recover=all",
@@ -148,42 +119,20 @@ def test_nothing_is_undefined_whatever_comes_in(name, precision, tmp_path):
     program, scans = ready.program, 1000
     inputs = random_scans(program, scans, 4, ready.process.sampling_period)
     inputs = {signal.name: inputs[signal.name] for signal in program.inputs}
-    source = written(print_c(program, precision=precision), tmp_path)
-    driver = tmp_path / "driver.c"
-    kinds = {"real": "float" if precision == "single" else "double",
-             "integer": "int32_t", "boolean": "bool"}  # fmt: skip
-    driver.write_text(
-        DRIVER.format(
-            name=program.name, scans=scans, columns=len(inputs), results=len(program.outputs),
-            given="\n".join(
-                f"    inputs.{s.identifier} = ({kinds[s.kind]})rows[k][{place}];"
-                for place, s in enumerate(program.inputs)
-            ),
-            taken="\n".join(
-                f"    found[{place}] = (double)outputs.{s.identifier};"
-                for place, s in enumerate(program.outputs)
-            ),
-        )
-    )  # fmt: skip
-    executable = tmp_path / "driver"
-    command = [need_compiler(), *SANITIZED, "-o", str(executable), str(driver), str(source), "-lm"]
-    done = run(command)
-    assert done.returncode == 0, done.stderr
-    rows = np.column_stack(list(inputs.values()))
     if precision == "single":  # no overflow in the driver's own conversion
         with np.errstate(over="ignore"):
-            rows = rows.astype(np.float32).astype(float)
-    ran = subprocess.run([str(executable)], input=rows.tobytes(), capture_output=True)
-    assert ran.returncode == 0, ran.stderr.decode()
-    found = np.frombuffer(ran.stdout).reshape(scans, -1)
+            inputs = {name: row.astype(np.float32).astype(float) for name, row in inputs.items()}
+    printed = print_c(program, precision=precision)
+    driver = built([need_compiler(), *SANITIZED], program, printed, tmp_path)
+    found = run_driver([str(driver)], program, inputs)
     expected = CompiledC(program, tmp_path / "plain", precision).run(inputs)
-    np.testing.assert_array_equal(all_bits(found), all_bits(expected[:, : found.shape[1]]))
+    np.testing.assert_array_equal(all_bits(found), all_bits(expected))
 
 
-@pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed")
 @pytest.mark.parametrize("precision", PRECISIONS)
 def test_another_compiler_makes_the_same_bits(precision, tmp_path):
     """The C of the package ziglang, which is clang, with all its warnings."""
+    need("ziglang")
     program = bare("PID, phase margin")
     zig = Compiler((sys.executable, "-m", "ziglang", "cc"), "zig", tuple(STRICT))
     inputs = random_scans(program, 500, 8, 1.0)

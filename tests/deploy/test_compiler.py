@@ -5,7 +5,7 @@ import importlib.util
 import shutil
 
 import pytest
-from deployed import need_compiler
+from tools import need, need_compiler
 
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.compiler import CompilationError, find_compiler, library_name
@@ -38,8 +38,7 @@ def test_a_missing_compiler_is_told_with_the_remedy(monkeypatch):
 
 
 def test_the_package_ziglang_serves_where_no_compiler_is(monkeypatch, tmp_path):
-    if importlib.util.find_spec("ziglang") is None:
-        pytest.skip("the package ziglang is not installed")
+    need("ziglang")
     monkeypatch.setattr(shutil, "which", lambda name: None)
     compiler = find_compiler("proof")
     assert compiler.version.startswith("zig cc, clang version")

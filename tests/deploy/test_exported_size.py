@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from deployed import need_compiler
+from tools import need_compiler
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 

@@ -1,14 +1,24 @@
 import math
+from collections.abc import Callable
+from itertools import product
 
 import numpy as np
 import pytest
-from deployed import bits, need_grammar
+from deployed import bits
 from hypothesis import given
 from hypothesis import strategies as st
+from tools import need_grammar
 
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.c99.notation import notation_of as c_notation_of
-from clepsydra.deploy.printing.expressions import Expression, decimal, flag, render, variable
+from clepsydra.deploy.printing.expressions import (
+    Expression,
+    decimal,
+    flag,
+    render,
+    simplified,
+    variable,
+)
 from clepsydra.deploy.structured_text.dialect import dialect_of
 from clepsydra.deploy.structured_text.notation import notation_of
 
@@ -118,3 +128,46 @@ def test_the_parsed_text_computes_the_bits_of_the_tree(tree):
         f"VAR_OUTPUT y : LREAL; END_VAR y := {render(tree, TEXT)}; END_FUNCTION_BLOCK"
     )
     assert bits(block(**VALUES)["y"]) == bits(computed(tree))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 9))
+def test_a_simplified_condition_is_true_where_it_was_before(seed, size):
+    """Over random conditions and all values of their flags; no NOT of a bracketed AND or OR."""
+    draw = np.random.default_rng(seed)
+    names = "pqr"
+
+    def condition(parts: int) -> tuple[Expression, Callable[[dict[str, bool]], bool]]:
+        if parts == 1:
+            name = names[draw.integers(3)]
+            return flag(name), lambda values: values[name]
+        code = ("and", "or", "not")[draw.integers(3)]
+        if code == "not":
+            inner, meant = condition(parts - 1)
+            return simplified(Expression("not", (inner,))), lambda values: not meant(values)
+        cut = int(draw.integers(1, parts))
+        (left, first), (right, second) = condition(cut), condition(parts - cut)
+        join = all if code == "and" else any
+        whole = simplified(Expression(code, (left, right)))
+        return whole, lambda values: join([first(values), second(values)])
+
+    found, meant = condition(size)
+    text = render(found, TEXT)
+    assert "NOT (" not in text and "NOT NOT" not in text
+    for values in product([False, True], repeat=3):
+        given_flags = dict(zip(names, values, strict=True))
+        assert eval(text.lower(), {}, given_flags) == meant(given_flags), text
+
+
+def test_a_part_of_a_condition_that_is_said_twice_is_written_once():
+    for repeated in (
+        two("and", P, P),
+        two("and", two("and", P, Q), P),
+        two("and", P, two("and", P, Q)),
+    ):
+        text = render(simplified(repeated), TEXT)
+        assert text in ("p", "p AND q")
+    differ = (
+        two("less", A, Expression("constant")),
+        two("less", A, Expression("constant", number=-0.0)),
+    )
+    assert render(simplified(two("and", *differ)), C) == "(a < 0.0) && (a < -0.0)"

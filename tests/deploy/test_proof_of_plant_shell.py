@@ -110,6 +110,15 @@ def test_engine_c_and_structured_text_are_equal_in_every_bit(name, process, tmp_
             assert len(np.unique(engine[:, column])) > 100, signal.name
 
 
+def in_operation(program, samples):
+    """Inputs in automatic with good sensors."""
+    inputs = {signal.name: np.full(samples, signal.initial) for signal in program.inputs}
+    for name, values in inputs.items():
+        if name.startswith(("mode_", "sensor_")) or name == "time_step":
+            values[:] = 1.0
+    return inputs
+
+
 @pytest.mark.parametrize(("faulty", "fails"), [(39, False), (41, True)])
 def test_a_fault_of_3_9_s_rides_through_and_one_of_4_1_s_fails_safe(faulty, fails, tmp_path):
     """Scans of 0.1 s, in the engine, in C and in Structured Text."""
@@ -121,7 +130,7 @@ def test_a_fault_of_3_9_s_rides_through_and_one_of_4_1_s_fails_safe(faulty, fail
     before, after = 20, 30
     samples = before + faulty + after
     at = analysis.operating_point.as_dict()
-    inputs = {signal.name: np.full(samples, signal.initial) for signal in program.inputs}
+    inputs = in_operation(program, samples)
     for k, name in enumerate(controller.measurements, start=1):
         inputs[f"measurement_{k}"][:] = at[name]
     for j, name in enumerate(controller.setpoints, start=1):
@@ -160,7 +169,7 @@ def test_buttons_that_are_held_do_not_keep_a_dead_sensor_from_failing_safe(start
     controller = design_simc(analysis.model, analysis.pairing)
     program = with_plant_shell(controller, 1.0, settings).program()
     at, samples, before = analysis.operating_point.as_dict(), 30, 10
-    inputs = {signal.name: np.full(samples, signal.initial) for signal in program.inputs}
+    inputs = in_operation(program, samples)
     for k, name in enumerate(controller.measurements, start=1):
         inputs[f"measurement_{k}"][:] = inputs[f"setpoint_{k}"][:] = at[name]
     inputs["start"][1:], inputs["acknowledge"][1:] = start, 1.0

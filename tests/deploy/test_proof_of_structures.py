@@ -8,8 +8,9 @@ import subprocess
 
 import numpy as np
 import pytest
-from deployed import all_bits, need_compiler, run_both
+from deployed import all_bits, run_both
 from test_proof import simulated, spoilt
+from tools import need_compiler
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law

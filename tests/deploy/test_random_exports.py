@@ -12,12 +12,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from deployed import need_compiler, need_grammar, need_importer
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from random_controllers import CONTROLLERS
 from random_processes import ProcessFile, processes
 from random_programs import EVERYTHING, Written, codes_of, library_programs, odd_scans, programs
+from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal

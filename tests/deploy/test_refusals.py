@@ -5,7 +5,8 @@ import subprocess
 
 import numpy as np
 import pytest
-from deployed import need_compiler, need_grammar, run_both
+from deployed import run_both
+from tools import need_compiler, need_grammar
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal

@@ -10,9 +10,10 @@ import re
 import numpy as np
 import pytest
 from matiec import HEAD, CompiledByMatiec, Matiec
-from structured_text_programs import every_kind, flow_of_pipe, need, pipe
+from structured_text_programs import every_kind, flow_of_pipe, pipe
 from test_operations import NASTY, NUMBERS, TRUTHS, every_operation, program_of_block
 from test_proof_of_structures import FORMS, program_under_test
+from tools import need
 
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.deploy.process_program import process_program

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from structured_text_programs import every_kind, flow_of_pipe, need, pipe
+from structured_text_programs import every_kind, flow_of_pipe, pipe
+from tools import need
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
@@ -58,7 +59,7 @@ END_VAR
 VAR RETAIN
   (* state *)
   count : DINT := -2; (* [1]; scans so far; found by hand *)
-  late : ARRAY[0..2] OF LREAL := [3(0.25)]; (* [m]; delayed by 3 samples; at rest *)
+  late : ARRAY[0..2] OF LREAL := [0.25, 0.25, 0.25]; (* [m]; delayed by 3 samples; at rest *)
   late_position : DINT := 0; (* [1] place of the oldest value *)
 END_VAR
 VAR CONSTANT

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from structured_text_programs import need
+from tools import need
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
@@ -201,14 +201,18 @@ def test_the_wiring_of_the_page_runs():
     """The program of docs/plc.md moves the pump, fails safe and follows local control."""
     need("tree_sitter_iec61131_3_st")
     page = PAGE.read_text(encoding="utf-8")
-    wiring = page.split("```iecst\n")[1].split("```")[0]
+    wiring = page.split("\n```iecst\n")[1].split("```")[0]
     block = exported().partition("FUNCTION_BLOCK quadruple_tank\n")[0].rpartition("(*")[0]
     # The grammar takes inputs in the call only; CODESYS and TwinCAT take assignments as well.
     assigned = re.findall(r"^ *control\.(\w+) := (.*);$", wiring, re.MULTILINE)
     names = list(dict.fromkeys(name for name, _ in assigned))
     declared = "".join(f"  {name}_in : {KINDS.get(name.rpartition('_')[0] or name, 'LREAL')};\n"
                        for name in names)  # fmt: skip
-    text = wiring.replace("END_VAR", f"{declared}END_VAR", 1)
+    # The clock of the PLC, in ms.
+    wiring = (
+        wiring.replace("TIME()", "now").replace("TIME_TO_LREAL", "").replace(": TIME;", ": LREAL;")
+    )
+    text = wiring.replace("END_VAR", f"  now : LREAL := 5000.0;\n{declared}END_VAR", 1)
     text = re.sub(r"^( *)control\.(\w+) :=", r"\1\2_in :=", text, flags=re.MULTILINE)
     call = ", ".join(f"{name} := {name}_in" for name in names)
     program = StructuredText(block + text.replace("control();", f"control({call});")).instance(
@@ -219,10 +223,28 @@ def test_the_wiring_of_the_page_runs():
         program.state.update(given)
         for _ in range(scans):
             program.run()
+            steps.append(float(program.state["time_step_in"]))
+            program.state["now"] += 1003.0
         return float(program.state["pump_1"])
+
+    steps: list[float] = []
 
     assert run(raw_level_1=round(0.6 * 27648), operator_manual_1=4.0) == 4.0
     assert program.state["raw_pump_1"] == round(0.4 * 27648)
     assert 4.0 < run(operator_mode_1=1, operator_setpoint_1=7.0) < 10.0
     assert run(local_control_1=True, position_1=5.5) == 5.5
     assert run(5, local_control_1=False, raw_level_1=-4864) == 0.0
+    assert steps == [1.0] + 7 * [1.003]
+
+
+def test_an_unwired_block_shows_what_the_page_says():
+    need("tree_sitter_iec61131_3_st")
+    page = " ".join(PAGE.read_text(encoding="utf-8").split())
+    first, later = re.search(r"every status is (\d+) .*? after four seconds (\d+)", page).groups()
+    block = exported().partition("FUNCTION_BLOCK quadruple_tank\n")[0].rpartition("(*")[0]
+    instance = StructuredText(block).instance("quadruple_tank_pi_simc")
+    for scan in range(10):
+        instance.run()
+        for number in (1, 2):
+            assert instance.state[f"status_{number}"] == int(first if scan < 4 else later)
+            assert instance.state[f"manipulated_{number}"] == 0.0

@@ -12,6 +12,21 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 
+
+@pytest.fixture(scope="module", autouse=True)
+def what_the_methods_find():
+    """Hold methods against their equations to the last digit, before their numbers are rounded.
+
+    `test_designed_values.py` tests the rounding. A folder without `__init__.py` is no package for
+    pytest: with that scope, every later test of the same worker would see unrounded numbers.
+    """
+    with pytest.MonkeyPatch.context() as patched:
+        module = "clepsydra.design.designed_values"
+        patched.setattr(f"{module}.rounded", lambda value, digits, size=0.0: value)
+        patched.setattr(f"{module}.rounded_matrix", lambda matrix, digits, sizes: matrix)
+        yield
+
+
 AREAS = np.array([28e-4, 32e-4, 28e-4, 32e-4])
 OUTLETS = np.array([0.071e-4, 0.057e-4, 0.071e-4, 0.057e-4])
 GRAVITY, SENSOR = 9.81, 50.0

@@ -80,8 +80,8 @@ def test_cross_paired_loops_are_slowed_to_a_sensitivity_of_two(
     model = sampled_at(nonminimum_phase.model, period)
     controller = design(model, CROSS)
     assert controller.manipulated == ("pump_2", "pump_1")
-    # The search ends 1e-7 below the limit; the sweep can miss the top by its square root.
-    assert sampled_peak(model, CROSS, controller, period) == pytest.approx(2.0, abs=1e-5)
+    # The search ends a share of 1e-5 below the limit, where rounding a gain moves the peak less.
+    assert sampled_peak(model, CROSS, controller, period) == pytest.approx(2.0, abs=3e-5)
     assert "sensitivity peak of all loops together 2.00" in controller.design
     assert any("slowed down" in note or "lengthened" in note for note in controller.notes)
 
@@ -279,7 +279,7 @@ def test_detuning_stops_where_the_peak_is_just_allowed():
         "test",
     )
     assert found.peak <= 2.0
-    assert found.factor == pytest.approx(3.0, rel=1e-7)
+    assert found.factor == pytest.approx(3.0, rel=1e-5)
     assert found.settings == slowed_down([PidSettings(9.0, 60.0)], found.factor)
 
 
@@ -302,7 +302,7 @@ def test_detuning_crosses_the_limit_of_stability(edge):
         return
     found = detune(settings_at, peak, "test")
     assert found.peak <= 2.0
-    assert found.factor == pytest.approx(2 * edge, rel=1e-6)
+    assert found.factor == pytest.approx(2 * edge, rel=1e-5)
     # Four steps an octave, then few: a design is quick.
     assert len(tried) < 4 * math.log2(2 * edge) + 15
 

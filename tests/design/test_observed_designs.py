@@ -313,7 +313,7 @@ def test_each_number_on_its_way_is_what_it_is_called():
             pump.append(u[0])
         for place, (name, age) in enumerate(ages):
             if name == "tank_1.level":
-                assert state[place] == pytest.approx(tank[-1 - round(age)], abs=1e-12)
+                assert state[place] == pytest.approx(tank[-1 - round(age)], rel=1e-9)
             elif name == "feed":
                 assert state[place] == pytest.approx(pump[-round(age)], abs=1e-12)
 

@@ -119,16 +119,18 @@ def test_load_gives_back_what_was_stored_and_nothing_else(folder):
 
 
 @posix
-@pytest.mark.parametrize("mask", [0o000, 0o022])
-def test_the_folder_is_made_for_its_owner_alone(folder, mask):
+@pytest.mark.parametrize("mask", [0o000, 0o022, 0o277, 0o777])
+def test_the_folders_are_made_for_their_owner_alone(folder, mask):
     before = os.umask(mask)
     try:
         ObjectCache(folder).store("key", b"body")
     finally:
         os.umask(before)
-    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    for made in (folder, folder.parent):
+        assert stat.S_IMODE(made.stat().st_mode) == 0o700
     (file,) = files(folder)
-    assert not stat.S_IMODE(file.stat().st_mode) & (stat.S_IWGRP | stat.S_IWOTH)
+    assert stat.S_IMODE(file.stat().st_mode) == 0o600
+    assert ObjectCache(folder).load("key") == b"body"
 
 
 @posix
@@ -152,6 +154,106 @@ def test_a_folder_of_somebody_else_is_not_used(folder):
     compiled(folder)
     os.chown(folder, 12345, -1)
     assert compiled(folder)[0] is False
+
+
+def the_object(folder: Path) -> Path:
+    """Return the file of an object that is stored under "key"."""
+    ObjectCache(folder).store("key", b"body")
+    (file,) = files(folder)
+    return file
+
+
+@posix
+@pytest.mark.parametrize("mode", [0o620, 0o602, 0o666, 0o640])
+def test_a_file_that_is_open_to_others_is_not_loaded(folder, mode):
+    file = the_object(folder)
+    file.chmod(mode)
+    assert ObjectCache(folder).load("key") is None
+    file.chmod(0o600)
+    assert ObjectCache(folder).load("key") == b"body"
+
+
+@pytest.mark.skipif(
+    os.name != "posix" or os.geteuid() != 0, reason="only root can give a file away"
+)
+def test_a_file_of_somebody_else_is_not_loaded(folder):
+    os.chown(the_object(folder), 12345, -1)
+    assert ObjectCache(folder).load("key") is None
+
+
+@posix
+def test_a_link_to_an_object_is_not_followed(folder, tmp_path):
+    file = the_object(folder)
+    elsewhere = file.rename(tmp_path / "elsewhere.o")
+    file.symlink_to(elsewhere)
+    assert ObjectCache(folder).load("key") is None
+
+
+@posix
+def test_a_fifo_neither_waits_nor_loads(folder):
+    file = the_object(folder)
+    file.unlink()
+    os.mkfifo(file, 0o600)
+    assert ObjectCache(folder).load("key") is None
+
+
+def test_a_folder_in_place_of_an_object_is_not_loaded(folder):
+    file = the_object(folder)
+    file.unlink()
+    file.mkdir(mode=0o700)
+    assert ObjectCache(folder).load("key") is None
+
+
+def test_the_object_of_another_key_in_its_place_is_not_loaded(folder):
+    file = the_object(folder)
+    ObjectCache(folder).store("other key", b"other body")
+    (other,) = set(files(folder)) - {file}
+    other.replace(file)
+    assert ObjectCache(folder).load("key") is None
+
+
+@posix
+def test_a_folder_that_is_swapped_after_the_check_gives_none_of_its_own(folder, monkeypatch):
+    """What is checked is what is read: the folder is asked by the descriptor that reads it."""
+    the_object(folder)
+    planted = folder.with_name("planted")
+    ObjectCache(planted).store("key", b"planted body")
+    asked = os.fstat
+    swapped = []
+
+    def swap_after_the_check(descriptor: int) -> os.stat_result:
+        status = asked(descriptor)
+        if not swapped:
+            swapped.append(folder.rename(folder.with_name("checked")))
+            planted.rename(folder)
+        return status
+
+    monkeypatch.setattr(os, "fstat", swap_after_the_check)
+    assert ObjectCache(folder).load("key") == b"body"
+    assert swapped
+
+
+def test_what_a_killed_process_left_half_written_is_removed(folder):
+    the_object(folder)
+    for name, time in (("old.part", 0.0), ("fresh.part", None)):
+        (folder / name).write_bytes(b"half")
+        if time is not None:
+            os.utime(folder / name, (time, time))
+    ObjectCache(folder).store("key", b"body")
+    assert [file.name for file in files(folder) if file.suffix == ".part"] == ["fresh.part"]
+
+
+@posix
+def test_a_user_without_a_home_keeps_nothing(monkeypatch):
+    def no_home() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.delenv("CLEPSYDRA_CACHE", raising=False)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", no_home)
+    cache = default_cache()
+    cache.store("key", b"body")
+    assert cache.load("key") is None
 
 
 @posix

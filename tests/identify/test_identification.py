@@ -128,14 +128,38 @@ def test_coloured_noise_is_said_and_widens():
     assert arx.tests.white or "biases" in arx.remarks[0]
 
 
-def test_noise_alone_is_not_modelled():
-    """Of twenty records without any effect of the input none gets a model."""
-    for seed in range(20):
+def noise_alone(seeds):
+    for seed in seeds:
         level = np.random.default_rng(seed).normal(0.12, 0.01, 300)
         values = {"pump": input_of(), "level": level}
         found = identify_model(Record("noise.csv", (PUMP, LEVEL), values, PERIOD))
         assert found.verdict.startswith("Use none of these models")
         assert found.for_control is None
+
+
+def test_noise_alone_is_not_modelled():
+    noise_alone(range(2))
+
+
+@pytest.mark.thorough
+def test_of_twenty_records_of_noise_none_gets_a_model():
+    noise_alone(range(2, 22))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("colour", [0.0, 0.8, 1.0], ids=["white", "coloured", "wandering"])
+def test_chance_is_seldom_taken_for_an_effect(colour):
+    """A ramp with noise, or a level that wanders, beside a pump that has nothing to do with it."""
+    taken = 0
+    for seed in range(60):
+        white = np.random.default_rng(seed).normal(0.0, 0.001, 180)
+        level = 0.12 + 1e-4 * np.arange(180.0) + lfilter([1.0], [1.0, -colour], white)
+        u = 3.0 + np.repeat(np.random.default_rng(seed + 1000).choice([-1.0, 1.0], 12), 15)
+        found = identify_model(Record("a.csv", (PUMP, LEVEL), {"pump": u, "level": level}, PERIOD))
+        taken += found.best.doubt is None
+    # Binomial 99.9 % bounds of 1 %, and of one in six: a level that wanders follows any input for
+    # a while, and nothing tells.
+    assert taken <= (4 if colour < 1.0 else 20), taken
 
 
 def test_a_reverse_acting_process_gets_a_negative_gain():
@@ -176,7 +200,6 @@ REFUSED = {
     "constant output": ({"level": np.full(300, 0.1)}, {}, "column 'level'.*a signal that moves"),
     "unknown": ({}, {"manipulated": "pmup", "measured": "level"}, "perhaps 'pump' was meant"),
     "same": ({}, {"manipulated": "pump", "measured": "pump"}, "another column than"),
-    "half": ({}, {"manipulated": "pump"}, "told which of them is measured"),
 }
 
 
@@ -195,9 +218,106 @@ def test_an_input_that_moves_only_when_nobody_fits_is_refused():
         identify_model(record(FOPDT, 0.04, [25.0], 5.3, u=u))
 
 
-def test_an_integrating_arx_has_no_gain_to_tell():
-    """A level that rises by itself, whatever the pump did once."""
-    ramp = Record(
-        "tank.csv", (PUMP, LEVEL), {"pump": np.eye(60)[10], "level": np.arange(60.0)}, PERIOD
+def by_itself(level, *, u=None, noise=0.0, seed=1):
+    """Return a record of a level that moves whatever the pump does."""
+    level = level + np.random.default_rng(seed).normal(0.0, noise, len(level))
+    u = input_of(len(level)) if u is None else u
+    return Record("tank.csv", (PUMP, LEVEL), {"pump": u, "level": level}, PERIOD)
+
+
+TIME = np.arange(120.0)
+BY_ITSELF = {
+    "ramp": by_itself(TIME[:60], u=np.eye(60)[10]),
+    "ramp from elsewhere": by_itself(0.1 * TIME[:60] + 3.0, u=np.eye(60)[10]),
+    "slow ramp": by_itself(0.12 + 1e-5 * TIME),
+    "ramp with noise": by_itself(0.12 + 1e-3 * TIME, noise=0.0005),
+    "ramp with more noise": by_itself(0.12 + 1e-3 * TIME, noise=0.005, seed=4),
+    "drains": by_itself(0.5 * np.exp(-TIME / 40.0), noise=0.0005),
+}
+
+
+@pytest.mark.parametrize("case", BY_ITSELF)
+def test_a_level_that_moves_by_itself_tells_nothing_of_the_pump(case):
+    """On some processors: IPDT, slope 1.49e-13, pump that holds level -3.37e+14 V."""
+    found = identify_model(BY_ITSELF[case])
+    assert found.verdict.startswith(
+        "Use none of these models: the record does not tell what pump does to level"
     )
-    assert identify_model(ramp).verdict.startswith("Use ARX. It explains 100.0 %")
+    assert found.for_control is None and found.as_dict()["use"] is None
+    assert found.control_words == "No control settings follow from these models."
+    assert all(model.doubt for model in found.models)
+
+
+def test_a_ramp_that_the_pump_bends_tells_what_the_pump_does():
+    ramp = record(IPDT, 0.0005, [], 5.3)
+    level = ramp.values["level"] + 0.001 * np.arange(300.0)
+    found = identify_model(replace(ramp, values={**ramp.values, "level": level}))
+    slope, _, balance = found.best.estimates
+    assert found.best.name == "IPDT" and slope.low < 0.0005 < slope.high
+    # 1 mm in 2 s by itself; the pump takes it out at 0.5 mm/(s V): 1 V less.
+    assert balance.low < 2.0 < balance.high
+
+
+def test_what_outweighs_the_pump_ten_times_leaves_no_model():
+    """The pump would have to stand at −97 V: its effect is told, but it controls nothing."""
+    ramp = record(IPDT, 0.0005, [], 5.3)
+    level = ramp.values["level"] + 0.1 * np.arange(300.0)
+    found = identify_model(replace(ramp, values={**ramp.values, "level": level}))
+    assert found.verdict.endswith(
+        "something else is more than ten times as strong as all that the input did."
+    )
+    assert found.for_control is None
+
+
+def test_a_simpler_model_whose_residuals_fail_is_not_the_verdict():
+    """FOPDT is within a point of the fit, and its residuals show the second lag."""
+    found = identify_model(record(SOPDT, 0.04, [40.0, 2.0], 5.3, noise=0.0003))
+    models = {model.name: model for model in found.models}
+    fopdt, sopdt = models["FOPDT"], models["SOPDT"]
+    assert sopdt.validated - fopdt.validated < 1.0
+    assert not (fopdt.tests.white and fopdt.tests.independent)
+    assert sopdt.tests.white and sopdt.tests.independent
+    assert found.best is sopdt
+
+
+def test_of_models_whose_residuals_pass_the_simplest_comes_first():
+    both = 0
+    for seed in range(3):
+        found = identify_model(record(FOPDT, 0.04, [25.0], 5.3, seed=seed))
+        passing = {m.name for m in found.models if m.tests.white and m.tests.independent}
+        both += passing >= {"FOPDT", "SOPDT"}
+        assert found.best.name == "FOPDT"
+    assert both
+
+
+def test_a_wrong_sign_and_the_worst_fit_come_last():
+    """A step that is soon over: an integrator explains the rest that follows by a falling level."""
+    u = input_of()
+    u[:15], u[15:] = 3.0, 3.5
+    found = identify_model(record(FOPDT, 0.04, [25.0], 5.3, u=u, noise=0.0001))
+    models = {model.name: model for model in found.models}
+    assert models["IPDT"].estimates[0].high < 0.0 < models["FOPDT"].estimates[0].low
+    assert models["IPDT"].is_told
+    assert [model.name for model in found.models[:2]] == ["FOPDT", "SOPDT"]
+    assert not models["SOPDT"].is_told
+
+
+def test_what_fails_the_residual_tests_says_so_in_the_verdict():
+    """Outflow by the root of the level is no linear lag, and without noise that shows."""
+    steps = ["3.4 V @ 60 s", "2.8 V @ 400 s", "3.2 V @ 700 s"]
+    run = simulate("quadruple-tank", {"pump_1": steps}, duration="16 min")
+    found = identify_model(record_of(run), "pump_1", "level_1")
+    assert found.best.name == "FOPDT" and not found.best.tests.independent
+    assert "Its residuals are still correlated with the input" in found.verdict
+    assert "Take them with care: its residuals are still correlated" in found.control_words
+
+
+def test_a_second_lag_without_a_trace_is_not_the_verdict():
+    """Its residuals pass at p 0.16, those of the single lag fail at 0.006: that is chance."""
+    run = simulate(
+        "quadruple-tank",
+        {"pump_1": ["3.4 V @ 60 s", "2.8 V @ 400 s", "3.2 V @ 700 s"], "pump_2": "3.3 V @ 250 s"},
+        duration="16 min",
+    )
+    found = identify_model(record_of(run, {"level_1": 0.01}), "pump_1", "level_1")
+    assert found.best.name != "SOPDT" and found.for_control.name == "FOPDT"

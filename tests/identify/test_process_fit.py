@@ -156,7 +156,7 @@ REFUSED = {
     "none": ([], {}, "parameters: got 'none', expected parameters of quadruple-tank"),
     "unknown": (["outlet_9.area"], {}, "perhaps 'outlet_"),
     "twice": (["pump_1.gain", "pump_1.gain"], {}, "each parameter once"),
-    "no input": (["pump_1.gain"], ("level_1",), "an input of quadruple-tank that moves"),
+    "no input": (["pump_1.gain"], ("level_1",), "an input of quadruple-tank, which may stand"),
     "no output": (["pump_1.gain"], ("pump_1",), "a measurement of quadruple-tank"),
 }
 

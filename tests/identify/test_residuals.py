@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_toeplitz, toeplitz
 from scipy.signal import lfilter
-from scipy.stats import linregress
+from scipy.stats import f, linregress
 
 from clepsydra.base.errors import InputError
 from clepsydra.identify.noise_model import NoiseModel, noise_model
@@ -81,6 +81,73 @@ def test_the_tests_tell_slow_noise_from_missing_dynamics():
     assert not short.independent and "the process does more" in short.words
     good = residual_tests(white, SHAPE, u)
     assert good.white and good.independent and good.noise is None
+
+
+SMOOTH = np.cos(np.pi * np.outer(np.arange(80.0) + 0.5, np.arange(9.0)) / 80.0)
+
+
+def left_by_fit(values):
+    """Return what a fit of nine cosines leaves of values [80]."""
+    return values - SMOOTH @ np.linalg.lstsq(SMOOTH, values, rcond=None)[0]
+
+
+def written_out(residuals, jacobian, moved):
+    """Return the probability of the F test of two nested regressions, by their sums of squares."""
+    lags = np.unique(np.rint(np.geomspace(1, len(residuals) // 8, 6)).astype(int))
+    late = np.stack([np.concatenate([np.zeros(k), moved[:-k]]) for k in lags], axis=1)
+    return nested(residuals, jacobian, late)
+
+
+def nested(residuals, jacobian, late):
+    both = np.concatenate([jacobian, late], axis=1)
+    left = [np.linalg.lstsq(each, residuals, rcond=None)[1][0] for each in (jacobian, both)]
+    further, freedom = late.shape[1], len(residuals) - both.shape[1]
+    return f.sf((left[0] - left[1]) / further / (left[1] / freedom), further, freedom)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_independence_is_the_f_test_of_two_nested_regressions(seed):
+    generator = np.random.default_rng(seed)
+    u = 3.0 + np.repeat(generator.choice([-1.0, 1.0], 16), 5)
+    residuals = left_by_fit(generator.normal(0.0, 1.0, 80) + 0.3 * np.roll(u, 2))
+    found = residual_tests(residuals, SMOOTH, u[:, None])
+    assert found.white
+    expected = written_out(residuals, SMOOTH, u - u[0])
+    assert 1e-6 < expected < 0.9
+    assert found.independence == pytest.approx(expected, rel=1e-6)
+
+
+def test_of_coloured_residuals_everything_is_whitened_first():
+    generator = np.random.default_rng(2)
+    u = np.repeat(generator.choice([-1.0, 1.0], 16), 5)
+    residuals = lfilter([1.0], [1.0, -0.9], generator.normal(0.0, 1.0, 80))
+    jacobian = SMOOTH[:, :2]
+    found = residual_tests(residuals, jacobian, u[:, None])
+    assert not found.white
+    lags = np.unique(np.rint(np.geomspace(1, 10, 6)).astype(int))
+    moved = u - u[0]
+    late = np.stack([np.concatenate([np.zeros(k), moved[:-k]]) for k in lags], axis=1)
+    white = [
+        lfilter(found.noise.coefficients, [1.0], each, axis=0)
+        for each in (residuals, jacobian, late)
+    ]
+    assert found.independence == pytest.approx(nested(*white), rel=1e-6)
+
+
+def test_what_the_fit_itself_takes_out_is_no_sign_of_colour():
+    """White noise less nine smooth columns is correlated, and seldom called so."""
+    chances = []
+    for seed in range(200):
+        noise = np.random.default_rng(seed).normal(0.0, 1.0, 80)
+        chances.append(residual_tests(left_by_fit(noise), SMOOTH, SMOOTH[:, :0]).whiteness)
+    assert np.mean(np.array(chances) < 0.2) < 0.28  # binomial 99.9 % bound of 20 % of 200
+
+
+def test_what_rounding_leaves_tells_nothing():
+    u = np.repeat([1.0, -1.0], 40)[:, None]
+    found = residual_tests(1e-15 * u[:, 0], SMOOTH[:, :1], u, rounding=1e-14)
+    assert (found.whiteness, found.independence, found.noise) == (1.0, 1.0, None)
+    assert not residual_tests(1e-13 * u[:, 0], SMOOTH[:, :1], u, rounding=1e-14).white
 
 
 def test_coloured_noise_alone_raises_no_alarm_about_the_input():

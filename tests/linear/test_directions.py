@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+
 import numpy as np
 import pytest
 from models_by_hand import late_feedback, pure_delay, rational
@@ -61,7 +63,13 @@ def test_a_zero_that_is_a_pole_as_well():
     np.testing.assert_allclose(found[1].output_direction, [0.0, 1.0], atol=1e-9)
 
 
-def test_a_zero_that_stands_twice_has_two_directions():
+@pytest.mark.parametrize("rounded", [0.0, 2e-15])
+def test_a_zero_that_stands_twice_has_two_directions(rounded, monkeypatch):
+    """Also where its two values differ by what the linear algebra rounds."""
+    module = importlib.import_module("clepsydra.linear.zero_directions")
+    monkeypatch.setattr(
+        module, "zeros", lambda model: zeros(model) * [1.0 - rounded, 1.0 + rounded]
+    )
     A, B = -2.0 * np.eye(2), -3.0 * np.eye(2)
     found = zero_directions(rational(A, B, np.eye(2), np.eye(2)))
     assert [round(item.zero.real, 9) for item in found] == [1.0, 1.0]

@@ -11,6 +11,7 @@ import pytest
 from clepsydra.base.errors import InputError
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
+from clepsydra.process.reader import load_process
 
 
 def torricelli(level, outlet=0.1):
@@ -26,8 +27,8 @@ def test_levels_from_nominal_inputs(johansson):
     np.testing.assert_allclose(point.state, johansson.levels(johansson.voltage), rtol=1e-13)
     np.testing.assert_allclose(point.measurements, 50 * point.state, rtol=1e-15)
     assert point.warnings == ()
-    # Levels move by less than a millionth of a millionth of their height in an hour.
-    assert point.residual * 3600 < 1e-12 * 0.2
+    # Levels move by less than a hundred-thousandth of a millionth of their height in an hour.
+    assert point.residual * 3600 < 1e-11 * 0.2
 
 
 @pytest.mark.parametrize("voltage", [(2.0, 3.5), (0.5, 0.4), (3.3, 2.1)])
@@ -304,3 +305,52 @@ def test_what_is_no_process_is_refused_in_words(value):
     for search in (find_equilibrium, analyse):
         with pytest.raises(InputError, match="expected a Process; read it with load_process"):
             search(value)
+
+
+#: Under pressure more goes out than comes in, into a cone that has no area at its tip.
+SLENDER = """
+name = "slender"
+sampling_period = "1 s"
+controlled = ["level_1"]
+manipulated = ["feed"]
+[reservoirs.basin]
+[tanks.tank_1]
+shape = "horizontal cylinder"
+diameter = "4.86373 m"
+length = "0.520017 m"
+[tanks.tank_2]
+shape = "cone"
+rim_diameter = "4.32453 mm"
+height = "5.51613 m"
+[valves.valve_1]
+source = "tank_1"
+destination = "tank_2"
+kv = "7.39506e-05 m^3/s"
+range = ["0 %", "100 %"]
+nominal = "35.6 %"
+pressure = "0.5 bar"
+line_kv = "0.0171453 m^3/s"
+[valves.valve_2]
+source = "tank_2"
+destination = "basin"
+kv = "7.76304e-05 m^3/s"
+range = ["0 %", "100 %"]
+nominal = "80.8 %"
+characteristic = "quick opening"
+line_kv = "0.0326833 m^3/s"
+[flows.feed]
+destination = "tank_1"
+range = ["0 l/s", "1 l/s"]
+nominal = "0 l/s"
+[sensors.level_1]
+tank = "tank_1"
+range = ["0 cm", "5 cm"]
+"""
+
+
+def test_a_search_that_leaves_the_numbers_ends_in_words(tmp_path):
+    """It comes by a tip, where 1/A has no value: NumPy warned, which is an error of the tests."""
+    path = tmp_path / "slender.toml"
+    path.write_text(SLENDER, encoding="utf-8")
+    with pytest.raises(NoEquilibrium, match="fall below its floor"):
+        find_equilibrium(load_process(path))

@@ -110,7 +110,8 @@ def test_two_integrators_in_series_in_a_random_basis(seed):
         T @ A @ np.linalg.inv(T), T @ B, B[:, :0], C @ np.linalg.inv(T), np.zeros((2, 2)),
         tuple("abcd"), ("u", "v"), (), ("y", "z"),
     )  # fmt: skip
-    np.testing.assert_allclose(relative_gains(model)[0], [2.0, -1.0], rtol=1e-7)
+    # A shift by √ε in frequency moves λ by about as much, times what T amplifies.
+    np.testing.assert_allclose(relative_gains(model)[0], [2.0, -1.0], rtol=1e-6)
 
 
 def test_pairing_of_both_phases(minimum, nonminimum):

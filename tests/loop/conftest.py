@@ -1,10 +1,15 @@
 """Plants written as process files in a test, started away from rest."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.reader import load_process
+
+sys.path.insert(0, str(Path(__file__).parent))  # for random_plants
 
 HEAD = 'name = "rig"\ntitle = "A rig"\ngravity = "9.81 m/s^2"\n'
 

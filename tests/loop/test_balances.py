@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from deploy.random_processes import ProcessFile, processes
+from hypothesis import HealthCheck, given, settings
 
 from clepsydra.loop.open_loop import simulate
 
@@ -95,3 +97,60 @@ def test_balances_close_over_spilling_evaporation_delays_and_switches(start):
     entered = 5.0 * np.array([inflow.sum(), 8 * inflow.sum(), (inflow * acid).sum()])
     assert [b.entered for b in result.balances] == pytest.approx(list(entered), rel=1e-12)
     assert all(balance.error < 1e-12 for balance in result.balances)
+
+
+EMPTIED = """
+controlled = ["level"]
+manipulated = ["feed"]
+[components.salt]
+range = ["0 kg/m^3", "100 kg/m^3"]
+[tanks.tank]
+area = "300 cm^2"
+height = "50 cm"
+[flows.feed]
+destination = "tank"
+range = ["0 l/s", "1 l/s"]
+nominal = "0 l/s"
+[orifices.hole]
+source = "tank"
+area = "0.9 cm^2"
+destination = "basin"
+[reservoirs.basin]
+concentration = { salt = "10 kg/m^3" }
+[sensors.level]
+tank = "tank"
+range = ["0 cm", "50 cm"]
+"""
+
+
+@pytest.mark.parametrize("solver", ["kernel", "reference"])
+def test_what_stays_dissolved_in_an_emptied_tank_is_counted(start, solver):
+    """A concentration of it no longer says how much it is: the volume is nothing."""
+    point = start(EMPTIED, 1.0, tank__level=0.02, tank__salt=50.0)
+    result = simulate(point, {"feed": np.zeros(60)}, substeps=20, solver=solver)
+    assert result.values["tank.level"][-1] < 1e-9
+    salt = result.balances[1]
+    assert salt.left < 0.02 * 300e-4 * 50.0
+    # CVODES keeps each amount within its tolerance and not their sum to rounding.
+    assert salt.error < (1e-12 if solver == "kernel" else 1e-9)
+
+
+@pytest.mark.parametrize("plants", [1, pytest.param(60, marks=pytest.mark.thorough)])
+def test_balances_close_in_plants_drawn_at_random(plants):
+    """Of every element that a file may have, started anywhere, with inputs that jump."""
+
+    @settings(
+        max_examples=plants, deadline=None, derandomize=True, database=None,
+        suppress_health_check=list(HealthCheck),
+    )  # fmt: skip
+    @given(processes())
+    def every_plant(written: ProcessFile) -> None:
+        point, random = written.point(), np.random.default_rng(written.start)
+        profiles = {
+            s.name: np.repeat(random.uniform(max(s.low, 0.0), min(s.high, 1e3), 6), 10)
+            for s in (*point.process.inputs, *point.process.disturbances)
+        }
+        for balance in simulate(point, profiles, substeps=20).balances:
+            assert balance.error < 1e-12, balance.name
+
+    every_plant()

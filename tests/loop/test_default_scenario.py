@@ -7,15 +7,18 @@ import casadi as ca
 import numpy as np
 import pytest
 from scipy import stats
+from scipy.integrate import solve_ivp
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.forced_flow import ForcedFlow
 from clepsydra.process.process import Process
+from clepsydra.process.reader import load_process
 
 GRAVITY = 9.81
 AREAS = np.array([28e-4, 32e-4, 28e-4, 32e-4])
@@ -141,8 +144,8 @@ def sizes(scenario: Scenario) -> list[float]:
     return [segment.size for segment in scenario.segments]
 
 
-@pytest.mark.parametrize("parameters", [MINIMUM_PHASE, NONMINIMUM_PHASE])
-def test_one_thing_happens_in_each_segment(parameters: tuple) -> None:
+@pytest.mark.parametrize(("parameters", "first"), [(MINIMUM_PHASE, 1.0), (NONMINIMUM_PHASE, 0.9)])
+def test_one_thing_happens_in_each_segment(parameters: tuple, first: float) -> None:
     model = quadruple_tank(parameters)
     scenario = default_scenario(model)
     assert [(segment.kind, segment.signal) for segment in scenario.segments] == [
@@ -154,8 +157,10 @@ def test_one_thing_happens_in_each_segment(parameters: tuple) -> None:
         ("load", "inflow_tank_2"),
         ("noise", ""),
     ]
-    # 10 % of 0 … 10 V, and the process's own load steps, sign included.
-    assert sizes(scenario) == [1.0, -1.0, 1.0, -1.0, 1e-6, -2e-6, 0.0]
+    # 10 % of 0 … 10 V, and the process's own load steps, sign included. In the non-minimum phase
+    # 1 V of level 1 needs 0.67 V of pump 2, and the step back four times that less: from 3.15 V
+    # down to 0.5 V there is room for 0.98 V.
+    assert sizes(scenario) == [first, -first, 1.0, -1.0, 1e-6, -2e-6, 0.0]
 
     columns = {"level_1": scenario.setpoints[:, 0], "level_2": scenario.setpoints[:, 1]}
     columns |= {"inflow_tank_1": scenario.disturbances[:, 0]}
@@ -227,26 +232,77 @@ def test_the_nonlinear_process_can_rest_at_every_setpoint(
 
 
 def test_pumps_near_their_limit_make_the_step_smaller_or_turn_it_round() -> None:
-    # Static gain 100 · (0.004/20)/0.01 = 2 V/V; a step of 2 V needs 1 V of the pump.
-    assert sizes(default_scenario(single_tank(pump=5.0)))[:2] == [2.0, -2.0]
-    # 8.95 V leaves 0.55 V below 9.5 V, room for 1.1 V up and for plenty down.
-    assert sizes(default_scenario(single_tank(pump=8.95)))[:2] == [-2.0, 2.0]
-    # At 0.1 V/V, 4 V leaves 5.5 V up to 9.5 V and 3.5 V down to 0.5 V: room for 0.55 V up.
-    assert sizes(default_scenario(single_tank(gain=0.0002, pump=4.0)))[:2] == [0.5, -0.5]
-    assert sizes(default_scenario(single_tank(gain=0.0002, pump=6.0)))[:2] == [-0.5, 0.5]
+    # Static gain 100 · (0.004/20)/0.01 = 2 V/V: 1 V needs 0.5 V of the pump, and 2.5 V at the
+    # step, so that 4.5 V up to 9.5 V are room for 1.8 V.
+    assert sizes(default_scenario(single_tank(pump=5.0)))[:2] == [1.0, -1.0]
+    # 8.95 V leaves 0.55 V: room for 0.22 V up, and for 0.275 V down and, by 2 V/V, back.
+    assert sizes(default_scenario(single_tank(pump=8.95)))[:2] == [-0.2, 0.2]
+    # At 0.5 V/V 1 V needs 2 V, 10 V at the step and 8 V at the step back. From 3 V there is
+    # room for 0.65 V up and 0.31 V back, or for 0.25 V down; from 7 V the other way round.
+    assert sizes(default_scenario(single_tank(gain=0.001, pump=3.0)))[:2] == [0.3, -0.3]
+    assert sizes(default_scenario(single_tank(gain=0.001, pump=7.0)))[:2] == [-0.3, 0.3]
     # A pump that empties the tank has its room the other way round.
-    assert sizes(default_scenario(single_tank(gain=-0.0002, pump=4.0)))[:2] == [-0.5, 0.5]
+    assert sizes(default_scenario(single_tank(gain=-0.001, pump=3.0)))[:2] == [-0.3, 0.3]
+    # At 0.1 V/V there is room for 0.11 V at the step, but at rest for 0.55 V: 1 % of 20 V.
+    assert sizes(default_scenario(single_tank(gain=0.0002, pump=4.0)))[:2] == [0.2, -0.2]
+
+
+STABLE = (
+    "three-tanks",
+    pytest.param("quadruple-tank", marks=pytest.mark.thorough),
+    pytest.param("laboratory-four-tanks", marks=pytest.mark.thorough),
+)
+
+
+@pytest.mark.parametrize("name", STABLE)
+def test_a_proportional_controller_stays_inside_every_range(name: str) -> None:
+    """Steps there and back by u = u₀ + 5 M (r - y), M what a unit of y needs at rest.
+
+    At 7 cm instead of 1 cm it asked the three tanks' feed for 222 of 100 cm³/s.
+    """
+    analysis = analyse(load_process(name))
+    process, point = analysis.operating_point.process, analysis.operating_point
+    model = analysis.model.select(outputs=process.controlled)
+    gain = 5.0 * np.linalg.inv(model.D - model.C @ np.linalg.solve(model.A, model.B))
+    values = process.parameter_values
+    controlled = [[y.name for y in process.measurements].index(n) for n in process.controlled]
+
+    def inputs(x: np.ndarray, setpoints: np.ndarray) -> np.ndarray:
+        y = np.array(process.measure(x, values)).ravel()[controlled]
+        return point.inputs + gain @ (setpoints - y)
+
+    scenario = default_scenario(analysis.model)
+    rest = point.measurements[controlled]
+    for column, name_ in enumerate(process.controlled):
+        segment = next(part for part in scenario.segments if part.signal == name_)
+        away = rest + segment.size * (np.arange(len(rest)) == column)
+        x = point.state
+        for setpoints in (away, rest):
+            run = solve_ivp(
+                lambda t, x, r=setpoints: np.array(
+                    process.dynamics(x, inputs(x, r), point.disturbances, values)
+                ).ravel(),
+                (0.0, segment.stop - segment.start),
+                x,
+                max_step=5.0,
+            )
+            for state in run.y.T:
+                for signal, value in zip(process.inputs, inputs(state, setpoints), strict=True):
+                    assert signal.low < value < signal.high
+                for signal, value in zip(process.state, state, strict=True):
+                    assert signal.low < value < signal.high
+            x = run.y[:, -1]
 
 
 def test_levels_go_at_most_half_way_to_floor_and_rim() -> None:
     # 0.5 cm above the floor, 19.5 cm below the rim: upward. The same below the rim: downward.
-    assert sizes(default_scenario(single_tank(level=0.005)))[:2] == [2.0, -2.0]
-    assert sizes(default_scenario(single_tank(level=0.195)))[:2] == [-2.0, 2.0]
-    # With a wide sensor and no room for the pump upward: half of 5 cm at 100 V/m is 2.5 V.
-    wide = single_tank(level=0.05, pump=9.4, sensor=(-20.0, 20.0))
+    assert sizes(default_scenario(single_tank(level=0.005)))[:2] == [1.0, -1.0]
+    assert sizes(default_scenario(single_tank(level=0.195)))[:2] == [-1.0, 1.0]
+    # With a wide sensor and a pump that is full on, and strong: half of 5 cm at 100 V/m is 2.5 V.
+    wide = single_tank(level=0.05, gain=0.04, pump=9.6, sensor=(-20.0, 20.0))
     assert sizes(default_scenario(wide))[:2] == [-2.0, 2.0]
-    # With no room downward: half of the 5 cm to the rim.
-    wide = single_tank(level=0.15, pump=0.6, sensor=(-40.0, 60.0))
+    # With a pump that is shut: half of the 5 cm to the rim.
+    wide = single_tank(level=0.15, gain=0.04, pump=0.4, sensor=(-40.0, 60.0))
     assert sizes(default_scenario(wide))[:2] == [2.0, -2.0]
 
 

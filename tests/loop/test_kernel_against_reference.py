@@ -71,7 +71,7 @@ def test_kernel_and_reference_agree_in_the_default_scenario(name):
     assert 0 < furthest(kernel, reference) < 1e-6
     moved = [np.ptp(kernel.values[u.name]) / u.span for u in loop.process.inputs]
     assert max(moved) > 1e-3
-    for event, _ in loop.process.motion.events:
+    for event, *_ in loop.process.motion.events:
         count = f"{event}.count"
         assert np.array_equal(kernel.values[count], reference.values[count])
 

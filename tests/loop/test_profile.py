@@ -1,5 +1,7 @@
 """Profiles of inputs: what words and files mean on the grid of the samples, and what is refused."""
 
+from time import process_time
+
 import numpy as np
 import pytest
 
@@ -198,9 +200,29 @@ BAD_FILES = {
         b"time [s],pump_1 [V]\n0,3\n1,11\n",
         "a.csv, line 3, column 'pump_1': got '11 V', expected a value from 0 to 10 V",
     ),
-    "Latin letters": (b"time [s],pump_1 [V]\n0,3 \xb5\n", "a.csv: got 'byte 25 that is no UTF-8'"),
-    "wide letters": ("time [s],pump_1 [V]\n0,3\n".encode("utf-16"), "a text file in UTF-8"),
-    "open quotes": (b'time [s],pump_1 [V]\n0,"3\n', "expected a row of CSV; check the quotes"),
+    "Latin letters": (
+        b"time [s],pump_1 [V]\n0,3 \xb5\n", "a.csv, line 2: got 'byte 0xb5', expected text",
+    ),
+    "wide letters": (
+        "time [s],pump_1 [V]\n0,3\n".encode("utf-16"), "line 1: got 'byte 0xff', expected text",
+    ),
+    "open quotes": (
+        b'time [s],pump_1 [V]\n0,3\n1,"3\n2,3\n', "a.csv, line 3: got 'unexpected end of data'",
+    ),
+    "wide letters without a mark": (
+        "time [s],pump_1 [V]\n0,3\n".encode("utf-16-le"),
+        "a.csv, line 1: got 'the control character U+0000', expected text; save it as CSV in UTF-8",
+    ),
+    "what a terminal obeys": (
+        b"time [s],pump_1 [V]\n0,3\n1,\x1b[2J\n", "line 3: got 'the control character U+001B'",
+    ),
+    "a name that turns the line round": (
+        "time [s],pump_1\u202e [V]\n0,3\n".encode(),
+        "line 1: got 'pump_1\\u202e [V]', expected names that can be printed",
+    ),
+    "a line without end": (
+        b"time [s],pump_1 [V]\n0,3" + 100_000 * b" ", "line 2: got '100003 characters'",
+    ),
 }  # fmt: skip
 
 
@@ -215,10 +237,32 @@ def test_a_bad_file_is_refused_with_its_place(process, tmp_path, case):
     assert words in str(refusal.value)
 
 
-@pytest.mark.parametrize("name", ["missing.csv", "."])
-def test_a_file_that_is_none_is_refused(process, tmp_path, name):
-    with pytest.raises(InputError, match="expected a CSV file; check the path"):
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("missing.csv", "no such file"), (".", "a folder"), ("/dev/zero", "no regular file")],
+)
+def test_a_file_that_is_none_is_refused(process, tmp_path, name, value):
+    with pytest.raises(InputError) as refusal:
         read_profile_csv(tmp_path / name, process)
+    assert (refusal.value.value, refusal.value.expected) == (value, "a CSV file")
+
+
+def test_more_rows_than_can_be_told_apart_are_refused(process, tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_bytes(b"time [s],pump_1 [V]\n" + 400_000 * b"0,3\n")
+    with pytest.raises(InputError) as refusal:
+        read_profile_csv(path, process)
+    assert refusal.value.value == "400,000 rows"
+    assert refusal.value.remedy.startswith("keep one row of 2, ")
+
+
+def test_many_rows_take_a_time_in_proportion():
+    """Each change is written up to the next one only."""
+    changes = [Change("pump_1", float(k % 3), float(k), float(k)) for k in range(100_000)]
+    began = process_time()
+    found = profiles_of(changes, {"pump_1": 3.0}, 1.0, 100_000)["pump_1"]
+    assert np.array_equal(found, np.arange(100_000) % 3)
+    assert process_time() - began < 3.0  # tens of seconds, were each written to the end
 
 
 def test_rows_closer_than_the_samples_are_refused(process, tmp_path):

@@ -81,7 +81,7 @@ def test_the_step_keeps_its_share_of_the_fastest_time_constant_up_to_the_limit()
         substeps_for(analysed(NAMES[0], 1000.0 / fastest * 1.001).model)
 
 
-@pytest.mark.parametrize(("times", "substeps"), [(0.04, 64), (900.0, 9000), (400.0, 8000)])
+@pytest.mark.parametrize(("times", "substeps"), [(0.04, 64), (900.0, 10_000), (400.0, 10_000)])
 def test_refinement_ends_at_64_times_the_steps_or_at_the_limit(times, substeps, monkeypatch):
     """With a tolerance that no run can meet."""
     monkeypatch.setattr(loop_module, "TOLERANCE", 0.0)

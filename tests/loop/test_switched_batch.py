@@ -10,7 +10,7 @@ from clepsydra.engine.kernel import Kernel
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.lane_status import LaneStatus, lane_status
 from clepsydra.loop.loop import Loop
-from clepsydra.loop.motion_block import CLOCK, event_count
+from clepsydra.loop.motion_block import CLOCK
 
 PLANT = Path(__file__).parents[1] / "switched-tanks.toml"
 SAMPLES = 400
@@ -38,7 +38,7 @@ def batch(loop: Loop, demands: np.ndarray, **options):
 def test_any_lane_equals_its_own_run_bit_for_bit_through_events_and_delays(loop):
     demands = np.array([0.0, 1e-4, 2.0e-4, 3.1e-4, 1.5e-4, 2.7e-4, 0.5e-4, 3.3e-4, 2.2e-4])
     together = batch(loop, demands)
-    counts = together.state(event_count("demand.runs_dry"))
+    counts = together.state("demand.runs_dry.count")
     assert counts[0] == 0 and len(set(counts)) > 3
     for scenario, demand in enumerate(demands):
         alone = batch(loop, np.array([demand]))
@@ -52,8 +52,8 @@ def test_the_clock_counts_every_step(loop):
 def test_a_broken_lane_leaves_its_neighbours_alone(loop):
     demands = np.array([1e-4, np.nan, 2e-4, 1e-4])
     broken, sound = batch(loop, demands), batch(loop, np.full(4, 1e-4))
-    assert LaneStatus.NOT_A_NUMBER in LaneStatus(int(lane_status(broken)[1]))
-    assert LaneStatus.NOT_A_NUMBER not in LaneStatus(int(lane_status(broken)[0]))
+    assert LaneStatus.NOT_A_NUMBER in LaneStatus(int(lane_status(broken, loop.process)[1]))
+    assert LaneStatus.NOT_A_NUMBER not in LaneStatus(int(lane_status(broken, loop.process)[0]))
     assert np.array_equal(broken.record_of(0), sound.record_of(0))
     assert np.array_equal(broken.record_of(3), sound.record_of(3))
 
@@ -67,7 +67,8 @@ def test_a_tank_above_its_rim_is_a_status(loop):
         state=loop.initial_state() | {"tank_1.level": heights},
         parameters=loop.law_parameters(),
     )
-    spilling = [LaneStatus.SPILLING in LaneStatus(int(s)) for s in lane_status(result)]
+    found = lane_status(result, loop.process)
+    spilling = [LaneStatus.SPILLING in LaneStatus(int(status)) for status in found]
     assert spilling == [False, False, True]
 
 
@@ -84,7 +85,8 @@ def test_a_step_beyond_the_reach_of_the_method_is_a_status(hole):
         state=loop.initial_state(),
         parameters=loop.law_parameters() | {"outlet_1.area": hole * area},
     )
-    too_long = LaneStatus.STEP_TOO_LONG in LaneStatus(int(lane_status(result)[0]))
+    status = LaneStatus(int(lane_status(result, loop.process)[0]))
+    too_long = LaneStatus.STEP_TOO_LONG in status
     assert too_long == (hole > 1.0)
 
 
@@ -97,4 +99,12 @@ def test_emptied_is_a_status():
         result = Kernel(program).run(
             samples, inputs=off, state=loop.initial_state(), parameters=loop.law_parameters()
         )
-        assert (LaneStatus.EMPTIED in LaneStatus(int(lane_status(result)[0]))) == emptied
+        status = LaneStatus(int(lane_status(result, loop.process)[0]))
+        assert (LaneStatus.EMPTIED in status) == emptied
+
+
+def test_harm_is_a_status_of_the_lane_where_it_happens(loop):
+    """A demand of 2.7e-4 m³/s empties tank 2; none does not."""
+    demands = np.array([0.0, 2.7e-4])
+    found = [LaneStatus(int(s)) for s in lane_status(batch(loop, demands), loop.process)]
+    assert [LaneStatus.HARMED in status for status in found] == [False, True]

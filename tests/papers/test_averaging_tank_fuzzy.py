@@ -15,10 +15,12 @@ MISPRINTS = {
     ("section 3.3", "union"),
     ("Table 8", "IAE of C"),
 }
+#: Table 8 prints 8.80E-02 for IAE of C, above 0.019 of Table 7; Table 6 is lower in five cells.
 FAILED = {
+    ("section 4", "indices, fuzzy against LQI"),
     ("section 4", "indices, fuzzy against all"),
-    ("(103c)", "throughput at rest"),
 }
+REMARKS = {("(103c)", "throughput at rest"), ("section 5", "steady-state error, fuzzy")}
 
 
 @pytest.fixture(scope="module")
@@ -26,14 +28,37 @@ def findings():
     return fuzzy.run()
 
 
+@pytest.mark.thorough
 def test_the_verdicts_are_those_of_the_reference(findings):
     found = {(row.place, row.name): row.verdict for row in findings.rows}
-    assert len(found) == len(findings.rows) == 27
+    assert len(found) == len(findings.rows) == 26
     assert {key for key, verdict in found.items() if verdict == "misprint"} == MISPRINTS
     assert {key for key, verdict in found.items() if verdict == "claim fails"} == FAILED
+    assert {key for key, verdict in found.items() if verdict == "remark"} == REMARKS
+    fitted = {key for key, verdict in found.items() if verdict == "consistent"}
+    assert len(fitted) == 7 and {place for place, _ in fitted} == {"Table 8"}
     assert "not reproducible" not in found.values()
 
 
+@pytest.mark.thorough
+def test_the_printed_tables_are_compared_as_they_are_printed(findings):
+    rows = {row.name: row for row in findings.rows}
+    assert rows["indices, fuzzy against LQI"].computed == "7 of 8 cells as printed; not IAE of C"
+    assert rows["indices, fuzzy against all"].computed == (
+        "Table 6 is lower in IAE of C, ISE of C, ISE of V, IE of C, IE of V"
+    )
+
+
+@pytest.mark.thorough
+def test_pi_control_arrives_sooner_than_it_settles(findings):
+    """First arrival of (81) with C_in free: C' = 0.2/V (C_in - C), near 5.25 within 9 ms."""
+    (row,) = (row for row in findings.rows if row.name == "C, fuzzy against the others")
+    assert "Settled to within 2 % of the step for good" in row.reason
+    assert "C_in to 25 kmol/m³ 9.2" in row.computed
+    assert "first arrival PI (81) is sooner, 0.00" in row.reason and "or 0.027 s" in row.reason
+
+
+@pytest.mark.thorough
 def test_iae_of_c_is_a_tenth_of_what_is_printed(findings):
     (row,) = (row for row in findings.rows if row.name == "IAE of C")
     assert row.printed / row.computed == pytest.approx(10.0, rel=0.03)
@@ -59,6 +84,7 @@ def test_the_tank_rests_at_r27():
     assert round(float(run.values["inflow"][-1]), 3) == 0.345
 
 
+@pytest.mark.thorough
 def test_the_picture_shows_what_settles(findings):
     (figure,) = (figure for figure in findings.figures if figure.number == "Fig. 9")
     panel = next(panel for panel in figure.panels if panel.title == "V")
@@ -76,3 +102,9 @@ def test_the_picture_shows_what_settles(findings):
         "f_in",
         "f_out",
     ]
+
+
+@pytest.mark.thorough
+def test_no_verdict_hangs_on_the_filter_that_is_not_printed():
+    filtered, literal = (fuzzy.claims(each) for each in (fuzzy.FILTERED, fuzzy.LITERAL))
+    assert [row.verdict for row in literal] == [row.verdict for row in filtered]

@@ -3,8 +3,16 @@
 import pytest
 from sympy import symbols
 
-from clepsydra.papers.comparison import claimed, compared, compared_formula
+from clepsydra.papers.comparison import (
+    circular,
+    claimed,
+    compared,
+    compared_formula,
+    damaged,
+    remark,
+)
 from clepsydra.papers.printed import printed_number
+from clepsydra.papers.row_words import printed_words
 
 
 @pytest.mark.parametrize(
@@ -71,6 +79,11 @@ def test_a_tolerance_counts_beside_the_digits_and_needs_its_reason():
         compared("t", "n", "100", 103.0, tolerance=0.03)
 
 
+def test_two_zeros_agree_without_a_difference():
+    row = compared("t", "n", "-2.561E-15", -1.4e-14, zero=1e-11, why="both are rounding")
+    assert (row.verdict, row.difference) == ("reproduced", None)
+
+
 def test_a_misprint_needs_all_its_evidence():
     given = {"place": "t", "name": "n", "printed": "0.1092", "computed": 10.92}
     both = [("one", True), ("other", True)]
@@ -83,6 +96,12 @@ def test_a_misprint_needs_all_its_evidence():
 
 def test_evidence_does_not_make_a_misprint_of_what_is_reproduced():
     assert compared("t", "n", "2.6", 2.6, right_if=[("one", True)]).verdict == "reproduced"
+
+
+def test_a_print_is_shown_with_all_its_digits():
+    row = compared("Table 7", "IE", "0.380", 0.3799)
+    assert (row.printed, printed_words(row)) == (0.38, "0.380")
+    assert printed_words(claimed("t", "n", "no overshoot", True, "1", reason="r")) == "no overshoot"
 
 
 def test_differences_are_relative_to_the_print():
@@ -102,3 +121,33 @@ def test_formulas_are_equal_for_all_values():
 def test_claims_hold_or_fail():
     assert claimed("t", "n", "c", True, "1", reason="r").verdict == "claim holds"
     assert claimed("t", "n", "c", False, "1", reason="r").verdict == "claim fails"
+
+
+def test_agreement_with_what_it_was_solved_from_is_no_reproduction():
+    row = compared("t", "n", "2.6", 2.6, why="The integral.")
+    again = circular(row, "The step was solved from this cell.")
+    assert again.verdict == "consistent" and not again.is_counted and again.is_as_printed
+    assert again.reason == "The step was solved from this cell. The integral."
+    assert circular(claimed("t", "n", "c", True, "1", reason="r"), "w").verdict == "consistent"
+
+
+def test_what_was_solved_from_a_number_and_contradicts_it_stays_a_finding():
+    row = compared("t", "n", "2.6", 9.0, right_if=[("sum", True)])
+    assert circular(row, "w") is row and row.is_counted
+
+
+def test_damage_of_the_conversion_is_not_the_authors_misprint():
+    for row in (
+        compared("t", "n", "2.6", 9.0, right_if=[("sum", True)]),
+        compared("t", "n", "2.6", 9.0, unprinted="u"),
+    ):
+        again = damaged(row, "A bar of a fraction is lost.")
+        assert again.verdict == "damaged text" and not again.is_counted and again.is_as_printed
+        assert again.reason == f"A bar of a fraction is lost. {row.reason}"
+    right = compared("t", "n", "2.6", 2.6)
+    assert damaged(right, "w") is right
+
+
+def test_a_remark_of_ours_judges_nothing():
+    row = remark("t", "n", "nothing is said", "1", reason="r")
+    assert row.verdict == "remark" and not row.is_counted and row.is_as_printed

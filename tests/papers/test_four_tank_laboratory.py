@@ -26,32 +26,18 @@ pytestmark = pytest.mark.thorough
 
 MISPRINTS = {
     ("Exercise 2.1.5", "name of the theorem"),  # Vieta
-    ("text before (23)", "tank that rests at 23.5 cm"),  # tank 4
+}
+
+DAMAGED = {
+    ("text before (23)", "tank that rests at 23.5 cm"),  # one index: tank 4
 }
 
 FAILED = {
-    # The holes: one tank, two areas; levels next to the cut-off; biased.
-    ("(24) and (25)", "a1 in both set-ups"),
-    ("(24) and (25)", "a2 in both set-ups"),
-    ("Tables 1 to 4", "h2 of 27.2 to 27.3 cm"),
-    ("(22) to (24)", "holes from levels at 7.5 V"),
-    # Circular.
-    ("Table 3", 'row "calculated"'),
-    ("Table 4", 'row "calculated"'),
     ("Exercise 2.2.2", "coupling of tanks 1 and 4"),
-    ("Exercise 2.2.4", "manual control"),
-    # Conclusions of section 4.
+    # The printed 6.67 % is below 15.17 %.
     ("Exercise 4.1.2", "oscillation"),
-    ("Exercise 4.2.2", "rise, minimum phase"),
-    ("Exercise 4.2.2", "recovery, non-minimum phase"),
-    ("Exercise 4.2.2", "sensitivity peak, minimum phase"),
-    ("Exercise 4.2.2", "sensitivity peak, non-minimum phase"),
-    # Percent against volts.
-    ("Tables 5 and 6", "gain of the loops"),
-    ("Exercises 4.1.1 and 4.2.1", "controllers used in the simulator"),
-    ("section 4", "PI, non-minimum phase, three times the gain"),
-    ("section 4", "Glover-McFarlane, minimum phase, three times the gain"),
-    ("section 4", "Glover-McFarlane, non-minimum phase, three times the gain"),
+    # Section 2.2.3 has 220 s for the minimum phase and 78 s for the other.
+    ("Exercise 2.2.4", "manual control"),
 }
 
 HOLDS = {
@@ -64,39 +50,50 @@ HOLDS = {
     ("Exercise 2.2.2, Fig. 4", "non-minimum phase, pump 2 alone"),
     ("Exercise 2.2.4", "upper holes"),
     ("Exercise 2.2.4", "zero in the right half-plane"),
-    ("Exercise 4.1.1", "PI in volts, minimum phase, each loop by itself"),
-    ("Exercise 4.1.1", "PI in volts, non-minimum phase, each loop by itself"),
     ("Exercise 4.1.2", "response"),
     ("Exercise 4.1.2", "recovery"),
-    ("Exercise 4.1.2", "robustness, PI"),
-    ("Exercise 4.2.2", "overshoot, minimum phase"),
-    ("Exercise 4.2.2", "overshoot, non-minimum phase"),
-    ("Exercise 4.2.2", "rise, non-minimum phase"),
-    ("Exercise 4.2.2", "recovery, minimum phase"),
+    ("Exercise 4.2.2", "overshoot"),
     ("Exercise 4.2.2", "trade of overshoot for rise time"),
-    ("Exercise 4.2.2", "Glover-McFarlane in volts, minimum phase"),
-    ("Exercise 4.2.2", "Glover-McFarlane in volts, non-minimum phase"),
+    ("Exercise 4.2.2", "Glover-McFarlane in volts"),
     ("Exercise 4.2.3", "response"),
     ("Exercise 4.2.3", "recovery"),
     ("Exercise 4.2.3", "overshoot"),
-    ("Exercise 4.2.3", "robustness, Glover-McFarlane"),
-    ("section 4", "PI, minimum phase, three times the gain"),
 }
 
+# The way back from holes to the levels that they come from, levels printed twice, gains that the
+# simulator was given, and levels that the holes were fitted to.
+CONSISTENT = {
+    *((f"Table {table}", f"h{tank}") for table in (1, 2) for tank in (1, 2, 3, 4)),
+    *((f"Table {table}", f"h{tank}, calculated") for table in (3, 4) for tank in (1, 2, 3, 4)),
+    ("Exercise 2.1.7", "k1"),
+    ("Exercise 2.1.7", "k2"),
+    ("Exercise 2.2.3", "level of both lower tanks, minimum phase, fitted holes"),
+}
+
+# What the report does not say: a cut-off, units, margins. And two claims that its tables support
+# and controllers of ours do not, since its own are not printed.
+REMARKS = {
+    ("Exercise 4.2.2", "rise"),
+    ("Exercise 4.2.2", "recovery"),
+    ("(24) and (25)", "holes of the lower tanks in both set-ups"),
+    ("Tables 1 to 4", "h2 of 27.2 to 27.3 cm"),
+    ("(22) to (24)", "holes from levels at 7.5 V"),
+    ("Tables 5 and 6", "gain of the loops"),
+    ("Tables 5 and 6", "readings of the noise and of the holes"),
+    ("Exercises 4.1.1 and 4.2.1", "controllers used in the simulator"),
+    *(("Exercise 4.1.1", f"PI in volts, {each.phase}, each loop by itself") for each in SET_UPS),
+    *((place, f"{kind}, {each.phase}, margins") for each in SET_UPS
+      for place, kind in (("Exercise 4.1.1", "PI"), ("Exercise 4.2.1", "Glover-McFarlane"))),
+}  # fmt: skip
+
 NOT_REPRODUCIBLE = {
+    ("Table 3", "h1, simulation"),
     ("Table 3", "h3, simulation"),
     ("Table 3", "h4, simulation"),
     ("Table 4", "h4, simulation"),
-    ("Exercise 2.2.3", "level 1, minimum phase, holes of the report"),
-    ("Exercise 2.2.3", "level 2, minimum phase, holes of the report"),
-    ("Exercise 2.2.3", "level 1, non-minimum phase, holes of the report"),
-}
-
-# Of the 24 numbers of Tables 5 and 6 those that a run of ours comes near enough to.
-REPRODUCED_IN_5_AND_6 = {
-    ("Table 5", "recovery 2, non-minimum phase"),
-    ("Table 6", "overshoot 2, non-minimum phase"),
-    ("Table 6", "recovery 2, non-minimum phase"),
+    ("Exercise 2.2.3", "level of both lower tanks, minimum phase, holes of the report"),
+    ("Exercise 2.2.3", "level of both lower tanks, non-minimum phase, holes of the report"),
+    ("Exercise 2.2.3, Fig. 5", "transient, minimum phase"),
 }
 
 
@@ -124,43 +121,108 @@ def test_every_row_has_its_own_name(rows):
     assert all(row.document == "four-tank-laboratory" and row.reason is not None for row in rows)
 
 
-def test_misprints(rows):
-    assert named(rows, "misprint") == MISPRINTS
-
-
-def test_claims(rows):
-    assert named(rows, "claim fails") == FAILED
-    assert named(rows, "claim holds") == HOLDS
+@pytest.mark.parametrize(
+    ("verdict", "wanted"),
+    [
+        ("misprint", MISPRINTS),
+        ("damaged text", DAMAGED),
+        ("claim fails", FAILED),
+        ("claim holds", HOLDS),
+        ("consistent", CONSISTENT),
+        ("remark", REMARKS),
+    ],
+)
+def test_every_verdict_is_that_of_the_lists(rows, verdict, wanted):
+    assert named(rows, verdict) == wanted
 
 
 def test_numbers(rows):
-    table = {(row.place, row.name) for row in rows if row.place in ("Table 5", "Table 6")}
-    assert len(table) == 24
-    assert named(rows, "not reproducible") == NOT_REPRODUCIBLE | (table - REPRODUCED_IN_5_AND_6)
+    table = {(row.place, row.name) for row in rows
+             if row.place in ("Table 5", "Table 6")}  # fmt: skip
+    assert len(table) == 19  # where one number stands for both tanks it is one
+    assert named(rows, "not reproducible") == NOT_REPRODUCIBLE | table
     reproduced = named(rows, "reproduced")
-    assert reproduced >= REPRODUCED_IN_5_AND_6
-    for place, count in (("(9)", 10), ("(10)", 4), ("(11)", 4), ("(12)", 2), ("(15)", 4),
+    for place, count in (("(9)", 10), ("(10)", 1), ("(11)", 4), ("(12)", 2), ("(15)", 4),
                          ("(16)", 1), ("(17)", 1), ("(18)", 1), ("(19)", 4), ("(20)", 4),
                          ("(21)", 2), ("(22)", 1), ("(23)", 1), ("(24)", 2), ("(25)", 4),
-                         ("Table 1", 6), ("Table 2", 6), ("Exercise 2.1.7", 2)):  # fmt: skip
+                         ("Exercise 2.1.6", 2), ("Table 3", 1), ("Table 4", 3),
+                         ("Exercise 2.2.3", 2), ("Exercise 2.2.3, Fig. 6", 1)):  # fmt: skip
         assert sum(where == place for where, _ in reproduced) == count, place
-    transients = {name for place, name in reproduced if place.startswith("Exercise 2.2.3, Fig.")}
-    assert transients == {"transient, minimum phase", "transient, non-minimum phase"}
+
+
+def test_runs_that_spread_too_far_reproduce_nothing(rows):
+    """One run recovers in 60 s, another in 121 s: that 104.8 s lies between them says nothing."""
+    (row,) = [r for r in rows if (r.place, r.name) == ("Table 5", "recovery 2, non-minimum phase")]
+    found = runs(NON_MINIMUM, "decentralised", "percent").recovery(1)
+    assert found.min() < 104.8 < found.max()
+    assert row.verdict == "not reproducible"
+
+
+def test_no_verdict_hangs_on_the_reading_of_the_noise(rows):
+    """A number is reproduced only where both readings of the 30 % leave it open."""
+    values = {}
+    for noise in ("three deviations", "one deviation"):
+        found = runs(NON_MINIMUM, "robust", "percent", noise=noise).overshoot(1)
+        values[noise] = np.quantile(found, (0.025, 0.975), method="nearest")
+    # 1.78 % is within one and not within the other.
+    assert values["three deviations"][0] < 1.78 < values["three deviations"][1]
+    assert values["one deviation"][0] > 1.785
+    (row,) = [r for r in rows if (r.place, r.name) == ("Table 6", "overshoot 2, non-minimum phase")]
+    assert row.verdict == "not reproducible"
+    assert "30 % as three deviations" in row.reason and "30 % as one deviation" in row.reason
+    (row,) = [r for r in rows if r.name == "readings of the noise and of the holes"]
+    assert row.computed.count(" of 19") == 4
+
+
+def test_the_second_reading_multiplies_by_one_and_three_tenths_of_a_normal_number():
+    """Plugged outlets: the level is the integral of k u (1 + 0.3 z), never negative, over A."""
+    found = by_hand(
+        MINIMUM, (7.5, 7.5), duration=10.0, plugged=True, noise="one deviation", every=1, seeds=4
+    )
+    drawn = np.random.default_rng(7).standard_normal((2, 4, 200))
+    for tank in (0, 1):
+        flow = K[tank] * 7.5 * np.maximum(1.0 + 0.3 * drawn[tank], 0.0)
+        wanted = np.cumsum(flow, axis=1) * 0.05 / A
+        assert found.levels[tank][:, 1:] == pytest.approx(wanted[:, :-1], rel=1e-9)
 
 
 def test_the_numbers_of_the_reference(rows):
     """What is known of the document beside its print."""
     values = {(row.place, row.name): row.computed for row in rows}
-    report = [
-        values["Exercise 2.2.3", f"level {i}, minimum phase, holes of the report"] for i in (1, 2)
-    ]
-    assert report == pytest.approx([10.9, 11.3], abs=0.05)
-    fitted = [values["Exercise 2.2.3", f"level {i}, minimum phase, fitted holes"] for i in (1, 2)]
-    assert fitted == pytest.approx([15.0, 15.0], abs=0.05)
-    apart = values["(24) and (25)", "a2 in both set-ups"]
+    place = "level of both lower tanks, minimum phase"
+    assert values["Exercise 2.2.3", f"{place}, holes of the report"] == pytest.approx(
+        10.9, abs=0.05
+    )
+    assert values["Exercise 2.2.3", f"{place}, fitted holes"] == pytest.approx(15.0, abs=0.05)
+    apart = values["(24) and (25)", "holes of the lower tanks in both set-ups"]
     assert "3.7 % apart" in apart
     assert "109 %" in values["Tables 1 to 4", "h2 of 27.2 to 27.3 cm"]
     assert values["Exercises 4.1.1 and 4.2.1", "controllers used in the simulator"].startswith("3 ")
+
+
+def test_the_areas_have_the_printed_digits_with_another_gravity(rows):
+    """Flows of (22) to (25) by the printed levels and 980 cm/s²."""
+    for set_up, places in (
+        (MINIMUM, ("(24)", "(24)", "(22)", "(23)")),
+        (NON_MINIMUM, ["(25)"] * 4),
+    ):
+        one, two = 7.5 * K
+        g = set_up.split
+        for tank, flow in enumerate(
+            (g * one + (1 - g) * two, g * two + (1 - g) * one, (1 - g) * two, (1 - g) * one)
+        ):
+            area = flow / math.sqrt(2 * 980.0 * float(set_up.levels[tank]))
+            assert f"{area:.4f}" == set_up.holes[tank]
+            (row,) = [
+                r for r in rows
+                if (r.place, r.name) == (places[tank], f"a{tank + 1}, {set_up.phase}")
+            ]  # fmt: skip
+            assert f"980 cm/s² gives {set_up.holes[tank]} cm²" in row.reason
+
+
+def test_no_reason_speaks_of_what_the_report_does_not_state(rows):
+    tables = [row.reason for row in rows if row.place in ("Table 5", "Table 6")]
+    assert all("the course's exercise" in reason and "stated" not in reason for reason in tables)
 
 
 def test_figures(found):
@@ -210,7 +272,10 @@ def transfer(set_up, s):
 
 @pytest.mark.parametrize("set_up", SET_UPS, ids=lambda s: s.phase)
 def test_pi_against_the_printed_transfer_matrix(set_up):
-    """60° at the crossover, by (11) with half a sample of delay."""
+    """60° at the crossover, by (11) with half a sample of delay.
+
+    Gain and integral time have six digits, so that each is off by up to 5e-6 of itself.
+    """
     values = decentralised(set_up).values
     s = 1j * set_up.crossover
     G = transfer(set_up, s) * np.exp(-0.025 * s)
@@ -218,8 +283,8 @@ def test_pi_against_the_printed_transfer_matrix(set_up):
     for i, j in enumerate(columns):
         gain, time = values[f"proportional_gain_{i + 1}"], values[f"integral_time_{i + 1}"]
         loop = G[i, j] * gain * (1 + 1 / (s * time))
-        assert abs(loop) == pytest.approx(1.0, rel=1e-6)
-        assert math.degrees(math.pi + np.angle(loop)) == pytest.approx(60.0, abs=1e-4)
+        assert abs(loop) == pytest.approx(1.0, rel=1e-5)
+        assert math.degrees(math.pi + np.angle(loop)) == pytest.approx(60.0, abs=5e-4)
 
 
 @pytest.mark.parametrize(
@@ -238,7 +303,7 @@ def test_sensitivity_peaks_by_a_sweep_of_the_transfer_matrix(rows, set_up, facto
         L = factor * transfer(set_up, s) * np.exp(-0.025 * s) @ C
         peaks.append(np.linalg.norm(np.linalg.inv(np.eye(2) + L), 2))
     assert max(peaks) == pytest.approx(printed, abs=0.006)
-    row = next(r for r in rows if r.name == f"PI, {set_up.phase}, three times the gain")
+    row = next(r for r in rows if r.name == f"PI, {set_up.phase}, margins")
     assert f"M_s = {max(peaks):.2f}" in row.computed
 
 
@@ -260,7 +325,7 @@ def test_dynamic_decoupling_makes_the_plant_diagonal():
 
 def test_a_run_by_plain_python():
     """PI in percent on the minimum phase, without noise, by RK4 and a loop of three lines."""
-    found = runs(MINIMUM, "decentralised", "percent", noisy=False)
+    found = runs(MINIMUM, "decentralised", "percent", noise="none")
     values = decentralised(MINIMUM).values
     gain = np.array([values["proportional_gain_1"], values["proportional_gain_2"]])
     time = np.array([values["integral_time_1"], values["integral_time_2"]])

@@ -55,7 +55,7 @@ def _simulate(
         c, count, last, m = (np.asarray(result).ravel() for result in results)
         m = np.asarray(updates(1, c, [], m, u, disturbances, p)).ravel()
         rows.append([*np.asarray(motion.to_state(c, p)).ravel(), *m])
-    events = [name for name, _ in motion.events]
+    events = [event.name for event in motion.events]
     return Course(
         np.arange(steps + 1) * step,
         dict(zip(names, np.array(rows).T, strict=True)),

@@ -119,7 +119,7 @@ def test_the_laboratory_counts_in_percent_or_in_volts() -> None:
 
 def test_the_laboratory_trips_at_110_percent() -> None:
     process = load_process("laboratory-four-tanks")
-    events = [words for _, words in process.motion.events if "trips" in words]
+    events = [event.words for event in process.motion.events if "trips" in event.words]
     assert events == [
         f"pump_{pump} trips: tank_{tank} above 27.5 cm" for pump in (1, 2) for tank in (1, 2, 3, 4)
     ]

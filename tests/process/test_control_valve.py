@@ -18,6 +18,7 @@ from clepsydra.process.forced_flow import ForcedFlow
 from clepsydra.process.reader import load_process
 from clepsydra.process.reservoir import Reservoir
 from clepsydra.process.stiction import Stiction
+from clepsydra.process.suction import Suction
 from clepsydra.process.tank import Tank
 from clepsydra.process.valve_characteristic import CHARACTERISTICS, opened
 from clepsydra.process.vessels.prism import Prism
@@ -145,7 +146,8 @@ def test_submerged_valve_flows_both_ways(simulate: Callable) -> None:
 
 def test_a_submerged_valve_without_liquid_still_lets_it_back() -> None:
     valve = ControlValve("valve_1", "tank_1", "tank_2", KV, 0.0, 1.0, 0.5, submerged=True,
-                         elevation=0.5, source_vessel=VESSEL)  # fmt: skip
+                         elevation=0.5, source_vessel=VESSEL,
+                         suction=Suction("tank_1", VESSEL))  # fmt: skip
     symbols = {"valve_1": ca.SX(1), "valve_1.kv": ca.SX(KV), "gravity": ca.SX(9.81),
                "valve_1.draws": ca.SX(0), "tank_1.level": ca.SX(0)}  # fmt: skip
 
@@ -159,7 +161,7 @@ def test_a_submerged_valve_without_liquid_still_lets_it_back() -> None:
 def test_nothing_is_drawn_from_an_empty_tank(simulate: Callable) -> None:
     """√(h + z) falls in a straight line; with a hundredth of the tank left the flow breaks off."""
     valve = ControlValve("valve_1", "tank_1", "basin", KV, 0.0, 1.0, 1.0, elevation=1.0,
-                         source_vessel=VESSEL)  # fmt: skip
+                         source_vessel=VESSEL, suction=Suction("tank_1", VESSEL))  # fmt: skip
     course = simulate([Reservoir("basin"), tank("tank_1"), valve], {"tank_1.level": 0.44}, [1.0],
                       15.0, 60)  # fmt: skip
     assert course.count["valve_1.runs_dry"] == 1
@@ -297,7 +299,7 @@ def test_limit_cycle(simulate: Callable, friction: Stiction | None) -> None:
     drain = 0.5 * KV
     elements = [
         Reservoir("main"), tank("tank_1", 0.2),
-        valve, ForcedFlow("drain", "tank_1", "", 0.0, KV, drain, source_vessel=VESSEL),
+        valve, ForcedFlow("drain", "tank_1", "", 0.0, KV, drain, suction=Suction("tank_1", VESSEL)),
     ]  # fmt: skip
     integral = [0.4]
 

@@ -2,7 +2,6 @@
 
 import math
 import os
-import re
 import tomllib
 from pathlib import Path
 from xml.etree import ElementTree
@@ -10,6 +9,7 @@ from xml.etree import ElementTree
 import casadi as ca
 import numpy as np
 import pytest
+from pages import blocks
 
 import clepsydra as cl
 from clepsydra.base.errors import InputError
@@ -19,8 +19,7 @@ from clepsydra.process.own_elements import joining_own
 from clepsydra.process.reader import load_process
 from clepsydra.report.drawing import process_drawing
 
-PAGE = (Path(__file__).parents[2] / "docs" / "own-element.md").read_text(encoding="utf-8")
-PYTHON, TOML = (re.search(rf"```{kind}\n(.*?)```", PAGE, re.S)[1] for kind in ("python", "toml"))
+PYTHON, TOML, SHORT = (block.text for block in blocks("docs/own-element.md", "python", "toml"))
 
 
 @pytest.fixture(autouse=True)
@@ -59,9 +58,8 @@ def test_the_flow_is_that_of_the_formula() -> None:
 
 def test_an_outlet_in_ten_lines_is_the_same_weir() -> None:
     whole = load_process("weir-tank.toml")
-    short = re.findall(r"```python\n(.*?)```", PAGE, re.S)[1]
-    assert len([line for line in short.splitlines() if line]) <= 10
-    write(short)
+    assert len([line for line in SHORT.splitlines() if line]) <= 10
+    write(SHORT)
     process = load_process("weir-tank.toml")
     assert process.signal("weir_1.tip").initial == 0.2
     for level in (0.05, 0.2, 0.201, 0.23, 0.4):

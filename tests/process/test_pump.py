@@ -19,11 +19,13 @@ from clepsydra.process.pump import Pump
 from clepsydra.process.pump_curve import PumpCurve
 from clepsydra.process.reader import load_process
 from clepsydra.process.reservoir import Reservoir
+from clepsydra.process.suction import Suction
 from clepsydra.process.tank import Tank
 from clepsydra.process.vessels.prism import Prism
 
 PLANT = (Path(__file__).parent / "plant.toml").read_text(encoding="utf-8")
 POINTS = ((0.0, 30.0), (5e-3, 27.0), (10e-3, 18.0), (12e-3, 9.0))
+INTAKE = Suction("tank_1", Prism(1.0, area=0.01))
 CURVE = PumpCurve(POINTS)
 
 
@@ -142,7 +144,7 @@ def test_start_against_a_static_head(simulate: Callable) -> None:
 def test_level_of_the_source_helps() -> None:
     pump = Pump(
         "pump_1", "tank_1", "basin", None, 0.0, 1.0, None, "1", curve=CURVE, static_head=12.0,
-        source_vessel=Prism(3.0, area=0.01),
+        suction=Suction("tank_1", Prism(3.0, area=0.01)),
     )  # fmt: skip
     symbols = {
         "pump_1": ca.SX(1), "pump_1.static_head": ca.SX(12.0), "pump_1.pipe_loss": ca.SX(0),
@@ -229,7 +231,15 @@ def test_trip_and_release(simulate: Callable) -> None:
         Reservoir("basin"),
         tank("tank_1", area),
         Pump("pump_1", "basin", "tank_1", 1e-6, 0.0, 10.0, 3.0, trips=trips),
-        ForcedFlow("outflow", "tank_1", "", 0.0, 1e-5, 1e-6, source_vessel=Prism(1.0, area=0.01)),
+        ForcedFlow(
+            "outflow",
+            "tank_1",
+            "",
+            0.0,
+            1e-5,
+            1e-6,
+            suction=INTAKE,
+        ),
     ]
     filling, draining = 2e-6 / area, 1e-6 / area
     trip = (limit - 0.2) / filling
@@ -255,7 +265,15 @@ def test_off_while_any_level_is_beyond(simulate: Callable) -> None:
         tank("tank_1"),
         tank("tank_2"),
         Pump("pump_1", "basin", "tank_1", 1e-6, 0.0, 10.0, 3.0, trips=trips),
-        ForcedFlow("drain_1", "tank_1", "", 0.0, 1e-4, 1e-5, source_vessel=Prism(1.0, area=0.01)),
+        ForcedFlow(
+            "drain_1",
+            "tank_1",
+            "",
+            0.0,
+            1e-4,
+            1e-5,
+            suction=INTAKE,
+        ),
         ForcedFlow("feed_2", "", "tank_2", 0.0, 1e-4, 1e-5),
     ]
     # Both levels are beyond at first; 1 mm/s each: tank 1 is back at 0.5 after 200 s,
@@ -293,7 +311,7 @@ def test_wet_well(simulate: Callable) -> None:
         Reservoir("river"),
         tank("well", area, 2.0),
         Pump("pump_1", "well", "river", 0.05, 0.0, 1.0, 1.0, "1", starter=starter,
-             source_vessel=Prism(2.0, area=0.01)),
+             suction=Suction("well", Prism(2.0, area=0.01))),
         ForcedFlow("sewer", "", "well", 0.0, 0.1, entering),
     ]  # fmt: skip
     fill, empty = 0.8 * area / entering, 0.8 * area / (pumped - entering)
@@ -307,7 +325,14 @@ def test_wet_well(simulate: Callable) -> None:
 
 def test_nothing_is_drawn_from_an_empty_tank(simulate: Callable) -> None:
     pump = Pump(
-        "pump_1", "tank_1", "tank_2", 1e-6, 0.0, 10.0, 5.0, source_vessel=Prism(1.0, area=0.01)
+        "pump_1",
+        "tank_1",
+        "tank_2",
+        1e-6,
+        0.0,
+        10.0,
+        5.0,
+        suction=INTAKE,
     )
     course = simulate(
         [Reservoir("basin"), tank("tank_1"), tank("tank_2"), pump],
@@ -367,11 +392,11 @@ def test_all_keys_of_a_file(tmp_path: Path) -> None:
             LevelLimit("tank_1", 0.15, above=True, unit="cm"),
             LevelLimit("tank_1", 0.03, above=False, unit="mm"), running=False,
         ),
-        noise=0.03, source_vessel=Prism(0.2, area=28e-4),
+        noise=0.03, suction=Suction("tank_1", Prism(0.2, area=28e-4)),
     )  # fmt: skip
     actual = process.signal("pump_1.actual")
     assert from_si(actual.initial, actual.unit, actual.shown_unit) == 1300.0
-    assert [words for name, words in process.motion.events if "trips" in name] == [
+    assert [event.words for event in process.motion.events if "trips" in event.name] == [
         "pump_1 trips: tank_2 above 19 cm", "pump_1 trips: tank_1 below 2 cm",
     ]  # fmt: skip
     assert dict(process.noise) == {"pump_1.noise": 0.03}

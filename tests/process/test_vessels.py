@@ -137,6 +137,23 @@ def test_slope_of_level_is_one_over_area(vessel: Vessel) -> None:
     np.testing.assert_allclose((slope * area)[middle], 1.0, rtol=0, atol=2e-12)
 
 
+@pytest.mark.parametrize(
+    ("vessel", "area"),
+    [
+        (HorizontalCylinder(diameter=2.0, length=3.0), 6.0),
+        (SphereSegment(height=2.0, diameter=2.0), math.pi),
+    ],
+    ids=["drum", "sphere"],
+)
+def test_the_slopes_at_exactly_half_full(vessel: Vessel, area: float) -> None:
+    """Where the filled part and the empty one are equal, and neither is the smaller."""
+    half = vessel.capacity / 2
+    for volume in (half, np.nextafter(half, 0.0), np.nextafter(half, 9.0)):
+        assert evaluate(vessel, "level", [volume], 1) == pytest.approx(1 / area, rel=1e-12)
+    for level in (1.0, np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)):
+        assert evaluate(vessel, "volume", [level], 1) == pytest.approx(area, rel=1e-12)
+
+
 def test_level_over_parameters(vessel: Vessel) -> None:
     """∂h/∂p at a volume is -(∂V/∂p)/A at the level of that volume."""
     level, volume = function_of(vessel, "level"), function_of(vessel, "volume")

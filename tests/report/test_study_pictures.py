@@ -71,6 +71,21 @@ def test_ranks_cover_each_other_nowhere(result):
     assert np.min(distances + 1e9 * np.eye(18)) > 12.0
 
 
+def test_points_stand_where_their_numbers_are_however_close_they_are(result):
+    """Two that differ by a thousandth are drawn a thousandth apart, and so are 18 at one place."""
+    peaks = [1.4, 1.4014, 1.9, *[1.6] * 18]
+    errors = [2.0, 2.0, 3.998, *[4.0] * 18]
+    text = map_svg(ranked(result, peaks, errors), "map", "a")
+    points = [(x, y) for x, y, *_ in circles(text)][: len(peaks)]
+    left, right = points[0][0], points[2][0]
+    for peak, error, (x, y) in zip(peaks, errors, points, strict=True):
+        share = np.log(peak / 1.4) / np.log(1.9 / 1.4)
+        assert x == pytest.approx(left + share * (right - left), abs=0.11)
+        share = np.log(error / 2.0) / np.log(2.0)
+        assert y == pytest.approx(points[0][1] + share * (points[3][1] - points[0][1]), abs=0.11)
+    assert len(places(text)) == len(peaks)
+
+
 def test_what_is_out_of_the_question_stands_at_the_edge(result):
     text = map_svg(
         ranked(

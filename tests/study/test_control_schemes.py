@@ -152,18 +152,6 @@ def test_gains_between_signals_of_different_units(study, gain, value):
     assert controller.values["proportional_gain_1"] == pytest.approx(value, rel=1e-14)
 
 
-def test_percent_of_ranges_are_those_of_ranges_that_are_not_100_percent_wide(study):
-    """The laboratory's sensors reach from 0 to 120 %."""
-    controller, _ = made(
-        study(
-            'process = "laboratory-four-tanks"\n[controllers.a.loops.level]\n'
-            'measurement = "level_1"\noutput = "pump_1"\nactions = "P"\naction = "reverse"\n'
-            'gain = "3 %/%"\n'
-        )
-    )
-    assert controller.values["proportional_gain_1"] == pytest.approx(3.0 * 1.0 / 1.2, rel=1e-14)
-
-
 def test_the_parallel_form_has_gains_of_its_own(study):
     controller, _ = made(
         study(

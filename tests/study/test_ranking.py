@@ -14,13 +14,14 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.design.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.motion_block import recorded_signals
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 from clepsydra.study.ranking import RULE, Standing, Trial, rank, verdict
 from clepsydra.study.warnings.after import run_warnings
-from clepsydra.study.warnings.levels import leaves_its_tanks
+from clepsydra.study.warnings.harm import harms
 
 SAMPLES = 100
 
@@ -208,7 +209,9 @@ def test_robust_before_stable_before_unsafe_whatever_the_error(trial, resting):
     assert reasons["robust"].startswith("Robust (max|S| 2.00)")
     assert reasons["stable"].startswith("Stable with thin margins (max|S| 2.01)")
     assert reasons["unstable"].startswith("Unsafe: unstable by its linear model.")
-    assert reasons["spilling"].startswith("Unsafe: a level leaves its tank or a pump trips.")
+    assert reasons["spilling"].startswith(
+        "Unsafe: tank_1.level rises above its rim at 50 s (range 0 cm to 20 cm)."
+    )
     assert reasons["robust"].endswith("Ahead of stable, which is not robust and quiet.")
     assert reasons["stable"].endswith("Behind robust, which is robust and quiet.")
     assert reasons["unstable"].endswith("Behind stable, which is stable.")
@@ -328,8 +331,8 @@ def test_the_rule_says_what_decides():
 def averaging(resting):
     """Return a function that makes a trial of the equalisation tank from its scores."""
     basin = load_process("equalisation-tank")
-    names = [signal.name for signal in (*basin.state, *basin.inputs)]
-    values = {name: np.full(SAMPLES, basin.signal(name).initial) for name in names}
+    signals = (*basin.state, *basin.inputs, *recorded_signals(basin))
+    values = {signal.name: np.full(SAMPLES, signal.initial) for signal in signals}
 
     def make(name, rate, ratio, error=1.0, **changes):
         run = replace(resting, process=basin, values=values)
@@ -380,7 +383,7 @@ def test_a_pump_that_trips_is_unsafe(tmp_path, resting, controller):
     path = tmp_path / "wet-well.toml"
     path.write_text(text, encoding="utf-8")
     well = load_process(path)
-    signals = (*well.state, *well.inputs, *well.motion.memories)
+    signals = (*well.state, *well.inputs, *recorded_signals(well))
     run = replace(
         resting,
         process=well,
@@ -388,7 +391,8 @@ def test_a_pump_that_trips_is_unsafe(tmp_path, resting, controller):
     )
     quiet = Trial(controller, run, {}, 1.2, ())
     assert quiet.standing is Standing.ROBUST
-    assert replace(quiet, run=changed(run, "duty.tripped", 1.0)).standing is Standing.UNSAFE
+    tripped = changed(run, "duty.trips_well_below.count", 1.0, slice(50, None))
+    assert replace(quiet, run=tripped).standing is Standing.UNSAFE
 
 
 def test_the_verdict_compares_the_errors_of_winner_and_best_rival(trial, process):
@@ -471,11 +475,11 @@ def test_a_reader_at_a_prompt_sees_lines_and_no_flood(trial):
 
 def test_a_run_at_rest_has_nothing_to_warn_of(resting):
     assert run_warnings(resting) == ()
-    assert not leaves_its_tanks(resting)
+    assert harms(resting) == ()
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "leaves", "words"),
+    ("name", "value", "harmed", "words"),
     [
         ("tank_2.level", 0.2001, True, "tank_2.level rises above its rim at 50 s"),
         ("tank_2.level", 0.2, False, ""),
@@ -486,9 +490,9 @@ def test_a_run_at_rest_has_nothing_to_warn_of(resting):
         ("pump_2", 0.0, False, "pump_2 stands at a limit for 10 % of the time"),
     ],
 )
-def test_what_is_unusual_is_said_with_its_number(resting, name, value, leaves, words):
+def test_what_is_unusual_is_said_with_its_number(resting, name, value, harmed, words):
     run = changed(resting, name, value)
-    assert leaves_its_tanks(run) == leaves
+    assert bool(harms(run)) == harmed
     warnings = run_warnings(run)
     assert len(warnings) == bool(words)
     assert not words or warnings[0].startswith(words)

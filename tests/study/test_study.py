@@ -109,7 +109,7 @@ def test_the_verdict_names_the_first_and_its_peak(result):
     assert f"{best.maximum_sensitivity:.2f}" in result.verdict
     said = re.search(r"([\d.]+) % below that of ([^;]+);", result.verdict)
     assert said is not None
-    assert said[2] == result.ranking[1].controller.name
+    assert said[2] == result.ranking[1].controller.title
     first, second = (sum(pair) / 2 for pair in errors_of(result)[:2])
     assert float(said[1]) == pytest.approx(100 * (1 - first / second), abs=0.51)
 

@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from pages import blocks
 
 from clepsydra.linear.linearise import linearise
 from clepsydra.study.file import design_arguments, scheme, scheme_parts
@@ -19,7 +20,7 @@ from clepsydra.study.file.tuning_reader import TUNING_KEYS
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "study-files.md").read_text(encoding="utf-8")
 SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL))
-EXAMPLES = re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+EXAMPLES = [block.text for block in blocks("docs/study-files.md", "toml")]
 
 
 def rows(section):
@@ -79,8 +80,8 @@ def test_an_example_is_read_and_its_controllers_made(number, tmp_path):
     text = EXAMPLES[number]
     if "process" not in tomllib.loads(text):
         text = f'process = "equalisation-tank"\n{text}'
-    own = re.search(r"```python\n(inputs = .*?)```", (DOCS / "own-law.md").read_text(), re.DOTALL)
-    (tmp_path / "my_pi.py").write_text(own[1])
+    own = blocks("docs/own-law.md", "python")[0]
+    (tmp_path / own.file).write_text(own.text)
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     study = read_study(tmp_path / "study.toml")
     model = linearise(study.analysis.operating_point)

@@ -295,7 +295,7 @@ LOOPS = [
     (
         loop(gain='"2 V/V"', measurement='"strength"', setpoint='"300 g/m^3"'),
         "line 7, controllers.a.loops.level.gain: got '2 V/V', expected a gain, in %/(g/m^3), or in "
-        "%/% of the ranges of outflow and strength; 'V/V' is no unit of it",
+        "%/% of outflow and strength; 'V/V' does not join outflow in % to strength in g/m^3",
     ),
     (
         loop(gain="2", measurement='"strength"', setpoint='"300 g/m^3"'),

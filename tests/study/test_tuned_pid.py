@@ -38,7 +38,8 @@ def test_the_tuned_controller_scores_in_a_run_of_its_own_what_the_tuning_said(na
     assert ratios[0] == pytest.approx(ratios[1], rel=1e-4)
     peak = sampled_loop(found.controller, model).maximum_sensitivity
     assert found.maximum_sensitivity == pytest.approx(peak, rel=1e-9)
-    assert peak <= 2.0 * (1 + 1e-6)
+    # Six digits round gain and time by up to 5e-6 each: S by |T| times that, here |T| < 3.
+    assert peak <= 2.0 * (1 + 3e-5)
     assert ("max|S| at most 2" in found.binding) == (peak > 1.999)
     for i in (1, 2):
         values = found.controller.values

@@ -22,6 +22,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.sampled.sampled_loop import sampled_loop
 from clepsydra.design.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
@@ -31,6 +32,7 @@ from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.reader import load_process
+from clepsydra.study.trial import scores_of
 from clepsydra.study.tuning.objective import Limits, Objective, minimax, weighted_sum
 from clepsydra.study.tuning.parameter_words import ParameterWords
 from clepsydra.study.tuning.parameters import TunedParameter, around
@@ -112,6 +114,20 @@ def test_a_limit_binds_exactly(model, limits, gain, said):
         assert found.controller.values["proportional_gain_1"] == pytest.approx(gain, rel=3e-6)
         assert found.binding == (said,)
         assert found.scores["ise[volume]"] == pytest.approx(ise(gain), rel=1e-5)
+
+
+def test_what_is_reported_is_that_of_the_rounded_controller_that_runs(model):
+    found = tuned(model, minimax("ise[volume]"), limits=Limits(1.3), generations=0)
+    assert found.controller.values["proportional_gain_1"] == pytest.approx(
+        (2.0 - 2.0 / 1.3) / PERIOD, rel=1e-4
+    )
+    run = Loop(found.controller, model).run(step_of_volume())
+    own = scores_of(run)["ise[volume]"]
+    assert found.scores == {"ise[volume]": pytest.approx(own, rel=1e-12, abs=0.0)}
+    peak = sampled_loop(found.controller, model).maximum_sensitivity
+    assert found.maximum_sensitivity == pytest.approx(peak, rel=1e-12)
+    assert found.tuned == {GAIN.name: found.controller.values[GAIN.name]}
+    assert found.history[-1, 1] == found.objective
 
 
 def test_a_bound_that_binds_is_named(model):

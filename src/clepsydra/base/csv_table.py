@@ -8,23 +8,37 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
+
 from clepsydra.base.errors import InputError
+from clepsydra.base.input_file import input_text, read_input
 from clepsydra.base.units import split_quantity
 
+_EXPECTED = "a CSV file"
+_LARGEST, _LONGEST_LINE = 200_000_000, 100_000
+#: What no table holds, and a terminal would obey.
+_CONTROL = re.compile(r"[^\t\n\r -~\xa0-\U0010ffff]")
 _HEADER = re.compile(r"\s*(.*?)\s*(?:\[\s*(.*?)\s*\]\s*)?")
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d*,\d+\s*")
 _HEAD_EXAMPLE = "write a head such as time [s],pump_1 [V]"
 
 
-def csv_rows(file: Path) -> list[tuple[int, list[str]]]:
+def csv_rows(file: Path, most_rows: int) -> list[tuple[int, list[str]]]:
     """Return the line number and the cells of each row; there are at least a head and a row.
 
     Columns are separated by commas, or by semicolons where the head has one.
 
+    Parameters
+    ----------
+    file : Path
+    most_rows : int
+        Without the head.
+
     Raises
     ------
     InputError
-        The file cannot be read, is no text, is empty or has only a head.
+        The file is no regular one, cannot be read, is too large, is no text, is empty or has only
+        a head, or a quote is never closed.
 
     Examples
     --------
@@ -32,29 +46,43 @@ def csv_rows(file: Path) -> list[tuple[int, list[str]]]:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder, "pump.csv")
     ...     _ = file.write_text("time [s],pump_1 [V]\\n0,3\\n\\n")
-    ...     csv_rows(file)
+    ...     csv_rows(file, most_rows=100)
     [(1, ['time [s]', 'pump_1 [V]']), (2, ['0', '3'])]
     """
-    text = _text(file)
-    head = text.partition("\n")[0]
-    separator = ";" if ";" in head else ","
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
-    rows = []
-    try:
-        for cells in reader:
-            rows.append((reader.line_num, cells))
-    except csv.Error as error:
-        raise InputError(
-            f"{file}, line {reader.line_num}", str(error), "a row of CSV", "check the quotes"
-        ) from None
-    while rows and not any(cell.strip() for cell in rows[-1][1]):
-        rows.pop()
-    if not rows:
+    content = read_input(file, _EXPECTED, _LARGEST, inside="the .csv file")
+    text = input_text(content, str(file), _EXPECTED, _LONGEST_LINE).replace("\r", "\n").rstrip()
+    if not text:
         raise InputError(str(file), "an empty file", "a head and rows of numbers", _HEAD_EXAMPLE)
-    if len(rows) == 1:
+    odd = _CONTROL.search(text)
+    if odd:
+        raise InputError(
+            f"{file}, line {text.count(chr(10), 0, odd.start()) + 1}",
+            f"the control character U+{ord(odd[0]):04X}", "text", "save it as CSV in UTF-8",
+        )  # fmt: skip
+    count = text.count("\n")
+    if count == 0:
         raise InputError(
             str(file), "a head without rows", "at least one row of numbers", "add the values"
         )
+    if count > most_rows:
+        raise InputError(
+            str(file), f"{count:,} rows", f"at most {most_rows:,} rows",
+            f"keep one row of {-(-count // most_rows)}, or cut the file into parts",
+        )  # fmt: skip
+    separator = ";" if ";" in text.partition("\n")[0] else ","
+    reader = csv.reader(io.StringIO(text), delimiter=separator, strict=True)
+    rows: list[tuple[int, list[str]]] = []
+    begun = 1
+    try:
+        for cells in reader:
+            rows.append((begun, cells))
+            begun = reader.line_num + 1
+    except csv.Error as error:
+        raise InputError(
+            f"{file}, line {begun}", str(error), "a row of CSV", "check the quotes"
+        ) from None
+    while len(rows) > 1 and not any(cell.strip() for cell in rows[-1][1]):
+        rows.pop()
     return rows
 
 
@@ -71,7 +99,8 @@ def csv_head(cells: list[str], place: str) -> list[tuple[str, str | None]]:
     Raises
     ------
     InputError
-        There are too few columns, or the first is not the time with its unit.
+        There are too few columns, the first is not the time with its unit, or a name cannot be
+        printed.
 
     Examples
     --------
@@ -84,6 +113,9 @@ def csv_head(cells: list[str], place: str) -> list[tuple[str, str | None]]:
             place, ", ".join(cells)[:60], "a time and at least one signal, separated by , or ;",
             _HEAD_EXAMPLE,
         )  # fmt: skip
+    odd = next((cell for cell in cells if not cell.isprintable()), None)
+    if odd is not None:
+        raise InputError(place, odd[:60], "names that can be printed", "rename the column")
     first, unit = fields[0]
     if first.lower() != "time" or not unit:
         raise InputError(
@@ -92,23 +124,58 @@ def csv_head(cells: list[str], place: str) -> list[tuple[str, str | None]]:
     return [(name, unit) for name, unit in fields]
 
 
-def checked_width(cells: list[str], width: int, place: str) -> None:
-    """Refuse a row that has not as many cells as the head.
+def csv_numbers(
+    rows: list[tuple[int, list[str]]], names: list[str], file: Path, gap: str
+) -> np.ndarray:
+    """Return all cells below the head as numbers [rows, columns]; none is left out.
+
+    Parameters
+    ----------
+    rows : list of (line, cells)
+    names : list of str
+        Of the columns.
+    file : Path
+        For messages.
+    gap : str
+        What to do about an empty cell.
+
+    Raises
+    ------
+    InputError
+        A row has not as many cells as the head, or a cell is no finite number: line and column
+        are named.
 
     Examples
     --------
-    >>> checked_width(["0", "3"], 2, "pump.csv, line 2")
+    >>> rows = [(2, ["0", "3.5"]), (3, ["1", "4"])]
+    >>> csv_numbers(rows, ["time", "pump_1"], Path("pump.csv"), "fill the gap").tolist()
+    [[0.0, 3.5], [1.0, 4.0]]
     """
-    if len(cells) != width:
-        raise InputError(
-            place,
-            f"{len(cells)} fields",
-            f"{width} fields, as in the head",
-            "fill every column; a decimal comma has to be a point",
-        )
+    for line, cells in rows:
+        if len(cells) != len(names):
+            raise InputError(
+                f"{file}, line {line}", f"{len(cells)} fields",
+                f"{len(names)} fields, as in the head",
+                "fill every column; a decimal comma has to be a point",
+            )  # fmt: skip
+    try:
+        numbers = np.array([cells for _, cells in rows], dtype=float)
+        if np.all(np.isfinite(numbers)):
+            return numbers
+    except ValueError:
+        pass
+    return np.array(
+        [
+            [
+                float(_number_text(cell, f"{file}, line {line}, column '{name}'", gap))
+                for name, cell in zip(names, cells, strict=True)
+            ]
+            for line, cells in rows
+        ]
+    )
 
 
-def number_text(cell: str, place: str, gap: str) -> str:
+def _number_text(cell: str, place: str, gap: str) -> str:
     """Return the number in a cell as text.
 
     Parameters
@@ -126,7 +193,7 @@ def number_text(cell: str, place: str, gap: str) -> str:
 
     Examples
     --------
-    >>> number_text(" 3.50", "pump.csv, line 2, column 'pump_1'", "fill the gap")
+    >>> _number_text(" 3.50", "pump.csv, line 2, column 'pump_1'", "fill the gap")
     '3.50'
     """
     parts = split_quantity(cell)
@@ -142,16 +209,3 @@ def number_text(cell: str, place: str, gap: str) -> str:
     if not math.isfinite(float(parts[0])):
         raise InputError(place, cell.strip(), "a finite number", "replace it by a measured value")
     return parts[0]
-
-
-def _text(file: Path) -> str:
-    try:
-        return file.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            str(file), f"byte {error.start + 1} that is no UTF-8", "a text file in UTF-8",
-            "save it as CSV in UTF-8",
-        ) from None  # fmt: skip
-    except (OSError, ValueError) as error:  # ValueError: a null character in the path
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(str(file), reason.lower(), "a CSV file", "check the path") from None

@@ -47,3 +47,16 @@ give the cross-section of the tank.
         self.expected = expected
         self.remedy = remedy
         super().__init__(f"{place}: got {value!r}, expected {expected}; {remedy}.")
+
+
+def reason_of(error: OSError | ValueError) -> str:
+    """Return why a file cannot be used, in the same words in every version of Python.
+
+    Examples
+    --------
+    >>> reason_of(ValueError("embedded null byte")), reason_of(PermissionError(13, "Denied"))
+    ('a null character in its name', 'denied')
+    """
+    if isinstance(error, ValueError):  # what `open` raises for it, each version in words of its own
+        return "a null character in its name"
+    return (error.strerror or str(error)).lower()

@@ -5,11 +5,17 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
+import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import InputError, reason_of
+
+#: The ending of a file that is not whole yet.
+PART = ".part"
+#: A part of a file that is older was left by a process that was killed [s].
+_ABANDONED = 3600.0
 
 
 @contextmanager
@@ -30,7 +36,8 @@ def whole_file(path: Path) -> Iterator[Path]:
     'done'
     """
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+        remove_abandoned(path.parent, f".{path.name}.")
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=PART)
     except (OSError, ValueError) as error:  # ValueError: a null character in the path
         raise _unwritable(path, error) from None
     os.close(handle)
@@ -47,6 +54,35 @@ def whole_file(path: Path) -> Iterator[Path]:
     except BaseException:
         part.unlink(missing_ok=True)
         raise
+
+
+def remove_abandoned(folder: Path | int, beginning: str = "") -> None:
+    """Remove parts of files that processes which were killed have left in a folder.
+
+    Parameters
+    ----------
+    folder : Path or int
+        A folder, or the descriptor of one that is open.
+    beginning : str
+        Of the names of the parts.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be read.
+
+    Examples
+    --------
+    >>> remove_abandoned(Path())
+    """
+    before = time.time() - _ABANDONED
+    where = folder if isinstance(folder, int) else None
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.name.startswith(beginning) and entry.name.endswith(PART):
+                with suppress(OSError):  # another process was faster
+                    if entry.stat(follow_symlinks=False).st_mtime < before:
+                        os.unlink(entry.path, dir_fd=where)
 
 
 def write_together(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
@@ -107,10 +143,9 @@ def _put_back(folder: Path, paths: Sequence[Path]) -> Iterator[None]:
 
 
 def _unwritable(path: Path, error: OSError | ValueError) -> InputError:
-    reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     return InputError(
         "output",
         str(path),
         "a file that can be written",
-        f"choose another folder, or make room ({reason})",
+        f"choose another folder, or make room ({reason_of(error)})",
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 Kind = Literal["real", "integer", "boolean"]
@@ -23,13 +23,15 @@ class Signal:
     display_unit : str
         The unit that the reader sees; the SI unit where empty.
     low, high : float
-        The range [unit], 0 % and 100 %.
+        The range [unit]; 0 % and 100 % of a signal that is not itself in percent.
     initial : float
         Initial value of a state, nominal value of an input, value of a parameter [unit].
     kind : {"real", "integer", "boolean"}
         The type that a printed program declares.
     description : str
         One phrase for comments, axes and tables.
+    digits : int
+        Of a parameter: the significant digits that a design gives to it.
 
     Examples
     --------
@@ -46,6 +48,7 @@ class Signal:
     initial: float = 0.0
     kind: Kind = "real"
     description: str = ""
+    digits: int = field(default=6, repr=False, compare=False)
 
     @property
     def span(self) -> float:
@@ -55,6 +58,33 @@ class Signal:
         (12.0, inf)
         """
         return self.high - self.low
+
+    @property
+    def percent_scale(self) -> tuple[float, float]:
+        """The values that 0 % and 100 % of the signal stand for [unit].
+
+        Every percent of a signal is of this scale: of values, rates, gains, axes and tables. A
+        signal that is stated in percent says itself what they are, and its range may end at
+        another number; of any other signal they are the ends of its range.
+
+        >>> Signal("level", "1", display_unit="%", low=0.0, high=1.2).percent_scale
+        (0.0, 1.0)
+        >>> Signal("pump", "V", low=-2.0, high=10.0).percent_scale
+        (-2.0, 10.0)
+        """
+        if self.unit == "1" and self.display_unit == "%":
+            return 0.0, 1.0
+        return self.low, self.high
+
+    @property
+    def percent_span(self) -> float:
+        """The change [unit] that 100 % of the signal are; infinite where a limit is open.
+
+        >>> Signal("level", "1", display_unit="%", low=0.0, high=1.2).percent_span
+        1.0
+        """
+        zero, hundred = self.percent_scale
+        return hundred - zero
 
     @property
     def shown_unit(self) -> str:
@@ -67,9 +97,11 @@ class Signal:
         return self.name.replace(".", "_")
 
     def to_percent(self, value: float) -> float:
-        """Return the place of a value [unit] in the range [%]."""
-        return 100.0 * (value - self.low) / self.span
+        """Return a value [unit] in the signal's percent."""
+        zero, hundred = self.percent_scale
+        return 100.0 * (value - zero) / (hundred - zero)
 
     def from_percent(self, percent: float) -> float:
-        """Return the value [unit] at a place in the range [%]."""
-        return self.low + self.span * percent / 100.0
+        """Return the value [unit] of a signal's percent."""
+        zero, hundred = self.percent_scale
+        return zero + (hundred - zero) * percent / 100.0

@@ -54,6 +54,8 @@ _UNIT_TOKEN = re.compile(
     r" *(?:[A-Za-zµμΩ°%_][A-Za-z0-9µμΩ°_]*(?: *(?:\^|\*\*) *[-+]?[0-9](?![\w.^]| *\*\*))?"
     r"|\*(?!\*)|[/()·])"
 )
+#: What follows the whole part of "3,5 V".
+_DECIMAL_COMMA = re.compile(r",(\d+) *(.*)", re.ASCII)
 _LONGEST_TEXT = 120
 _LONGEST_UNIT = 60
 
@@ -113,6 +115,10 @@ def to_si(text: object, unit: str, place: str) -> float:
     if parts is None:
         raise InputError(place, _shortened(text), expected, example)
     number, unit_text = parts
+    decimals = _DECIMAL_COMMA.match(unit_text)
+    if decimals is not None:
+        point = f"{number}.{decimals[1]} {decimals[2]}".strip()
+        raise InputError(place, text, expected, f'write decimals with a point, as in "{point}"')
     if not math.isfinite(float(number)):
         raise InputError(place, text, f"{expected}, finite", example)
     if not unit_text and unit != "1":
@@ -126,6 +132,30 @@ def to_si(text: object, unit: str, place: str) -> float:
         return float(Fraction(number) * factor)
     except OverflowError:
         raise InputError(place, text, f"{expected}, finite", example) from None
+
+
+def with_percent_hint(remedy: str, written: object, unit: str) -> str:
+    """Return a remedy for a number that is too large, and more where it may be meant in percent.
+
+    Parameters
+    ----------
+    remedy : str
+    written : object
+        The number as the user wrote it.
+    unit : str
+        The SI unit expected.
+
+    Examples
+    --------
+    >>> with_percent_hint("stay inside the range", 50, "1")
+    'stay inside the range; 50 percent is written "50 %"'
+    >>> with_percent_hint("stay inside the range", "50 %", "1")
+    'stay inside the range'
+    """
+    number = split_quantity(str(written).strip())
+    if unit != "1" or number is None or number[1] or not 2.0 <= float(number[0]) <= 100.0:
+        return remedy
+    return f'{remedy}; {number[0]} percent is written "{number[0]} %"'
 
 
 def from_si(value: float, unit: str, display_unit: str) -> float:

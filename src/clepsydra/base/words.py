@@ -1,8 +1,9 @@
-"""Numbers in sentences."""
+"""Numbers and names in sentences."""
 
 from __future__ import annotations
 
 import math
+import unicodedata
 from collections.abc import Sequence
 
 #: Each unit of time, its length [s], and the longest time that is shown in it [s].
@@ -59,3 +60,19 @@ def listed(names: Sequence[str]) -> str:
     ('level_1', 'level_1, level_2 and level_3')
     """
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def printable(text: str) -> str:
+    r"""Return a text in which control characters are written out, so that none acts on a terminal.
+
+    Ends of lines stay.
+
+    Examples
+    --------
+    >>> print(printable("level\x1b[31m_1"))
+    level\x1b[31m_1
+    """
+    return "".join(
+        repr(each)[1:-1] if each != "\n" and unicodedata.category(each) == "Cc" else each
+        for each in text
+    )

@@ -24,7 +24,7 @@ def analyse(
     ] = None,
 ) -> None:
     """Show operating point, poles, zeros, static gain, RGA and pairing of a process."""
-    from clepsydra.cli.output import check_ending, print_json
+    from clepsydra.cli.output import check_ending, output_file, print_json
     from clepsydra.linear.analysis import analyse as analyse_process
     from clepsydra.process.reader import load_process
 
@@ -34,7 +34,7 @@ def analyse(
     if file is not None:
         from clepsydra.report.analysis_page import write_analysis_page
 
-        write_analysis_page(analysis, file)
+        write_analysis_page(analysis, output_file(file))
     if as_json:
         written = {} if file is None else {"page": str(file)}
         print_json({**analysis.as_dict(), **written})

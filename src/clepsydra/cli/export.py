@@ -15,7 +15,7 @@ from clepsydra.cli.plant_options import (
     SensorDelayOption,
     SetpointRateOption,
 )
-from clepsydra.cli.subject import SubjectArgument
+from clepsydra.cli.subject import SubjectArgument, name_of
 
 if TYPE_CHECKING:
     from clepsydra.controllers.plant_shell.settings import PlantShell
@@ -73,6 +73,7 @@ def export(
         typer.Option(
             "--controller",
             metavar="NAME",
+            callback=name_of,
             help="As the study calls it, in quotation marks; with --to fmu it may be left out: "
             "then the process itself is exported.",
         ),
@@ -106,12 +107,12 @@ def export(
 ) -> None:
     """Write a controller for the plant, printed from the program that was simulated."""
     from clepsydra.base.files import write_together
-    from clepsydra.cli.output import check_folder, print_json
+    from clepsydra.cli.output import make_folder, print_json
     from clepsydra.cli.plant_options import read_plant_shell
     from clepsydra.cli.subject import read_subject, study_of_one
     from clepsydra.study.file.request import StudyRequest
 
-    check_folder(folder)
+    make_folder(folder)
     code = (Target.st, Target.c)
     _check_fits("--dialect", dialect, target in (Target.st,), "--to st")
     _check_fits("--precision", precision, target in code, "--to st or --to c")

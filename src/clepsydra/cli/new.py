@@ -20,7 +20,9 @@ def new(
     copied: Annotated[
         str | None,
         typer.Option(
-            "--from", metavar="PROCESS", help="A process of the catalogue to copy instead."
+            "--from",
+            metavar="PROCESS[:VARIANT]",
+            help="A process of the catalogue to copy instead; a variant is written into the copy.",
         ),
     ] = None,
     study: Annotated[
@@ -103,11 +105,14 @@ def _study(named: str) -> str:
     return new_study(load_process(named), named, _template("new_study"))
 
 
-def _catalogue(name: str) -> str:
+def _catalogue(named: str) -> str:
     from clepsydra.base.errors import InputError
     from clepsydra.base.suggestion import suggestion
     from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
+    from clepsydra.process.flat_variant import flat_text
+    from clepsydra.process.variants import split_variants
 
+    name, variants = split_variants(named)
     names = catalogue_names()
     if name not in names:
         raise InputError(
@@ -116,7 +121,8 @@ def _catalogue(name: str) -> str:
             f"a process of the catalogue ({', '.join(names)})",
             suggestion(name, names, "choose one of them"),
         )
-    return catalogue_file(name).read_text(encoding="utf-8")
+    text = catalogue_file(name).read_text(encoding="utf-8")
+    return text if variants is None else flat_text(text, name, variants)
 
 
 def _renamed(text: str, name: str) -> str:

@@ -7,17 +7,23 @@ import math
 from pathlib import Path
 from typing import Any
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.errors import InputError, reason_of
 
 
-def check_folder(folder: Path) -> None:
-    """Refuse a folder that does not exist, before any work is done."""
-    if not folder.is_dir():
-        raise InputError("--output", str(folder), "a folder that exists", "make the folder first")
+def make_folder(folder: Path) -> None:
+    """Make the folder that results go to where it is missing, before any work is done."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            "--output", str(folder), "a folder, or a place for one",
+            f"choose another ({reason_of(error)})",
+        ) from None  # fmt: skip
 
 
 def output_file(path: Path) -> Path:
-    """Return the path of a file to be written; refuse that of a folder."""
+    """Return the path of a file to be written, its folder made; refuse that of a folder."""
+    make_folder(path.parent)
     if path.is_dir():
         raise InputError("--output", str(path), "the name of a file", "move that folder away")
     return path

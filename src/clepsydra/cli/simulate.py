@@ -87,13 +87,13 @@ def simulate(
     ] = Path(),
 ) -> None:
     """Simulate a process without a controller; write report and trajectories."""
-    from clepsydra.cli.output import check_folder, output_file, print_json
+    from clepsydra.cli.output import make_folder, output_file, print_json
     from clepsydra.loop.open_loop_plan import plan_simulation
     from clepsydra.loop.trajectory_file import write_trajectories
     from clepsydra.process.reader import load_process
     from clepsydra.report.simulation_page import write_simulation_page
 
-    check_folder(folder)
+    make_folder(folder)
     plant = load_process(process)
     name = f"{plant.file_stem}-simulation"
     report, data = (output_file(folder / f"{name}.{end}") for end in ("html", data_format.value))
@@ -204,6 +204,7 @@ def _document(plan: Plan, run: Simulation) -> dict[str, Any]:
             }
             for b in run.balances
         ],
+        "ended": run.end and {"time": run.end.time, "event": run.end.event},
         "substeps": run.substeps,
         "error_estimate": run.error_estimate,
         "warnings": list(plan.point.warnings),

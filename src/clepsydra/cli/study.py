@@ -33,12 +33,12 @@ def study(
     ] = None,
 ) -> None:
     """Design, tune, simulate, score and rank controllers; write report and data."""
-    from clepsydra.cli.output import check_folder, output_file, print_json
+    from clepsydra.cli.output import make_folder, output_file, print_json
     from clepsydra.cli.progress import shown_progress
     from clepsydra.cli.subject import read_subject
     from clepsydra.study.study import run_study
 
-    check_folder(folder)
+    make_folder(folder)
     request = read_subject(subject, seed)
     report, data = (
         output_file(folder / f"{request.file_stem}.{kind}") for kind in ("html", "parquet")

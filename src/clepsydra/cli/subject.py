@@ -29,6 +29,13 @@ def read_subject(subject: str, seed: int | None = None) -> Process | StudyReques
     return read_study(subject, seed=seed) if is_study_file(subject) else load_process(subject)
 
 
+def name_of(controller: str | None) -> str | None:
+    """Return the name that a controller is chosen by, of that name or the title of a table."""
+    from clepsydra.controllers.controller import plain_name
+
+    return None if controller is None else plain_name(controller)
+
+
 def study_of_one(
     request: Process | StudyRequest, name: str, seed: int | None, folder: Path, *, quiet: bool
 ) -> StudyResult:

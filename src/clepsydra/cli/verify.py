@@ -14,14 +14,19 @@ from clepsydra.cli.plant_options import (
     SensorDelayOption,
     SetpointRateOption,
 )
-from clepsydra.cli.subject import SubjectArgument
+from clepsydra.cli.subject import SubjectArgument, name_of
 
 
 def verify(
     subject: SubjectArgument,
     controller: Annotated[
         str | None,
-        typer.Option("--controller", metavar="NAME", help="One controller; every one if left out."),
+        typer.Option(
+            "--controller",
+            metavar="NAME",
+            callback=name_of,
+            help="One controller; every one if left out.",
+        ),
     ] = None,
     scans: Annotated[
         int, typer.Option(min=10_000, help="Random scans of each controller.")
@@ -44,7 +49,7 @@ def verify(
 
     Exit status: 0 all within their bounds, 1 not, 130 interrupted; run it again to go on.
     """
-    from clepsydra.cli.output import check_folder, print_json
+    from clepsydra.cli.output import make_folder, print_json
     from clepsydra.cli.plant_options import read_plant_shell
     from clepsydra.cli.progress import shown_progress
     from clepsydra.cli.subject import read_subject, study_of_one
@@ -54,7 +59,7 @@ def verify(
     from clepsydra.study.file.request import StudyRequest
     from clepsydra.study.study import run_study
 
-    check_folder(folder)
+    make_folder(folder)
     request = read_subject(subject, seed)
     settings = read_plant_shell(
         request.process if isinstance(request, StudyRequest) else request,

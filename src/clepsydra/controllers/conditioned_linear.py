@@ -253,7 +253,7 @@ def _numbers(
         rows, columns = effects[prefix]
         to, by = rows[int(row) - 1], columns[int(column) - 1]
         unit = signals.ratio_of_units(to.unit, by.unit)
-        found.append(signals.gain(name, unit, 0.0, f"effect of {by.name} on {to.name}"))
+        found.append(signals.coefficient(name, unit, f"effect of {by.name} on {to.name}"))
     return found
 
 

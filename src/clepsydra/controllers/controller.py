@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 
 from clepsydra.controllers.parameters import (
@@ -14,6 +15,31 @@ from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Program
 from clepsydra.program.reader import program_of
 from clepsydra.program.step_law import StepLaw
+
+
+def slowed_words(factor: float) -> str:
+    """Return what follows the name of a method that was slowed down; empty where it was not.
+
+    Examples
+    --------
+    >>> slowed_words(1.0), slowed_words(7.512), slowed_words(1.0004)
+    ('', ', slowed 7.51 times', ', slowed 1.0004 times')
+    """
+    if factor == 1.0:
+        return ""
+    shown = f"{factor:.3g}"
+    return f", slowed {f'{factor:.7g}' if shown == '1' else shown} times"
+
+
+def plain_name(title: str) -> str:
+    """Return the name that a title begins with.
+
+    Examples
+    --------
+    >>> plain_name("PI, SIMC, slowed 7.51 times"), plain_name("PI, SIMC")
+    ('PI, SIMC', 'PI, SIMC')
+    """
+    return re.sub(r", slowed [\d.]+ times$", "", title)
 
 
 @dataclass(frozen=True)
@@ -52,6 +78,9 @@ class Controller:
     free_outputs : tuple of str
         Outputs of the law that no signal of the process takes: a watchdog, say. In a loop it is
         "controller." + its name.
+    slowed : float
+        How many times slower than its method asked for it is, so that its loops bear each other;
+        1 where it is as the method has it.
 
     Raises
     ------
@@ -86,6 +115,7 @@ class Controller:
     notes: tuple[str, ...] = ()
     free_inputs: dict[str, float] = field(default_factory=dict)
     free_outputs: tuple[str, ...] = ()
+    slowed: float = 1.0
 
     def __post_init__(self) -> None:
         check_parameters(self.law, self.values, self.name)
@@ -101,6 +131,23 @@ class Controller:
             free=self.free_inputs,
             free_outputs=self.free_outputs,
         )
+
+    @property
+    def title(self) -> str:
+        """The name, with how much its method was slowed down: what stands where it is judged.
+
+        The name alone is what it is chosen by.
+
+        Examples
+        --------
+        >>> from clepsydra.design.ziegler_nichols import design_ziegler_nichols
+        >>> from clepsydra.linear.analysis import analyse
+        >>> from clepsydra.process.reader import load_process
+        >>> analysis = analyse(load_process("three-tanks"))
+        >>> design_ziegler_nichols(analysis.model, analysis.pairing).title
+        'PI, Ziegler-Nichols, slowed 1.98 times'
+        """
+        return self.name + slowed_words(self.slowed)
 
     @property
     def input_wires(self) -> dict[str, str]:

@@ -19,6 +19,7 @@ from clepsydra.controllers.blocks.validity import (
     is_time_step,
     value_or_zero,
 )
+from clepsydra.controllers.blocks.variable_structure import cut_off
 from clepsydra.controllers.linearised_process import Evaluated, LinearisedProcess
 from clepsydra.controllers.observers.model_observer import ModelObserver
 from clepsydra.controllers.virtual_input import (
@@ -278,10 +279,13 @@ class _Law:
     ) -> list[Applied]:
         """Return for each virtual input what became of it."""
         moved = [element.manipulated for element in elements]
-        cut = [value != element for value, element in zip(unlimited, moved, strict=True)]
         limits = [
             (symbols[f"low_limit_{i}"], symbols[f"high_limit_{i}"])
             for i in range(1, len(moved) + 1)
+        ]
+        cut = [
+            cut_off(value, element, low, high)
+            for value, element, (low, high) in zip(unlimited, moved, limits, strict=True)
         ]
         reached = process.through(moved)
         middle = process.through([0.5 * (low + high) for low, high in limits])

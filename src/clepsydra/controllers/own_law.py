@@ -10,6 +10,7 @@ from typing import Any
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
+from clepsydra.base.input_file import read_input
 from clepsydra.base.signal import Signal
 from clepsydra.base.user_code import line_of, run_user_code, shortened, words_of
 from clepsydra.controllers.own_signals import OwnSignals
@@ -54,15 +55,7 @@ with a step law; check the path.
     """
     require_type(path, (str, Path), "law", "the path of a Python file", "give it as text or Path")
     file = Path(path)
-    try:
-        content = file.read_bytes()
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        missing = isinstance(error, FileNotFoundError)
-        raise InputError(
-            str(path), "no such file" if missing else reason, "a Python file with a step law",
-            "check the path" if missing else "see why it cannot be read",
-        ) from None  # fmt: skip
+    content = read_input(file, "a Python file with a step law", inside="the .py file")
     file = file.resolve()
     module = run_user_code(file, content, "own_law")
     law = getattr(module, "law", None)

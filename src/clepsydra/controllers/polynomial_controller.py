@@ -204,19 +204,19 @@ class IncrementalLoop:
             f"gain on the difference of {{}} between {{}} and {{}} samples ago, to {u.name}"
         )
         error = f"gain on the error of {y.name} in each sample, to {u.name}"
-        found = [signals.gain(f"reference_gain_{i}", unit, 0.0, error)]
+        found = [signals.coefficient(f"reference_gain_{i}", unit, error)]
         shown = y.name if self.what == "measurement" else f"the {self.what} of {y.name}"
         for stem, count, of in (
             ("measurement_gain", self.shape.measurement_gains, shown),
             ("setpoint_gain", self.shape.setpoint_gains, f"the setpoint of {y.name}"),
         ):
             found += [
-                signals.gain(f"{stem}_{i}_{j}", unit, 0.0, difference.format(of, j - 1, j))
+                signals.coefficient(f"{stem}_{i}_{j}", unit, difference.format(of, j - 1, j))
                 for j in range(1, count + 1)
             ]
         found += [
-            signals.gain(
-                f"increment_gain_{i}_{j}", "1", 0.0, f"gain on the move of {u.name} {j} samples ago"
+            signals.coefficient(
+                f"increment_gain_{i}_{j}", "1", f"gain on the move of {u.name} {j} samples ago"
             )
             for j in range(1, self.shape.increment_gains + 1)
         ]

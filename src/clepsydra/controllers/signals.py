@@ -255,6 +255,20 @@ def gain(name: str, unit: str, initial: float, description: str) -> Signal:
     )
 
 
+def coefficient(name: str, unit: str, description: str) -> Signal:
+    """Return a number of a polynomial or a matrix from one sample to the next.
+
+    Where a process is sampled often its poles stand near one, and six digits of such a number
+    are fewer of a pole.
+
+    Examples
+    --------
+    >>> coefficient("transition_1_1", "1", "effect of memory 1 on itself").digits
+    9
+    """
+    return replace(gain(name, unit, 0.0, description), digits=9)
+
+
 def size(name: str, unit: str, description: str) -> Signal:
     """Return a parameter above zero that is divided by or squared: a largest error, a noise.
 

@@ -192,14 +192,16 @@ class _PredictedLoop:
         i, y, u = self.number, self.measured, self.moved
         per_input = signals.ratio_of_units(y.unit, u.unit)
         found = [
-            signals.gain(f"model_gain_{i}", per_input, 0.0, f"what {u.name} adds in a sample"),
+            signals.coefficient(f"model_gain_{i}", per_input, f"what {u.name} adds in a sample"),
             *(
-                signals.gain(f"model_feedback_{i}_{j}", "1", 0.0, f"a{j} of the model of {y.name}")
+                signals.coefficient(
+                    f"model_feedback_{i}_{j}", "1", f"a{j} of the model of {y.name}"
+                )
                 for j in range(1, self.shape.order + 1)
             ),
             *(
-                signals.gain(
-                    f"model_share_{i}_{j}", "1", 0.0, f"b{j} / B(1) of the model of {y.name}"
+                signals.coefficient(
+                    f"model_share_{i}_{j}", "1", f"b{j} / B(1) of the model of {y.name}"
                 )
                 for j in range(1, self.shape.tail + 1)
             ),

@@ -13,7 +13,11 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.blocks.validity import is_number, is_time_step
-from clepsydra.controllers.blocks.variable_structure import share_of_excess, variable_structure
+from clepsydra.controllers.blocks.variable_structure import (
+    cut_off,
+    share_of_excess,
+    variable_structure,
+)
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.block import Closed, Opened
 from clepsydra.controllers.structure.law import structure_law
@@ -100,12 +104,15 @@ class VariableStructureBlock(PidBlock):
 
         def close(applied: Sequence[Applied]) -> Closed:
             closed, (result,) = opened.close(applied), applied
+            low, high = limits[0].low, limits[0].high
+            unlimited = closed.named[f"unlimited_{self.number}"]
             following = variable_structure(
                 closed.named[f"integral_used_{self.number}"],
                 closed.named[f"increment_{self.number}"],
-                closed.named[f"unlimited_{self.number}"],
+                unlimited,
                 result.value,
-                0.5 * (limits[0].low + limits[0].high),
+                cut_off(unlimited, result.value, low, high),
+                0.5 * (low + high),
                 share_of_excess(symbols[f"saturation_rate_{self.number}"], time_step),
             )
             own = ca.logic_and(result.in_force, is_number(following))

@@ -75,7 +75,7 @@ class Applied:
     virtual : casadi.SX
         L + E u with the inputs that were applied; the virtual input itself where all were.
     cut : casadi.SX
-        Whether an input that it acts through was not applied as asked.
+        Whether an input that it acts through was not applied as asked, or stands at a limit.
     middle, low, high : casadi.SX
         L + E u with the inputs half-way between their limits, and with its own input at the
         limits that make it lowest and highest.
@@ -316,11 +316,11 @@ class VirtualInput:
             return back_calculation(*asked, share)
         if self.alpha_on == "virtual":
             share = share_of_excess(symbols[self._named("saturation_rate")], time_step)
-            return variable_structure(*asked, applied.middle, share)
+            return variable_structure(*asked, applied.cut, applied.middle, share)
         # α takes back in proportion to the excess of the input, but never more than there is.
         excess = virtual - limited
         size = ca.fabs(symbols[self._named("saturation_feedback")] * applied.input_excess)
         taken = ca.fmin(size * time_step, ca.fabs(excess))
         back = ca.if_else(excess < 0, -taken, taken)
-        winds = winds_up(increment, virtual, limited, applied.middle)
+        winds = winds_up(increment, virtual, applied.cut, applied.middle)
         return ca.if_else(winds, integral - back, integral + increment)

@@ -169,8 +169,8 @@ def export_c(ready: Exportable, *, precision: Precision = "double") -> ExportedF
             printed.source_name: printed.source.encode(),
         },
         _facts(ready, precision=precision),
-        f"compile {printed.source_name} with -ffp-contract=off; call {name}_initialise and "
-        f"{name}_default_parameters once and {name}_step every "
+        f"compile {printed.source_name}; call {name}_initialise, {name}_default_parameters and "
+        f"{name}_default_inputs once and {name}_step every "
         f"{ready.process.sampling_period:g} s.",
     )
 
@@ -198,7 +198,8 @@ def export_controller_fmu(ready: Exportable, *, version: FmiVersion = "3.0") -> 
     return ExportedFiles(
         {f"{name}.fmu": _fmu(model, version)},
         _facts(ready, fmi=version),
-        f"import {name}.fmu with a communication step of {ready.process.sampling_period:g} s.",
+        f"import {name}.fmu with a communication step of {ready.process.sampling_period:g} s, "
+        "which is its time_step; until sensors and modes are set too it stands at fail-safe.",
     )
 
 

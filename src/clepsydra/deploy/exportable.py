@@ -77,7 +77,7 @@ def exportable(
     shelled = with_plant_shell(controller, process.sampling_period, settings)
     program = _at_rest(shelled, point)
     origin = Origin(
-        subject=controller.name,
+        subject=controller.title,
         process=described(process),
         design=controller.design,
         sampling_period=process.sampling_period,
@@ -114,11 +114,10 @@ def described(process: Process) -> str:
 
 
 def _at_rest(controller: Controller, point: OperatingPoint) -> Program:
-    """Return the program of a block that is in manual and at rest until it is wired."""
+    """Return the program whose setpoints and outputs start where the process rests."""
     program = controller.program()
-    inputs = _inputs_at_rest(controller, point)
-    inputs |= {s.name: 0.0 for s in program.inputs if s.name.startswith("mode_")}
-    inputs["time_step"] = point.process.sampling_period
+    at = point.as_dict()
+    setpoints = {f"setpoint_{j}": at[name] for j, name in enumerate(controller.setpoints, start=1)}
     begins = controller.initial_state
     outputs = tuple(
         replace(signal, initial=begins.get(f"last_output_{number}", signal.initial))
@@ -127,23 +126,7 @@ def _at_rest(controller: Controller, point: OperatingPoint) -> Program:
         for signal in program.outputs
         for kind, _, number in [signal.name.rpartition("_")]
     )
-    return replace(with_defaults(program, inputs), outputs=outputs)
-
-
-def _inputs_at_rest(controller: Controller, point: OperatingPoint) -> dict[str, float]:
-    """Return setpoints, measurements and values of the other modes where the process rests."""
-    at = point.as_dict()
-    wired = {
-        "measurement": controller.measurements,
-        "setpoint": controller.setpoints,
-        "manual": controller.manipulated,
-        "tracking": controller.manipulated,
-    }
-    return {
-        f"{what}_{number}": at[name]
-        for what, names in wired.items()
-        for number, name in enumerate(names, start=1)
-    }
+    return replace(with_defaults(program, setpoints), outputs=outputs)
 
 
 def _sources(controller: Controller, program: Program) -> dict[str, str]:

@@ -222,6 +222,7 @@ def weighed_lqi(
             f"{found.peak:.2f}."
         ),
         notes=(*controller.notes, *note_on_slowing(found, "the regulator")),
+        slowed=found.factor,
     )
     weights = bryson_weights(model, *asked.sizes(), asked.horizon)
     return WeighedLqi(controller, model, weights, asked.horizon)

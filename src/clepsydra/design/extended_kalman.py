@@ -21,12 +21,13 @@ from clepsydra.controllers.process_equations import (
     ProcessEquations,
     process_equations,
 )
-from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.bryson import (
     acceptable_deviations,
     refuse_more_inputs,
     slowest_time_constant,
 )
+from clepsydra.design.designed_values import designed_values, rounded_symmetric
 from clepsydra.design.kalman import Noise, input_variances, kalman_gain, process_noise
 from clepsydra.design.loops.control_authority import check_ranges
 from clepsydra.design.sampled.sampled_process import held_over
@@ -164,7 +165,7 @@ def design_lqi_extended_kalman(
     values |= gain_values(gains) | output_values(
         equations, [asked.horizon] * len(model.inputs), anti_windup
     )
-    check_designed(law, values, NAME)
+    values = designed_values(law, values, equations.point, NAME)
     slowest = [
         slowest_time_constant(each, period)
         for each in (gains.eigenvalues, found_filter.estimation.error_poles)
@@ -187,6 +188,7 @@ def design_lqi_extended_kalman(
         setpoints=model.outputs,
         manipulated=model.inputs,
         notes=(*notes_on_filter(found_filter), *note_on_slowing(found, "the regulator")),
+        slowed=found.factor,
     )
 
 
@@ -254,6 +256,7 @@ def extended_kalman(
     deviations = np.sqrt(np.diag(noise.measurement))
     values |= {f"sensor_noise_{k}": float(value) for k, value in enumerate(deviations, start=1)}
     estimation, covariance = _stationary(observed, acting, equations, moves, sizes, loads, noise)
+    covariance = rounded_symmetric(covariance)
     states = equations.states
     memory = {f"estimate_{j}": at[name] for j, name in enumerate(states, start=1)}
     memory |= {

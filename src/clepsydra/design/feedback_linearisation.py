@@ -20,7 +20,8 @@ from clepsydra.controllers.virtual_input import (
     VirtualAntiWindup,
     check_virtual_anti_windup,
 )
-from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.designed_values import designed_values
 from clepsydra.design.kalman import kalman_gain, process_noise
 from clepsydra.design.loops.control_authority import (
     DESIGN_STEP,
@@ -157,6 +158,7 @@ every 78.4 s (a zero at +0.0128 rad/s).
 
     blank = [1.0] * len(model.outputs)
     notes: tuple[str, ...] = ()
+    slowed = 1.0
     if settings is not None:
         chosen, words = (
             checked_settings(settings, model.outputs, linearised.degrees, METHOD),
@@ -176,7 +178,8 @@ every 78.4 s (a zero at +0.0128 rad/s).
             found = slow_down(
                 lambda factor: designed(_settings(times, factor, linearised), blank), peak, METHOD
             )
-            times = [found.factor * time for time in times]
+            slowed = found.factor
+            times = [slowed * time for time in times]
             notes = note_on_slowing(found, "every output")
         chosen = _settings(times, 1.0, linearised)
         words = "time constants " + ", ".join(
@@ -198,6 +201,7 @@ every 78.4 s (a zero at +0.0128 rad/s).
         designed(chosen, rates),
         design=f"Input-output linearisation, relative degree {degrees}; {words}.",
         notes=(found_words, *_notes(linearised, observer, controller), *notes),
+        slowed=slowed,
     )
 
 
@@ -242,7 +246,7 @@ def feedback_linearisation_controller(
     >>> model = analyse(load_process("three-tanks")).model
     >>> controller = feedback_linearisation_controller(
     ...     model, relative_degree(model), [settings_for(30.0, 3)], anti_windup="none", rates=[1])
-    >>> round(controller.values["virtual_integral_gain_1"] * 30**4, 9)
+    >>> round(controller.values["virtual_integral_gain_1"] * 30**4, 5)
     1.0
     """
     point = operating_point_of(model)
@@ -261,8 +265,8 @@ def feedback_linearisation_controller(
     if observer is not None and correction is not None:
         values |= observer.values(correction)
     state: dict[str, float] = {}
-    for j, name in enumerate(model.outputs):
-        place, chosen = j + 1, settings[j]
+    for j, chosen in enumerate(settings):
+        place = j + 1
         values |= {
             f"virtual_gain_{place}": chosen.gain,
             f"virtual_integral_gain_{place}": chosen.integral_gain,
@@ -275,16 +279,18 @@ def feedback_linearisation_controller(
             values[f"{what}_{place}"] = float(rates[j])
         if anti_windup == "back_calculation":
             values[f"tracking_time_{place}"] = 1.0 / rates[j]
-        # At rest ν is zero: the integral holds what the setpoint weight leaves.
-        state[f"virtual_integral_{place}"] = chosen.gain * (1.0 - chosen.setpoint_weight) * at[name]
-        state[f"was_in_force_{place}"] = 1.0
     for i, name in enumerate(model.inputs, start=1):
         signal = process.signal(name)
         values |= {f"low_limit_{i}": signal.low, f"high_limit_{i}": signal.high}
         state[f"last_output_{i}"] = at[name]
     if observer is not None:
         state |= {f"estimate_{k}": at[name] for k, name in enumerate(observer.estimated, start=1)}
-    check_designed(law, values, METHOD)
+    values = designed_values(law, values, operating_point_of(model), METHOD)
+    for place, name in enumerate(model.outputs, start=1):
+        # At rest ν is zero: the integral holds what the setpoint weight leaves.
+        left = 1.0 - values[f"setpoint_weight_{place}"]
+        state[f"virtual_integral_{place}"] = values[f"virtual_gain_{place}"] * left * at[name]
+        state[f"was_in_force_{place}"] = 1.0
     return Controller(
         name=NAME,
         family=FAMILY,

@@ -20,7 +20,8 @@ from clepsydra.controllers.fuzzy.membership import (
 )
 from clepsydra.controllers.fuzzy.rule import Rule, rule_table
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
-from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.designed_values import designed_values
 from clepsydra.design.loops.pairing import Pairing
 from clepsydra.design.request import in_shown_unit, positive_number
 from clepsydra.design.simc import design_simc
@@ -209,7 +210,7 @@ def design_fuzzy_pi(
             f"low_limit_{i}": output.low,
             f"high_limit_{i}": output.high,
         }
-    check_designed(law, values, METHOD)
+    values = designed_values(law, values, operating_point_of(model), METHOD)
     inputs = {f"setpoint_{i}": at[name] for i, name in enumerate(linear.setpoints, 1)}
     inputs |= {f"measurement_{i}": at[name] for i, name in enumerate(linear.measurements, 1)}
     inputs |= {f"tracking_{i}": at[name] for i, name in enumerate(linear.manipulated, 1)}

@@ -13,8 +13,9 @@ from clepsydra.controllers.blocks.schedule import Schedule
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.gain_scheduling import FAMILY, scheduled_law, scheduled_lqi_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.design.applicability import NotApplicable, check_designed, reasons_about
+from clepsydra.design.applicability import NotApplicable, reasons_about
 from clepsydra.design.bryson import acceptable_deviations, design_lqi
+from clepsydra.design.designed_values import designed_values
 from clepsydra.design.loops.detuning import Detuned, detune
 from clepsydra.design.loops.law_settings import law_settings
 from clepsydra.design.loops.multiloop import MultiloopPid, PairedLoop, checked_form
@@ -288,7 +289,7 @@ def _designed(
         values[f"schedule_point_{k}"] = point.place
         values |= {f"{name}_at_{k}": point.values[name] for name in names}
     values["schedule_filter_time"] = _filter_time(plan, process.sampling_period)
-    check_designed(law, values, scheduled.method)
+    values = designed_values(law, values, operating_point_of(model), scheduled.method)
     at = operating_point_of(model).as_dict()
     rest = {f"setpoint_{j}": at[name] for j, name in enumerate(plain.setpoints, start=1)}
     rest |= {f"measurement_{j}": at[name] for j, name in enumerate(plain.measurements, start=1)}
@@ -313,6 +314,7 @@ def _designed(
             f"{_listed(names)} follow {over} by tables; a change of them alone moves no output.",
             *peaks_elsewhere(model, scheduled, over, plan),
         ),
+        slowed=plain.slowed,
     )
 
 

@@ -32,10 +32,9 @@ class GainUnits:
     unit : str
         "V/m"; empty for a share per share.
     percent_gain : float
-        \\|K| in percent of the input's range per percent of the measurement's range [%/%].
+        \\|K| in percent of the input per percent of the measurement, `Signal.percent_scale` [%/%].
     proportional_band : float
-        100 / percent_gain [%]: the share of the measurement's range that moves the input
-        through all of its range.
+        100 / percent_gain [%]: how far the measurement moves to move the input by 100 %.
     action : {"reverse", "direct"}
         Whether the input rises or falls when the measurement falls.
     integral_time, derivative_time : float
@@ -80,7 +79,7 @@ def gain_units(settings: PidSettings, measurement: Signal, manipulated: Signal) 
     ----------
     settings : PidSettings
     measurement, manipulated : Signal
-        Both with a finite range.
+        Both with a finite range, or in percent.
 
     Raises
     ------
@@ -135,7 +134,9 @@ def unit_of_gain(measurement: Signal, manipulated: Signal) -> str:
 
 
 def percent_gain(gain: float, measurement: Signal, manipulated: Signal) -> float:
-    """Return a gain in percent of range per percent of range, signed [%/%].
+    """Return a gain in percent of one signal per percent of the other, signed [%/%].
+
+    Percent are those of each signal, `Signal.percent_scale`.
 
     Examples
     --------
@@ -221,14 +222,14 @@ def _check(settings: PidSettings) -> None:
 
 
 def has_range(signal: Signal) -> bool:
-    """Return whether a signal has the finite range that percent are of.
+    """Return whether a signal has the finite scale that percent are of.
 
     Examples
     --------
     >>> has_range(Signal("level", "m", low=0.0, high=5.0)), has_range(Signal("level", "m"))
     (True, False)
     """
-    return math.isfinite(signal.span) and signal.span > 0.0
+    return math.isfinite(signal.percent_span) and signal.percent_span > 0.0
 
 
 def _span(signal: Signal) -> float:
@@ -239,4 +240,4 @@ def _span(signal: Signal) -> float:
             "a finite range with its low end below its high end",
             "give the signal a range",
         )
-    return signal.span
+    return signal.percent_span

@@ -12,7 +12,8 @@ from clepsydra.controllers.conditioned_linear import FAMILY, conditioned_linear_
 from clepsydra.controllers.conditioned_linear import MOST_STATES as MOST_STATES_OF_A_LAW
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
-from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.designed_values import designed_values
 from clepsydra.design.loop_shaping.conditioning import conditioned_matrices
 from clepsydra.design.loop_shaping.coprime_factors import METHOD, CoprimeFactors, coprime_factors
 from clepsydra.design.loop_shaping.order_reduction import reduced_plant
@@ -206,7 +207,7 @@ def _controller(model: LinearModel, plant: ShapedPlant, robust: RobustController
             f"high_limit_{i}": signal.high,
         }
         initial |= {f"integral_{i}": 0.0, f"last_output_{i}": at[name]}
-    check_designed(law, values, METHOD)
+    values = designed_values(law, values, point, METHOD)
     return Controller(
         name=f"{METHOD} on {shaping.name}",
         family=FAMILY,
@@ -217,6 +218,7 @@ def _controller(model: LinearModel, plant: ShapedPlant, robust: RobustController
         measurements=shaping.outputs,
         setpoints=shaping.outputs,
         manipulated=shaping.inputs,
+        slowed=shaping.slowed,
     )
 
 

@@ -132,6 +132,7 @@ def design_lqr(
             f"sensitivity peak {found.peak:.2f}."
         ),
         notes=(*controller.notes, *note_on_slowing(found, "the regulator")),
+        slowed=found.factor,
     )
 
 

@@ -132,4 +132,5 @@ def design_lqi_kalman(
             f"sensitivity peak {found.peak:.2f}."
         ),
         notes=(*controller.notes, *note_on_slowing(found, "the regulator")),
+        slowed=found.factor,
     )

@@ -183,6 +183,7 @@ def design_pole_placement(
         design=_in_words(request.slower(found.factor), observed, regulator_poles, estimation)
         + f", sensitivity peak {found.peak:.2f}.",
         notes=(*controller.notes, *slowed, *_note_on_peak(found.peak)),
+        slowed=found.factor,
     )
 
 

@@ -16,13 +16,14 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.observers.measured_state import MeasuredState, StateSource
 from clepsydra.controllers.process_equations import ProcessEquations, process_equations
 from clepsydra.controllers.recomputed_lqi import FAMILY, recomputed_lqi_law
-from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.bryson import (
     acceptable_deviations,
     refuse_more_inputs,
     slowest_time_constant,
     tracking_times,
 )
+from clepsydra.design.designed_values import designed_values, rounded_numbers, rounded_symmetric
 from clepsydra.design.extended_kalman import (
     FoundFilter,
     acting_model,
@@ -205,6 +206,7 @@ def design_recomputed_lqi(
             "Its gains are states, which start at those of the operating point.",
             *note_on_slowing(found, "the regulator"),
         ),
+        slowed=found.factor,
     )
 
 
@@ -265,18 +267,18 @@ def recomputed_lqi_controller(
     values |= output_values(equations, tracking_times, anti_windup)
     initial = {parameter.name: parameter.initial for parameter in law.parameters}
     values |= {name: value for name, value in initial.items() if name.startswith("model_")}
-    state = output_state(equations) | gain_values(stationary.gains)
+    found = gain_values(stationary.gains)
+    gains = [entry for entry in law.state if isinstance(entry, Signal) and entry.name in found]
+    state = output_state(equations) | rounded_numbers(gains, found, equations.point)
     at = equations.point.as_dict()
     state |= {f"filtered_input_{i}": at[name] for i, name in enumerate(equations.inputs, start=1)}
     if found_filter is not None:
         values |= found_filter.values
         state |= found_filter.state
-    check_designed(law, values, NAME)
-    size = len(stationary.cost)
+    values = designed_values(law, values, equations.point, NAME)
+    size, cost = len(stationary.cost), rounded_symmetric(stationary.cost)
     state |= {
-        f"cost_{j + 1}_{k + 1}": float(stationary.cost[j, k])
-        for j in range(size)
-        for k in range(j, size)
+        f"cost_{j + 1}_{k + 1}": float(cost[j, k]) for j in range(size) for k in range(j, size)
     }
     return Controller(
         name=NAME,

@@ -10,7 +10,8 @@ from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.controllers.start_stop_levels import FAMILY, start_stop_law
-from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.designed_values import designed_values
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
@@ -115,7 +116,7 @@ class _Station:
         for i, pump in enumerate(self.pumps, start=1):
             values |= {f"running_value_{i}": pump.high, f"stopped_value_{i}": pump.low}
             values |= {f"low_limit_{i}": pump.low, f"high_limit_{i}": pump.high}
-        check_designed(law, values, METHOD)
+        values = designed_values(law, values, self.point, METHOD)
         at = self.point.as_dict()
         resting = {f"tracking_{i}": pump.low for i, pump in enumerate(self.pumps, start=1)}
         return Controller(

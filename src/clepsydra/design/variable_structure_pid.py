@@ -14,7 +14,7 @@ from clepsydra.controllers.variable_structure_pid import (
     variable_structure_form,
     variable_structure_pid_law,
 )
-from clepsydra.design.applicability import check_designed
+from clepsydra.design.designed_values import designed_values
 from clepsydra.design.loops.detuning import as_given
 from clepsydra.design.loops.multiloop import MultiloopPid, checked_form
 from clepsydra.design.loops.pairing import Pairing
@@ -137,7 +137,7 @@ def with_variable_structure(
     values = base.values | {
         f"saturation_rate_{number}": float(rate) for number, rate in enumerate(rates, start=1)
     }
-    check_designed(law, values, METHOD)
+    values = designed_values(law, values, operating_point_of(model), METHOD)
     return dataclasses.replace(
         base,
         name=f"{form.actions}, variable structure",

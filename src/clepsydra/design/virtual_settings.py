@@ -10,6 +10,7 @@ import numpy as np
 
 from clepsydra.base.arguments import sequence_of
 from clepsydra.base.errors import InputError
+from clepsydra.base.rounding import rounded
 from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.design.request import positive_number
 from clepsydra.design.sampled.setpoint_response import settled_after
@@ -99,7 +100,8 @@ def settling_time(settings: VirtualSettings, degree: int) -> float:
     numerator[:2] = settings.integral_gain, settings.setpoint_weight * settings.gain
     driven = np.zeros(order)
     driven[-1] = 1.0
-    period = _FINE / float(np.max(np.abs(np.linalg.eigvals(A))))
+    # Equal poles are known to a few digits only, and the time is a whole number of periods.
+    period = rounded(_FINE / float(np.max(np.abs(np.linalg.eigvals(A)))), 2)
     step = expm(np.block([[A, driven[:, None]], [np.zeros((1, order + 1))]]) * period)
     return settled_after(step[:-1, :-1], step[:-1, -1], numerator, period)
 

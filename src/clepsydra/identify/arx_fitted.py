@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.identify.arx_with_rest import fit_arx_with_rest
+from clepsydra.identify.arx_with_rest import ArxWithRest, fit_arx_with_rest, longest_delay
 from clepsydra.identify.estimate import Estimate, around, ratio_signal
 from clepsydra.identify.fitted_model import FittedModel
+from clepsydra.identify.input_effect import chance_of_no_effect
+from clepsydra.identify.noise_model import NoiseModel
 from clepsydra.identify.record import Record
-from clepsydra.identify.residual_tests import residual_tests
+from clepsydra.identify.residual_tests import basis_of, residual_tests
 from clepsydra.identify.uncertainty import uncertainty
 from clepsydra.identify.validation import fit_percent
 
@@ -44,7 +46,7 @@ def arx_model(record: Record, manipulated: str, output: str) -> FittedModel:
     count = record.held_back
     fit = fit_arx_with_rest(u[:count], y[:count], record.period)
     rows = len(fit.residuals)
-    tests = residual_tests(fit.residuals, fit.jacobian, u[count - rows : count, None])
+    tests = residual_tests(fit.residuals, fit.jacobian, u[count - rows : count, None], fit.rounding)
     sure = uncertainty(fit.jacobian, fit.residuals, [tests.noise])
     order, model = fit.model.order, fit.model
     moved, measured = record.signal(manipulated, "input"), record.signal(output, "output")
@@ -79,11 +81,25 @@ def arx_model(record: Record, manipulated: str, output: str) -> FittedModel:
         estimates=tuple(estimates),
         parameters=2 * order + 1,
         simulated=simulated,
+        alone=np.full(len(y), rest),
         residuals=fit.residuals,
         tests=tests,
         widening=sure.widening,
         fit=fit_percent(y[:count], simulated[:count], rest),
         validated=fit_percent(y[count:], simulated[count:], rest),
+        chance=_chance(fit, y[count - rows : count], tests.noise, longest_delay(count) + 1),
         settings=None,
         remarks=tuple(remarks),
     )
+
+
+def _chance(fit: ArxWithRest, y: np.ndarray, noise: NoiseModel | None, tried: int) -> float:
+    """Return the probability that an input without effect does as well, at the best of delays."""
+    order = fit.model.order
+    by_itself = basis_of(np.delete(fit.jacobian, np.s_[order : 2 * order], axis=1))
+    chance = chance_of_no_effect(
+        y - by_itself @ (by_itself.T @ y), fit.residuals, further=order, parameters=2 * order + 1,
+        noise=noise,
+        rounding=fit.rounding,
+    )  # fmt: skip
+    return min(1.0, tried * chance)

@@ -42,6 +42,13 @@ class ArxWithRest:
     residuals: np.ndarray
     jacobian: np.ndarray
 
+    @property
+    def rounding(self) -> float:
+        """How far the arithmetic may be off in a predicted sample."""
+        terms = np.array([*self.model.denominator, *self.model.numerator, self.constant])
+        size = float(np.max(np.abs(self.jacobian) @ np.abs(terms)))
+        return len(self.residuals) * float(np.finfo(float).eps) * size
+
     def simulated(self, signal: np.ndarray, output: np.ndarray) -> np.ndarray:
         """Return the output [N] that follows from the input and from the first n outputs."""
         from scipy.signal import lfilter, lfiltic
@@ -85,7 +92,7 @@ def fit_arx_with_rest(signal: np.ndarray, output: np.ndarray, period: float) -> 
     >>> fit.model.in_words(), round(fit.constant, 6)
     ('(0.2 z^-1) / (1 − 0.9 z^-1) z^-4', 0.6)
     """
-    longest = min(_MOST, int(_LATEST * len(signal)))
+    longest = longest_delay(len(signal))
     first = max(_ORDERS) + longest
     best, lowest = None, math.inf
     spread = float(np.var(output)) * (len(signal) - first)
@@ -108,6 +115,17 @@ def fit_arx_with_rest(signal: np.ndarray, output: np.ndarray, period: float) -> 
         )  # fmt: skip
     order, delay = best
     return arx_with_rest(signal, output, order=order, delay=delay, period=period)
+
+
+def longest_delay(samples: int) -> int:
+    """Return the longest delay that is tried on a record of so many samples [samples].
+
+    Examples
+    --------
+    >>> longest_delay(120), longest_delay(5000)
+    (24, 60)
+    """
+    return min(_MOST, int(_LATEST * samples))
 
 
 def arx_with_rest(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,16 +11,18 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text
 from clepsydra.identify.arx_fitted import arx_model
-from clepsydra.identify.fitted_model import FittedModel
+from clepsydra.identify.fitted_model import OUTWEIGHED, FittedModel
+from clepsydra.identify.ranking import RANKING_RULE, ranked
 from clepsydra.identify.record import Record
 from clepsydra.identify.structures import STRUCTURES
 from clepsydra.identify.transfer_model import transfer_model
-from clepsydra.identify.validation import EQUAL, RANKING_RULE, USEFUL
+from clepsydra.identify.validation import USEFUL
 
 #: What moves by less than this share stands still.
 _STILL = 1e-9
 #: A column with no more different values than this share of the rows moves in steps, as inputs do.
 _STEPS = 0.1
+_FAILS = "its residuals are still correlated with the input"
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,24 +54,21 @@ class Identification:
 
     @property
     def best(self) -> FittedModel:
-        """The model to use."""
+        """The first of the models: the one to use, unless its `doubt` says not to."""
         return self.models[0]
 
     @property
     def for_control(self) -> FittedModel | None:
         """The best model that settings follow from; None where none is useful."""
-        fitting = [m for m in self.models if m.settings is not None and m.validated >= USEFUL]
+        fitting = [m for m in self.models if m.settings is not None and m.doubt is None]
         return fitting[0] if fitting else None
 
     @property
     def verdict(self) -> str:
         """Which model to use, and how well it tells the held-back third, in words."""
         best = self.best
-        if best.validated < USEFUL:
-            return (
-                f"Use none of these models: on the held-back third the best, {best.name}, is "
-                "hardly better than a constant."
-            )
+        if best.doubt is not None:
+            return f"Use none of these models: {self._untold()}."
         told = ": ".join(filter(None, [best.name, _told(best)]))
         words = f"Use {told}. It explains {best.validated:.1f} % of the "
         words += f"held-back third of {self.output.name}"
@@ -78,9 +76,21 @@ class Identification:
         if ahead is not best and ahead.validated > best.validated:
             more = ahead.validated - best.validated
             points = "less than a tenth of a point" if more < 0.1 else f"{more:.1f} points"
-            why = "with more parameters" if ahead.is_told else f"but {ahead.remarks[0]}"
-            words += f"; {ahead.name} explains {points} more, {why}"
-        return words + "."
+            words += f"; {ahead.name} explains {points} more, {_against(ahead, best)}"
+        words += "."
+        if not best.tests.independent:
+            words += f" Its residuals are {best.tests.words}."
+        return words
+
+    def _untold(self) -> str:
+        """Return why no model is to be used."""
+        best, moved, output = self.best, self.manipulated.name, self.output.name
+        if not any(model.validated >= USEFUL for model in self.models):
+            return f"on the held-back third the best, {best.name}, is hardly better than a constant"
+        words = f"the record does not tell what {moved} does to {output}"
+        if any(model.doubt == OUTWEIGHED for model in self.models):
+            return f"{words}, as {OUTWEIGHED}"
+        return f"{words}; what {output} does by itself explains as much"
 
     @property
     def control_words(self) -> str:
@@ -101,8 +111,9 @@ class Identification:
                 f"advises, {late}, is {tightest.words}"
             )
         words += f". The controller is sampled as the record, each {time_text(self.record.period)}."
-        if not model.is_told:
-            words += f" Take them with care: {model.remarks[0]}."
+        against = [*model.remarks, *([] if model.tests.independent else [_FAILS])]
+        if against:
+            words += f" Take them with care: {against[0]}."
         return words
 
     def as_dict(self) -> dict[str, Any]:
@@ -117,7 +128,7 @@ class Identification:
             "held_back_from": float(self.record.time[self.record.held_back]),
             "verdict": self.verdict,
             "control": self.control_words,
-            "use": self.best.name,
+            "use": None if self.best.doubt else self.best.name,
             "use_for_control": None if model is None else model.name,
             "models": [model.as_dict() for model in self.models],
             "refused": [{"name": name, "reason": reason} for name, reason in self.refused],
@@ -135,7 +146,9 @@ def identify_model(
     ----------
     record : Record
     manipulated, measured : str, optional
-        Input and output; where left out, the record has two columns, the input first.
+        Input and output. Where left out, the record has two columns, the input first, or one that
+        moves in steps and one other that moves; a state that a sensor shows, as a simulation
+        writes it, does not count.
 
     Raises
     ------
@@ -178,21 +191,37 @@ def identify_model(
         record=record,
         manipulated=moved,
         output=output,
-        models=_ranked(models),
+        models=ranked(models, record.values[output.name][record.held_back :]),
         refused=tuple(refused),
         warnings=_warnings(record, moved, output),
     )
 
 
 def _chosen(record: Record, manipulated: str | None, measured: str | None) -> tuple[Signal, Signal]:
+    """Return input and output; what is not named is chosen where the record leaves one choice."""
     names = [signal.name for signal in record.signals]
     if manipulated is None and measured is None and len(names) == 2:
         manipulated, measured = names
+    moving = _moving(record)
+    in_steps = [n for n in moving if n != measured and _moves_in_steps(record.values[n])]
+    if manipulated is None and len(in_steps) == 1:
+        manipulated = in_steps[0]
+    others = [name for name in moving if name not in (manipulated, *in_steps)]
+    if measured is None and manipulated is not None and len(others) == 1:
+        measured = others[0]
     if manipulated is None or measured is None:
-        what, of = ("manipulated", names[0]) if manipulated is None else ("measured", names[-1])
+        asked = [("manipulated", manipulated, in_steps), ("measured", measured, others)]
+        missing = [option for option, given, _ in asked if given is None]
+        example = [f"--{option} {given or (found or names)[0]}" for option, given, found in asked]
+        choice = [
+            f"{option} may be {', '.join(found or names)[:120]}"
+            for option, given, found in asked
+            if given is None
+        ]
         raise InputError(
-            record.place, f"{len(names)} columns ({', '.join(names)[:200]})",
-            f"to be told which of them is {what}", f"name it, as in --{what} {of}",
+            record.place, f"{len(names)} columns",
+            f"to be told which of them is {' and which '.join(missing)}",
+            f"name it, as in {' '.join(example)} ({'; '.join(choice)})",
         )  # fmt: skip
     moved = record.signal(manipulated, "manipulated")
     output = record.signal(measured, "measured")
@@ -204,20 +233,22 @@ def _chosen(record: Record, manipulated: str | None, measured: str | None) -> tu
     return moved, output
 
 
-def _ranked(models: list[FittedModel]) -> tuple[FittedModel, ...]:
-    """Return the models by the rule: see `validation.RANKING_RULE`."""
-    left = sorted(models, key=lambda model: -model.validated)
-    ranked: list[FittedModel] = []
-    standings = [(m.validated >= USEFUL, m.is_told) for m in left]
-    for standing in sorted(set(standings), reverse=True):
-        group = [m for m, its in zip(left, standings, strict=True) if its == standing]
-        while group:
-            top = max(model.validated for model in group)
-            equal = [m for m in group if m.validated >= top - EQUAL or not math.isfinite(top)]
-            first = min(equal, key=lambda model: (model.parameters, -model.validated))
-            ranked.append(first)
-            group.remove(first)
-    return tuple(ranked)
+def _moving(record: Record) -> list[str]:
+    """Return the columns that move; a state that a sensor shows counts by its sensor."""
+    shapes = {}
+    for signal in record.signals:
+        values = record.values[signal.name]
+        if np.ptp(values) > _STILL * np.abs(values).max():
+            shapes[signal.name] = (values - values[0]) / np.ptp(values)
+    return [
+        name
+        for name, shape in shapes.items()
+        if "." not in name
+        or not any(
+            "." not in other and np.allclose(shape, that, rtol=0.0, atol=_STILL)
+            for other, that in shapes.items()
+        )
+    ]
 
 
 def _warnings(record: Record, moved: Signal, measured: Signal) -> tuple[str, ...]:
@@ -246,6 +277,21 @@ def _warnings(record: Record, moved: Signal, measured: Signal) -> tuple[str, ...
 
 def _moves_in_steps(values: np.ndarray) -> bool:
     return 1 < len(np.unique(values)) <= _STEPS * len(values)
+
+
+def _against(model: FittedModel, best: FittedModel) -> str:
+    """Return why a model that fits better does not come first."""
+    if model.doubt is not None:
+        return f"but {model.doubt}"
+    if not model.tests.independent:
+        return f"but {_FAILS}"
+    if not model.is_told:
+        return f"but {model.remarks[0]}"
+    if model.sign * best.sign < 0:
+        return "but its gain has the other sign"
+    return (
+        "with more parameters" if model.parameters > best.parameters else "but coloured residuals"
+    )
 
 
 def _told(model: FittedModel) -> str:

@@ -14,10 +14,11 @@ from clepsydra.identify.structures import Structure
 #: Lags are sought from this share of the sampling period to so many times the record.
 _SHORTEST, _LONGEST = 0.2, 10.0
 #: Dead times are sought up to this share of the record.
-_LATEST = 0.5
+LATEST = 0.5
 #: Lags that differ by less than this share are one.
 _EQUAL = 0.02
 _FEW, _TOLERANCE = 8, 1e-9
+_EPSILON = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +43,8 @@ class OutputErrorFit:
         [s]
     at_bound : bool
         Whether a lag or the dead time ran into the longest or shortest that is sought.
+    rounding : float
+        How far the arithmetic may be off in a sample of the simulated output.
 
     Examples
     --------
@@ -57,6 +60,7 @@ class OutputErrorFit:
     jacobian: np.ndarray
     period: float
     at_bound: bool
+    rounding: float
 
     @property
     def has_equal_lags(self) -> bool:
@@ -88,7 +92,7 @@ def fit_output_error(
     ----------
     structure : Structure
     signal, output : ndarray [N]
-        u, held between the samples, and y.
+        u, held between the samples, and y; one that stands still leaves the free response.
     period : float
         T [s]
 
@@ -119,11 +123,13 @@ def fit_output_error(
             problem.residuals,
             np.clip(start, low + 1e-6 * (high - low), high - 1e-6 * (high - low)),
             jac=problem.slopes, bounds=(low, high), max_nfev=most,
-            ftol=_TOLERANCE, xtol=_TOLERANCE, gtol=None,
+            ftol=_TOLERANCE, xtol=_TOLERANCE, gtol=_EPSILON,
         )  # fmt: skip
 
     # A few steps tell the valleys apart; the lowest is followed to its end.
     starts = fit_starts(structure, signal, output, period, low, high)
+    if not np.ptp(signal):
+        starts = starts[:1]  # they differ in dead time only, which means nothing here
     tried = [search(start, _FEW) for start in starts]
     best = min(tried, key=lambda found: float(found.cost))
     return problem.fit(best.x if best.success else search(best.x).x)
@@ -138,21 +144,23 @@ class _Problem:
         self.structure, self.output, self.period = structure, output, period
         self.held = HeldResponse(signal)
         self.time = period * np.arange(len(signal))
+        # Residuals are brought to the size of one, so that the search knows a gradient of zero.
+        self.scale = 2.0 ** -np.round(np.log2(np.ptp(output)))
         longest = float(self.time[-1])
         lags = structure.lags
         self.bounds = (
             np.append(np.full(lags, np.log(_SHORTEST * period)), 0.0),
-            np.append(np.full(lags, np.log(_LONGEST * longest)), _LATEST * len(signal)),
+            np.append(np.full(lags, np.log(_LONGEST * longest)), LATEST * len(signal)),
         )
         self._at: np.ndarray | None = None
 
     def residuals(self, x: np.ndarray) -> np.ndarray:
         self._solve(x)
-        return self._residuals
+        return np.asarray(self.scale * self._residuals)
 
     def slopes(self, x: np.ndarray) -> np.ndarray:
         self._solve(x)
-        return self._project(self._moved())
+        return self.scale * self._project(self._moved())
 
     def fit(self, x: np.ndarray) -> OutputErrorFit:
         self._solve(x)
@@ -175,6 +183,10 @@ class _Problem:
             jacobian=jacobian,
             period=self.period,
             at_bound=bool(np.any(stuck) or x[lags] > high[lags] - near),
+            # Sums of as many terms as there are samples.
+            rounding=len(self.output)
+            * _EPSILON
+            * float(np.max(np.abs(self._columns) @ np.abs(self._amounts))),
         )
 
     def _solve(self, x: np.ndarray) -> None:
@@ -190,10 +202,11 @@ class _Problem:
         self._columns = np.concatenate([forced[:, :1], found.free], axis=1)
         self._forced_slopes, self._free_slopes = forced[:, 1:], found.free_slopes
         sizes = np.linalg.norm(self._columns, axis=0)
-        sizes[sizes == 0.0] = 1.0
-        self._basis, triangle = np.linalg.qr(self._columns / sizes)
+        there = sizes > 0.0  # an input that has not moved, or whose dead time has not passed
+        self._basis, triangle = np.linalg.qr(self._columns[:, there] / sizes[there])
         aim = self._basis.T @ self.output
-        self._amounts = np.linalg.lstsq(triangle, aim, rcond=None)[0] / sizes
+        self._amounts = np.zeros(len(sizes))
+        self._amounts[there] = np.linalg.lstsq(triangle, aim, rcond=None)[0] / sizes[there]
         self._residuals = self._columns @ self._amounts - self.output
         self._at = x.copy()
 

@@ -8,10 +8,11 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import whole_file
+from clepsydra.base.input_file import read_input
 from clepsydra.base.units import from_si
 from clepsydra.identify.process_fit import ProcessFit
 from clepsydra.process.catalogue_names import catalogue_file
-from clepsydra.process.document import Document, parse, read_bytes
+from clepsydra.process.document import Document, parse
 from clepsydra.process.flow_splitter import FlowSplitter
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
@@ -89,7 +90,7 @@ def fitted_process_text(fit: ProcessFit) -> str:
     """
     process = fit.process
     if process.path is not None:
-        content = read_bytes(process.path)
+        content = read_input(process.path, "a process file")
     else:
         content = catalogue_file(process.name).read_bytes()
     document = parse(content, process.address)

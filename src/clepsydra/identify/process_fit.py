@@ -195,7 +195,7 @@ def fit_process(process: Process, record: Record, parameters: Sequence[str]) -> 
     Raises
     ------
     InputError
-        There is no such parameter, the record has no input or no measurement that moves, a
+        There is no such parameter, one is plugged, the record has no input or no measurement, a
         parameter leaves no trace in it, or several are not told apart.
 
     References
@@ -234,8 +234,10 @@ def _result(search: ProcessSearch, x: np.ndarray, sizes: np.ndarray) -> ProcessF
         )  # fmt: skip
     left, slopes = -left / sizes[:, None], slopes / sizes[:, None, None]
     search.check_apart(slopes.reshape(-1, len(x)))
-    given = [values[: search.count] for values in search.batch.given.values()]
-    inputs = np.stack([values for values in given if np.ptp(values) > 0.0], axis=1)
+    given = search.batch.given
+    inputs = np.zeros((search.count, len(search.moving)))
+    for place, signal in enumerate(search.moving):
+        inputs[:, place] = given[signal.name][: search.count]
     # What no sensor resolves is left by rounding and tells nothing.
     tests = [
         residual_tests(e, J, inputs) if size > least else ResidualTests(1.0, 1.0, None)

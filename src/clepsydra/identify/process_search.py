@@ -42,7 +42,7 @@ class ProcessSearch:
     Raises
     ------
     InputError
-        There is no such parameter, or the record has no input or no measurement that moves.
+        There is no such parameter, or the record has no input or no measurement.
 
     Examples
     --------
@@ -56,11 +56,11 @@ class ProcessSearch:
         self.parameters = checked_parameters(process, parameters)
         columns = {signal.name for signal in record.signals}
         outside = [s for s in (*process.inputs, *process.disturbances) if s.name in columns]
-        if not any(np.ptp(record.values[s.name][: self.count]) > 0.0 for s in outside):
+        if not outside:
             raise InputError(
                 record.place,
                 f"columns {', '.join(s.name for s in record.signals)[:100]}",
-                f"an input of {process.name} that moves in the first two thirds "
+                f"an input of {process.name}, which may stand still "
                 f"({', '.join(s.name for s in (*process.inputs, *process.disturbances))})",
                 "name the columns as the process file names its signals",
             )
@@ -79,6 +79,20 @@ class ProcessSearch:
             for s in process.inputs
             if s.name not in columns
         )
+        #: Inputs and disturbances that move in the first two thirds.
+        self.moving = [s for s in outside if np.ptp(given[s.name][: self.count]) > 0.0]
+        if not self.moving:
+            self.notes += (
+                "no input moved: what is left of the measurements is held against none, so that "
+                "its colour may be of dynamics that the file lacks",
+            )
+        for signal in self.outputs:
+            ended = int(np.sum(np.asarray(record.values[signal.name]) >= signal.high))
+            if ended:
+                self.notes += (
+                    f"{signal.name} stands at the end of its range in {ended} rows, where it shows "
+                    "less than there is: cut the record before",
+                )
         self.batch = ProcessBatch(self.process, given)
         measurements = [s.name for s in process.measurements]
         self.rows = [measurements.index(s.name) for s in self.outputs]
@@ -255,5 +269,12 @@ def checked_parameters(process: Process, names: Sequence[str]) -> list[Signal]:
             )  # fmt: skip
         if known[name] in found:
             raise InputError("parameters", name, "each parameter once", "leave one of them out")
+        signal = known[name]
+        if signal.low == 0.0 and signal.initial == 0.0 and not math.isfinite(signal.high):
+            raise InputError(
+                f"parameters, {name}", f"0 {signal.shown_unit}",
+                "a number above 0 in the process file, from which the search can begin",
+                "leave it out while it is plugged, or give about what it may be",
+            )  # fmt: skip
         found.append(known[name])
     return found

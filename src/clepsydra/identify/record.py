@@ -14,6 +14,8 @@ from clepsydra.base.words import time_text
 
 #: Fewer rows are no record.
 FEWEST_ROWS = 30
+#: A fit runs over each row thousands of times: of more, it takes many minutes.
+MOST_ROWS = 100_000
 #: Steps of time may differ from their mean by this share: clocks of loggers jitter.
 _JITTER = 0.05
 

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-
-from clepsydra.base.csv_table import checked_width, csv_head, csv_rows, number_text
+from clepsydra.base.csv_table import csv_head, csv_numbers, csv_rows
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import convertible, to_si
-from clepsydra.identify.record import Record, sampling_period
+from clepsydra.identify.record import MOST_ROWS, Record, sampling_period
 from clepsydra.process.process import Process
 
 #: Units that the house counts in; of any other kind of quantity numbers stay as written.
@@ -36,7 +33,8 @@ def read_record(path: str | Path, process: Process | None = None) -> Record:
     ------
     InputError
         The file cannot be read, a cell is empty or no number, a column appears twice or has no
-        unit, time is irregular, or there are fewer than 30 rows: line and column are named.
+        unit, time is irregular, or there are fewer than 30 rows or more than 100,000: line and
+        column are named.
 
     Examples
     --------
@@ -52,16 +50,12 @@ def read_record(path: str | Path, process: Process | None = None) -> Record:
     file = Path(path)
     if file.suffix.lower() == ".parquet":
         raise InputError(str(file), "a Parquet file", "a CSV file", "write it with --format csv")
-    (line, head), *rows = csv_rows(file)
+    (line, head), *rows = csv_rows(file, MOST_ROWS)
     fields = csv_head(head, f"{file}, line {line}")
     names = [name for name, _ in fields]
     signals, factors = _signals(fields, f"{file}, line {line}", process)
-    texts = []
-    for line, cells in rows:
-        checked_width(cells, len(fields), f"{file}, line {line}")
-        texts.append(cells)
     lines = [line for line, _ in rows]
-    numbers = _numbers(texts, lambda row, at: f"{file}, line {lines[row]}, column '{names[at]}'")
+    numbers = csv_numbers(rows, names, file, _GAP)
     time = numbers[:, 0] * to_si(f"1 {fields[0][1]}", "s", f"{file}, column 'time'")
     if len(time) < 2:
         raise InputError(str(file), "1 row", "rows of numbers", "record for longer")
@@ -113,19 +107,3 @@ def _signal(name: str, unit: str, place: str) -> Signal:
             return Signal(name, si, display_unit=unit)
     to_si(f"1 {unit}", unit, place)
     return Signal(name, unit)
-
-
-def _numbers(texts: list[list[str]], place_of: Callable[[int, int], str]) -> np.ndarray:
-    """Return all cells as numbers; the first that is none is refused with its place."""
-    try:
-        numbers = np.array(texts, dtype=float)
-    except ValueError:
-        numbers = None
-    if numbers is not None and np.all(np.isfinite(numbers)):
-        return numbers
-    return np.array(
-        [
-            [float(number_text(cell, place_of(row, at), _GAP)) for at, cell in enumerate(cells)]
-            for row, cells in enumerate(texts)
-        ]
-    )

@@ -60,7 +60,7 @@ class ResidualTests:
 
 
 def residual_tests(
-    residuals: np.ndarray, jacobian: np.ndarray, inputs: np.ndarray
+    residuals: np.ndarray, jacobian: np.ndarray, inputs: np.ndarray, rounding: float = 0.0
 ) -> ResidualTests:
     """Test the residuals of a least-squares fit.
 
@@ -76,6 +76,9 @@ def residual_tests(
     jacobian : ndarray [N, p]
         Of the fitted output by the parameters.
     inputs : ndarray [N, m]
+        Those that moved; residuals are free of none.
+    rounding : float
+        Residuals that are no larger are those of the arithmetic, and tell nothing.
 
     References
     ----------
@@ -93,23 +96,27 @@ def residual_tests(
     False
     """
     count = len(residuals)
+    if np.linalg.norm(residuals) <= rounding * np.sqrt(count):
+        return ResidualTests(1.0, 1.0, None)
     lags = range(1, _lags(count) + 1)
     own = np.stack([_late(residuals, lag) for lag in lags], axis=1)
     # A fit leaves residuals that are a little correlated even of white noise, E[e' L e] =
     # −s² tr(Q' L Q) with Q a basis of the Jacobian and L the lag, the more the smoother it is.
-    basis = _basis(jacobian)
+    basis = basis_of(jacobian)
     traces = np.array([-np.sum(basis[lag:] * basis[: count - lag]) for lag in lags])
     variance = float(residuals @ residuals) / max(count - basis.shape[1], 1)
     whiteness = _f_test(residuals, jacobian, own, variance * traces)
+    noise = None if whiteness >= SIGNIFICANT else noise_model(residuals)
+    if not inputs.shape[1]:
+        return ResidualTests(whiteness, 1.0, noise)
     longest = max(2, count // 8)
     spread = np.unique(np.rint(np.geomspace(1, longest, _lags(count))).astype(int))
     moved = inputs - inputs[0]
     earlier = np.concatenate([_late(moved, lag) for lag in spread.tolist()], axis=1)
-    if whiteness >= SIGNIFICANT:
-        return ResidualTests(whiteness, _f_test(residuals, jacobian, earlier), None)
-    noise = noise_model(residuals)
-    independence = _f_test(*(noise.whitened(each) for each in (residuals, jacobian, earlier)))
-    return ResidualTests(whiteness, independence, noise)
+    regression = [residuals, jacobian, earlier]
+    if noise is not None:
+        regression = [noise.whitened(each) for each in regression]
+    return ResidualTests(whiteness, _f_test(*regression), noise)
 
 
 def _lags(count: int) -> int:
@@ -143,7 +150,7 @@ def _f_test(
     """
     from scipy.stats import f
 
-    first = _basis(jacobian)
+    first = basis_of(jacobian)
     rest = residuals - first @ (first.T @ residuals)
     beside = further - first @ (first.T @ further)
     sizes = np.linalg.norm(further, axis=0)
@@ -164,8 +171,14 @@ def _f_test(
     return float(f.sf(ratio, len(shares), freedom))
 
 
-def _basis(columns: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis of the directions that some columns have."""
+def basis_of(columns: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis of the directions that some columns have.
+
+    Examples
+    --------
+    >>> basis_of(np.array([[1.0, 2.0], [0.0, 0.0]])).shape
+    (2, 1)
+    """
     sizes = np.linalg.norm(columns, axis=0)
     shares = columns[:, sizes > 0.0] / sizes[sizes > 0.0]
     if not shares.shape[1]:

@@ -12,12 +12,13 @@ from clepsydra.design.models.second_order_delay import SecondOrderDelay
 from clepsydra.identify.control_settings import control_settings
 from clepsydra.identify.estimate import Estimate, around, by_logarithm, ratio_signal
 from clepsydra.identify.fitted_model import FittedModel
-from clepsydra.identify.output_error import OutputErrorFit, fit_output_error
+from clepsydra.identify.input_effect import chance_of_no_effect
+from clepsydra.identify.output_error import LATEST, OutputErrorFit, fit_output_error
 from clepsydra.identify.record import Record
 from clepsydra.identify.residual_tests import residual_tests
 from clepsydra.identify.structures import IPDT, SOPDT, Structure
 from clepsydra.identify.uncertainty import Uncertainty, uncertainty
-from clepsydra.identify.validation import fit_percent
+from clepsydra.identify.validation import USEFUL, fit_percent
 
 #: A dead time of a smaller share of the sampling period is none.
 _PROMPT = 1e-6
@@ -54,7 +55,17 @@ def transfer_model(
     u, y = record.moving(manipulated), record.moving(output)
     count = record.held_back
     fit = fit_output_error(structure, u[:count], y[:count], record.period)
-    tests = residual_tests(fit.residuals, fit.jacobian, u[:count, None])
+    tests = residual_tests(fit.residuals, fit.jacobian, u[:count, None], fit.rounding)
+    alone = _alone(structure, y[:count], record.period)
+    chance = max(
+        chance_of_no_effect(
+            without.residuals, fit.residuals, further=2, parameters=fit.jacobian.shape[1],
+            noise=tests.noise, rounding=fit.rounding,
+        )
+        for without in alone
+    )  # fmt: skip
+    # The dead time was sought over so many whole samples, and the best of them is bound to fit.
+    chance = min(1.0, chance * LATEST * count)
     sure = uncertainty(_apart(fit), fit.residuals, [tests.noise])
     signals = record.signal(manipulated, "input"), record.signal(output, "output")
     estimates = _estimates(fit, sure, *signals, float(u[0]))
@@ -68,11 +79,13 @@ def transfer_model(
         estimates=estimates,
         parameters=2 + structure.lags,
         simulated=simulated,
+        alone=alone[0].simulated(np.zeros(len(u))),
         residuals=fit.residuals,
         tests=tests,
         widening=sure.widening,
         fit=fit_percent(y[:count], simulated[:count], rest),
         validated=fit_percent(y[count:], simulated[count:], rest),
+        chance=chance,
         settings=control_settings(
             element,
             signals[1],
@@ -81,7 +94,15 @@ def transfer_model(
             reach=(float(np.ptp(y[:count])), float(np.ptp(u[:count]))),
         ),
         remarks=_remarks(fit, estimates),
+        outweighed=_outweighed(estimates, u[:count]),
     )
+
+
+def _alone(structure: Structure, y: np.ndarray, period: float) -> list[OutputErrorFit]:
+    """Return what the output does by itself, as the structure has it and as a ramp, best first."""
+    still = np.zeros(len(y))
+    found = [fit_output_error(each, still, y, period) for each in {structure, IPDT}]
+    return sorted(found, key=lambda fit: float(fit.residuals @ fit.residuals))
 
 
 def _apart(fit: OutputErrorFit) -> np.ndarray:
@@ -148,3 +169,14 @@ def _remarks(fit: OutputErrorFit, estimates: tuple[Estimate, ...]) -> tuple[str,
         if not each.is_told and each.signal.name not in ("dead_time", "balance")
     ]
     return (f"the record does not tell its {' and its '.join(untold)}",) if untold else ()
+
+
+def _outweighed(estimates: tuple[Estimate, ...], u: np.ndarray) -> bool:
+    """Return whether the input that holds the output is nowhere near those of the record."""
+    balance = next((each.value for each in estimates if each.signal.name == "balance"), None)
+    if balance is None:
+        return False
+    # Per second the input moved the output by the slope times its range, everything else by the
+    # slope times how far the middle of that range is from where the input would hold the output.
+    distance = abs(balance - 0.5 * (float(u.max()) + float(u.min())))
+    return distance > 100.0 / USEFUL * float(np.ptp(u))

@@ -62,8 +62,9 @@ class Uncertainty:
 
     @property
     def correlations(self) -> np.ndarray:
-        """How far estimates err together [p, p]."""
-        return np.asarray(self.covariance / np.outer(self.deviations, self.deviations))
+        """How far estimates err together [p, p]; those without any error do not."""
+        sizes = np.outer(self.deviations, self.deviations)
+        return np.divide(self.covariance, sizes, out=np.zeros_like(sizes), where=sizes > 0.0)
 
 
 def uncertainty(
@@ -109,15 +110,15 @@ def uncertainty(
     white = variance * inverse
     if all(noise is None for noise in noises):
         return Uncertainty(white, freedom, 1.0)
-    middle = np.zeros((parameters, parameters))
-    for slope, noise in zip(slopes, noises, strict=True):
-        if noise is None:
-            middle += variance * (slope.T @ slope)
-            continue
-        # J'ΩJ = s² (H'J)'(H'J), H the filter that colours: H' runs it backwards in time.
-        back = noise.coloured(slope[::-1])
-        middle += noise.variance * left.size / freedom * (back.T @ back)
-    coloured = inverse @ middle @ inverse
+    # J'ΩJ = s² (H'J)'(H'J), H the filter that colours: H' runs it backwards in time.
+    halves = [
+        np.sqrt(variance) * slope
+        if noise is None
+        else np.sqrt(noise.variance * left.size / freedom) * noise.coloured(slope[::-1])
+        for slope, noise in zip(slopes, noises, strict=True)
+    ]
+    half = np.concatenate(halves) @ inverse
+    coloured = half.T @ half
     ratios = np.sqrt(np.diag(coloured) / np.diag(white))
     grown = np.maximum(1.0, 1.0 / ratios)  # no interval gets narrower by its colour
     return Uncertainty(coloured * np.outer(grown, grown), freedom, max(1.0, float(ratios.max())))

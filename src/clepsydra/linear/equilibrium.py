@@ -8,8 +8,10 @@ import numpy as np
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import ClepsydraError
+from clepsydra.base.rounding import rounded
 from clepsydra.linear.equilibrium_continuation import by_homotopy, by_pseudo_transient
 from clepsydra.linear.equilibrium_reasons import (
+    reasons_of_harm,
     reasons_outside_ranges,
     reasons_without_solution,
     undetermined,
@@ -20,6 +22,7 @@ from clepsydra.linear.equilibrium_search import EquilibriumSearch, Iterate
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 
+_DIGITS = 14
 # Starts that are tried where the search from the initial levels fails: shares of the height.
 _OTHER_STARTS = (0.1, 0.9)
 
@@ -82,14 +85,15 @@ def find_equilibrium(
     Returns
     -------
     OperatingPoint
-        Exact to rounding. A level that the given signals leave open keeps its initial value,
+        Exact to fourteen digits. A level that the given signals leave open keeps its initial value,
         with a warning; so does a sensor that would show a value beyond its range.
 
     Raises
     ------
     NoEquilibrium
         A state accumulates, an input would leave its range, a level would stand above its rim
-        or below its floor, the outputs cannot be set independently, or nothing was found.
+        or below its floor, something would run dry or trip, the outputs cannot be set
+        independently, or nothing was found.
     InputError
         The process is none, a name is unknown, a value is no number or out of range, or too
         much or too little is given.
@@ -110,10 +114,12 @@ def find_equilibrium(
     solution = _first_found(search)
     if not solution.solved:
         raise NoEquilibrium(process, reasons_without_solution(search, solution))
-    outside = reasons_outside_ranges(search, solution)
-    if outside:
-        raise NoEquilibrium(process, outside)
-    state, manipulated = search.values(solution.unknowns)
+    state, manipulated = (_rounded(values) for values in search.values(solution.unknowns))
+    refused = reasons_outside_ranges(search, solution) or reasons_of_harm(
+        process, state, manipulated, request.disturbances
+    )
+    if refused:
+        raise NoEquilibrium(process, refused)
     local = search.derivatives.at(state, manipulated, request.disturbances)
     warnings = [
         f"{signal.name} stands on its floor: the tank is empty and has no linear model there"
@@ -134,8 +140,13 @@ def find_equilibrium(
         disturbances=request.disturbances,
         measurements=local.measured,
         residual=float(np.abs(local.rates).max(initial=0.0)),
-        warnings=tuple(warnings),
+        warnings=(*process.warnings, *warnings),
     )
+
+
+def _rounded(values: np.ndarray) -> np.ndarray:
+    """Return values without the last digits, in which one processor differs from another."""
+    return np.array([rounded(float(value), _DIGITS) for value in values])
 
 
 def _first_found(search: EquilibriumSearch) -> Iterate:

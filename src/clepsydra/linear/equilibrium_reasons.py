@@ -54,6 +54,41 @@ def reasons_outside_ranges(search: EquilibriumSearch, solved: Iterate) -> tuple[
     return tuple(reasons or _levels_below(search, solved.unknowns))
 
 
+def reasons_of_harm(
+    process: Process, state: np.ndarray, inputs: np.ndarray, disturbances: np.ndarray
+) -> tuple[str, ...]:
+    """Return a sentence for each event that would harm the plant at once, so that nothing rests.
+
+    Parameters
+    ----------
+    process : Process
+    state, inputs, disturbances : ndarray
+        At which the equations rest with every memory as it is at first.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.process.reader import load_process
+    >>> point = find_equilibrium(load_process("wet-well"))
+    >>> reasons_of_harm(point.process, point.state, point.inputs, point.disturbances)
+    ()
+    """
+    motion, p = process.motion, process.parameter_values
+    if not any(event.harm for event in motion.events):
+        return ()
+    contents = motion.to_contents(state, p)
+    memories = [signal.initial for signal in motion.memories]
+    delayed = np.zeros(len(motion.delays))
+    for _ in motion.delays:  # one delay may feed the next
+        delayed = motion.rates(contents, delayed, memories, inputs, disturbances, p)[1]
+    guards = motion.guards(contents, delayed, memories, inputs, disturbances, p)
+    return tuple(
+        f"nothing would rest there, since {event.words}"
+        for event, guard in zip(motion.events, np.array(guards).ravel(), strict=True)
+        if event.harm and guard >= 0.0
+    )
+
+
 def reasons_without_solution(search: EquilibriumSearch, stuck: Iterate) -> tuple[str, ...]:
     """Return why the search ended without a solution.
 

@@ -210,14 +210,18 @@ class EquilibriumSearch:
             ]
         )
         residuals = np.concatenate([local.rates, local.measured[rows] - request.targets])
+        if not (np.isfinite(jacobian).all() and np.isfinite(residuals).all()):
+            # There is no number to judge or to follow a trial by, as where 1/A has none.
+            nothing = np.full(len(residuals), np.nan)
+            return Iterate(unknowns, nothing, jacobian, nothing)
         # Each term of a sum may be off by its own rounding, so the terms' sizes are added.
         terms = (
-            np.abs(local.rates_by_state) @ np.abs(risen)
-            + np.abs(local.rates_by_input) @ np.abs(inputs)
-            + np.abs(local.rates_by_disturbance) @ np.abs(request.disturbances)
-            + np.abs(local.rates_by_parameter) @ np.abs(self.process.parameter_values)
+            _size(local.rates_by_state, risen)
+            + _size(local.rates_by_input, inputs)
+            + _size(local.rates_by_disturbance, request.disturbances)
+            + _size(local.rates_by_parameter, self.process.parameter_values)
         )
-        shown = np.abs(local.measured_by_state[rows]) @ np.abs(risen) + np.abs(request.targets)
+        shown = _size(local.measured_by_state[rows], risen) + np.abs(request.targets)
         largest = np.abs(jacobian).max(axis=1, initial=0.0)
         return Iterate(
             unknowns=unknowns,
@@ -225,6 +229,12 @@ class EquilibriumSearch:
             jacobian=jacobian,
             rounding=_ROUNDING * (np.concatenate([terms, shown]) + largest),
         )
+
+
+def _size(slopes: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return Σ |slope · value| of each row; a slope that is no number tells nothing of rounding."""
+    known = np.where(np.isfinite(slopes), slopes, 0.0)
+    return np.asarray(np.abs(known) @ np.abs(values))
 
 
 def _span(signal: Signal) -> float:

@@ -87,7 +87,7 @@ def find_equilibria(
                 disturbances=first.disturbances,
                 measurements=local.measured,
                 residual=float(np.abs(local.rates).max(initial=0.0)),
-                warnings=tuple(warnings_of_sensors(process, local.measured)),
+                warnings=(*process.warnings, *warnings_of_sensors(process, local.measured)),
             )
         )
     if len(found) == 1:

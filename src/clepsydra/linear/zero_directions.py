@@ -10,6 +10,9 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.minimal_realisation import minimal_realisation, scaled_system
 from clepsydra.linear.zeros import normal_rank, zeros
 
+# Far above what null vectors of a small matrix are rounded by, far below what anyone reads.
+_ROUNDING = 1e-12
+
 
 class ZeroDirection(NamedTuple):
     """A transmission zero z, with G(z) input_direction = 0 and output_directionᴴ G(z) = 0.
@@ -80,12 +83,13 @@ def zero_directions(model: LinearModel) -> list[ZeroDirection]:
     system = np.block([[scaled.A, scaled.B], [scaled.C, scaled.D]]).astype(complex)
     found = []
     for place, root in enumerate(roots):
+        # A root that stands again takes the next null vector of the same matrix: with its last
+        # digits, which are rounding, the null vectors of a second one would be any others.
+        same = np.flatnonzero(np.abs(roots[: place + 1] - root) <= 1e-9 * abs(root))
         matrix = system.copy()
-        matrix[:n, :n] -= root / scaled.rate * np.eye(n)
-        # A root that stands again takes the next null vector.
-        again = int(np.sum(np.abs(roots[:place] - root) <= 1e-9 * abs(root)))
+        matrix[:n, :n] -= roots[same[0]] / scaled.rate * np.eye(n)
         left, _, right = np.linalg.svd(matrix)
-        null = n + full_rank - 1 - again
+        null = n + full_rank - len(same)
         inputs = right.conj()[null, n:] / scaled.input_sizes
         outputs = left[n:, null] / scaled.output_sizes
         found.append(ZeroDirection(complex(root), unit_direction(inputs), unit_direction(outputs)))
@@ -95,12 +99,22 @@ def zero_directions(model: LinearModel) -> list[ZeroDirection]:
 def unit_direction(vector: np.ndarray) -> np.ndarray:
     """Return a complex vector at length one with its largest entry positive; zero stays zero.
 
+    Of entries as large as each other the first is positive, and what is but rounding is zero, so
+    that the direction does not depend on how the linear algebra happened to round.
+
     Examples
     --------
+    >>> unit_direction(np.array([-1.0, 1.0 + 1e-15, -1e-17])).real.round(3)
+    array([ 0.707, -0.707,  0.   ])
     >>> unit_direction(np.array([0.0, -2.0j])).real
     array([0., 1.])
     """
-    largest = vector[int(np.argmax(np.abs(vector)))] if vector.size else 0.0
-    if largest == 0.0:
+    sizes = np.abs(vector)
+    length = np.linalg.norm(sizes)
+    if length == 0.0:
         return np.asarray(vector, complex)
-    return np.asarray(vector * (np.abs(largest) / largest) / np.linalg.norm(vector), complex)
+    largest = vector[int(np.argmax(sizes >= (1.0 - _ROUNDING) * sizes.max()))]
+    turned = np.asarray(vector * (np.abs(largest) / largest) / length, complex)
+    parts = turned.view(float)
+    parts[np.abs(parts) < _ROUNDING] = 0.0
+    return turned

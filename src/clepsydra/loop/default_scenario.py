@@ -22,6 +22,9 @@ from clepsydra.process.process import Process
 #: Wanted setpoint step, and the smallest that still shows something; shares of the range.
 STEP_SHARE = 0.10
 SMALLEST_STEP_SHARE = 0.01
+#: A proportional controller that leaves a sixth of a step moves the inputs, when it comes, by so
+#: many times what holds it at rest.
+KICK = 5.0
 #: Inputs and outputs rest at least this share of their range away from its ends.
 MARGIN = 0.05
 #: No level rests nearer to floor or rim than this share of its distance at the start.
@@ -53,8 +56,9 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
     *Setpoint step.* 10 % of the measurement's range, upward where there is room, else
     downward. It is reduced until, at rest after it by the linear model (all other controlled
     measurements unchanged), all inputs and the stepped measurement lie in the middle 90 % of
-    their ranges and no level has gone more than half its way to floor or rim; then it is
-    rounded down to one digit.
+    their ranges and no level has gone more than half its way to floor or rim, and until a
+    proportional controller that leaves a sixth of the step keeps all inputs there at the step
+    and at the step back; but for the latter never below 1 %. Then it is rounded down to one digit.
 
     *Load step.* The size that the process gives for the inflow.
 
@@ -202,7 +206,7 @@ def _setpoint_step(
     name = model.outputs[column]
     output = process.signal(name)
     span = _span(process, output)
-    values = point.as_dict()
+    values, smallest = point.as_dict(), SMALLEST_STEP_SHARE * span
     level_moves, input_moves = _moves_at_rest(process, model, column)
     rooms = [_room(values[name], *_inner(output), 1.0)]
     for state, move in zip(model.states, level_moves, strict=True):
@@ -210,13 +214,21 @@ def _setpoint_step(
         low = value - LEVEL_SHARE * (value - signal.low)
         high = value + LEVEL_SHARE * (signal.high - value)
         rooms.append(_room(value, low, high, move))
+    kicks: list[tuple[float, float]] = []
     for actuator, move in zip(model.inputs, input_moves, strict=True):
-        rooms.append(_room(values[actuator], *_inner(process.signal(actuator)), move))
-    up, down = (min(room[direction] for room in rooms) for direction in (0, 1))
+        value, (low, high) = values[actuator], _inner(process.signal(actuator))
+        rooms.append(_room(value, low, high, move))
+        kicks.append(_room(value, low, high, KICK * move))
+        if low <= value <= high:  # one that rests shut may be asked to shut
+            kicks.append(_room(value, low, high, (1.0 - KICK) * move))
+    up, down = (
+        min(*(room[way] for room in rooms), max(smallest, min(kick[way] for kick in kicks)))
+        for way in (0, 1)
+    )
     wanted = STEP_SHARE * span
     upward = up >= min(wanted, down)
     size = _one_digit_below(min(wanted, up if upward else down))
-    if size < SMALLEST_STEP_SHARE * span:
+    if size < smallest:
         raise InputError(
             f"{process.name}, setpoint step of {name}",
             f"room for {100.0 * max(up, down) / span:.2g} % of its range",
@@ -311,7 +323,7 @@ def _room(value: float, low: float, high: float, move: float) -> tuple[float, fl
 
 def _inner(signal: Signal) -> tuple[float, float]:
     """Return the ends of the middle 90 % of a range."""
-    return signal.from_percent(100.0 * MARGIN), signal.from_percent(100.0 * (1.0 - MARGIN))
+    return signal.low + MARGIN * signal.span, signal.high - MARGIN * signal.span
 
 
 def _span(process: Process, signal: Signal) -> float:

@@ -13,7 +13,7 @@ _HALVINGS = 10
 _MOST_EVENTS = 4
 
 
-def located_step(step: MotionStep) -> ca.Function:
+def located_step(step: MotionStep, check: ca.Function | None = None) -> ca.Function:
     """Return a whole integration step in which events are located.
 
     From the start of the step, or from the last event, the step is tried to its end. Where a
@@ -24,12 +24,16 @@ def located_step(step: MotionStep) -> ca.Function:
     Parameters
     ----------
     step : MotionStep
+    check : casadi.Function, optional
+        What is asked of every part of the step between two events, as
+        `clepsydra.loop.lane_status.step_check`.
 
     Returns
     -------
     casadi.Function
         (h, clock, integral, ring, count [e], time [e], m, u, d, p) →
-        (integral, count, time, m): how often each event has happened and when it did last [s].
+        (integral, count, time, m): how often each event has happened and when it did last [s];
+        then, if it was asked, whether the check holds of any part.
 
     Examples
     --------
@@ -43,15 +47,19 @@ def located_step(step: MotionStep) -> ca.Function:
     count, time = ca.SX.sym("count", events), ca.SX.sym("time", events)
     m, *outside = step.held
     fraction = ca.SX.sym("fraction")
-    carried = ca.vertcat(fraction, step.integral, count, time, m)
+    found = ca.SX.sym("found", 0 if check is None else 1)
+    carried = ca.vertcat(fraction, step.integral, count, time, m, found)
     invariants = ca.vertcat(h, clock, step.ring, *outside)
+
+    def checked(s0: ca.SX, s1: ca.SX | int, before: ca.SX, after: ca.SX, *held: ca.SX) -> ca.SX:
+        return check(h, s0, s1, before, after, step.ring, *held) if check else ca.SX(0, 1)
 
     now = _largest(step.guards(fraction, step.integral, step.ring, *step.held))
     end = step.advance(h, fraction, 1, step.integral, step.ring, *step.held)
     at_end = _largest(step.guards(1, end, step.ring, *step.held))
     happens = ca.logic_or(now >= 0, at_end >= 0)
-    found = _bracketed(step, h, fraction, now, at_end)
-    stop = ca.if_else(happens, ca.if_else(now >= 0, fraction, found), 1)
+    first = _bracketed(step, h, fraction, now, at_end)
+    stop = ca.if_else(happens, ca.if_else(now >= 0, fraction, first), 1)
     reached = step.advance(h, fraction, stop, step.integral, step.ring, *step.held)
     fired = step.guards(stop, reached, step.ring, *step.held) >= 0
     z = step.delayed(step.ring, stop)
@@ -67,21 +75,23 @@ def located_step(step: MotionStep) -> ca.Function:
                 count + fired,
                 *(ca.if_else(fired[i], moment, time[i]) for i in range(events)),
                 after,
+                ca.fmax(found, checked(fraction, stop, step.integral, reached, *step.held)),
             )
         ],
     )
-    start = ca.vertcat(0, step.integral, count, time, m)
+    start = ca.vertcat(0, step.integral, count, time, m, ca.SX.zeros(found.numel()))
     result = counted_loop("events", _MOST_EVENTS, turn, carried=start, invariants=invariants)
-    stop, reached, count_after, time_after, m_after = ca.vertsplit(
+    stop, reached, count_after, time_after, m_after, found_before = ca.vertsplit(
         result,
-        _offsets(1, step.size, events, events, memories),
+        _offsets(1, step.size, events, events, memories, found.numel()),
     )
     held = [m_after, *outside]
     finished = step.advance(h, stop, 1, reached, step.ring, *held)
+    found_after = ca.fmax(found_before, checked(stop, 1, reached, finished, *held))
     return ca.Function(
         "located_step",
         [h, clock, step.integral, step.ring, count, time, *step.held],
-        [finished, count_after, time_after, m_after],
+        [finished, count_after, time_after, m_after, *([found_after] if check else [])],
     )
 
 

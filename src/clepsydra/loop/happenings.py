@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clepsydra.loop.motion_block import event_count, event_time
 from clepsydra.process.process import Process
 
 
@@ -52,9 +51,9 @@ def happenings(process: Process, values: Mapping[str, np.ndarray]) -> tuple[Happ
     ()
     """
     found = []
-    for name, words in process.motion.events:
-        rises = np.diff(values[event_count(name)])
+    for event in process.motion.events:
+        rises = np.diff(values[event.counted])
         for sample in np.flatnonzero(rises > 0):
-            time = float(values[event_time(name)][sample + 1])
-            found.append(Happening(time, name, words, int(rises[sample])))
+            time = float(values[event.dated][sample + 1])
+            found.append(Happening(time, event.name, event.words, int(rises[sample])))
     return tuple(sorted(found, key=lambda happening: happening.time))

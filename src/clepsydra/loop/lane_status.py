@@ -17,8 +17,8 @@ from clepsydra.program.reader import inline
 
 #: A tank below this share of its height counts as emptied.
 EMPTY_SHARE = 1e-3
-#: RK4 grows without bound where |λ| h is above 2.79; this much is refused.
-_LONGEST_STEP = 2.0
+#: A step is too long where a state may be wrong by this share of its range; see decision 18.
+STEP_BOUND = 1e-3
 _LARGEST_NUMBER = 1e300
 
 
@@ -35,43 +35,82 @@ class LaneStatus(IntFlag):
     SPILLING = 2
     NOT_A_NUMBER = 4
     STEP_TOO_LONG = 8
+    #: An event that harms the plant, see `clepsydra.process.hybrid.Event.harm`.
+    HARMED = 16
 
 
-#: One state for each, in the order of the flags.
+#: The flags that are checked once an integration step; a harm is counted as an event anyway.
+_CHECKED = tuple(flag for flag in LaneStatus if flag is not LaneStatus.HARMED)
+#: One state for each of these.
 STATUS_SIGNALS = tuple(
     Signal(f"status.{flag.name.lower()}", kind="boolean", low=0.0, high=1.0)
-    for flag in LaneStatus
+    for flag in _CHECKED
     if flag.name
 )
 
 
-def status_checks(process: Process, step: MotionStep, step_length: float) -> ca.Function:
-    """Return what is checked once an integration step.
+def step_check(process: Process, step: MotionStep) -> ca.Function:
+    """Return the check whether a part of an integration step is too long.
 
-    A step is too long where the stages of the Runge-Kutta method say so: for a linear system
-    k₃ - k₂ = λ h/2 (k₂ - k₁) along each eigenvector, so the ratio of these differences shows
-    |λ| h, which the method bears up to 2.79 (Hairer & Wanner, Solving Ordinary Differential
-    Equations II, section IV.2).
+    A part of length h is too long where its stages differ from a straight line so much that a
+    state x may be wrong by a thousandth of its range:
 
-    Parameters
-    ----------
-    process : Process
-    step : MotionStep
-        Of its motion.
-    step_length : float
-        [s]
+        h/12 |∂x/∂c (k₁ - 2 k₃ + k₄)| > `STEP_BOUND` × range of x.
+
+    For the way r to rest in dr/dt = λ r, and z = λ h, the left side is z⁴/48 |r|: what a step of
+    the method does wrong, z⁵/120 |r| (Hairer & Wanner, Solving Ordinary Differential Equations
+    II, section IV.2), added up over the time 1/|λ| in which it is forgotten, 2.5 times.
+    Beyond |z| = 2.79, where the method grows without bound, it is more than the motion itself.
+    Where a rate jumps by Δ inside the step it is h/12 Δ, and the error at most four times that.
+    The stages are those of the step, so that the check costs a few additions and moves nothing.
 
     Returns
     -------
     casadi.Function
-        (integral at the start, integral at the end, ring, m, u, d, p) → four truths.
+        (h, s₀, s₁, integral at s₀, integral at s₁, ring, m, u, d, p) → a truth; h [s] is the
+        whole step, the part is from its fraction s₀ to s₁.
+
+    Examples
+    --------
+    A tank of which a step of one minute leaves nothing:
+
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> check = step_check(process, MotionStep(process.motion))
+    >>> held = [[], [], [3.0, 3.0], [0.0, 0.0], process.parameter_values]
+    >>> [int(check(h, 0, 1, [0.1] * 4, [0.1] * 4, *held)) for h in (1.0, 60.0)]
+    [0, 1]
+    """
+    h, first, last = ca.SX.sym("h"), ca.SX.sym("first"), ca.SX.sym("last")
+    after = ca.SX.sym("after", step.size)
+    length = (last - first) * h
+    k1, _, k3, k4 = step.stages(length, first, last)
+    contents, bent = after[: step.contents], (k1 - 2 * k3 + k4)[: step.contents]
+    state = step.motion.to_state(contents, step.held[-1])
+    error = ca.jtimes(state, contents, length / 12 * bent)
+    too_long = ca.SX(0)
+    for place, signal in enumerate(process.state):
+        if np.isfinite(signal.span):
+            sound = ca.fabs(error[place]) <= STEP_BOUND * signal.span
+            too_long = ca.logic_or(too_long, ca.logic_not(sound))
+    arguments = [h, first, last, step.integral, after, step.ring, *step.held]
+    return ca.Function("step_check", arguments, [too_long])
+
+
+def status_checks(process: Process, step: MotionStep) -> ca.Function:
+    """Return what else is checked once an integration step.
+
+    Returns
+    -------
+    casadi.Function
+        (integral at its end, p) → three truths: emptied, spilling, not a number.
 
     Examples
     --------
     >>> from clepsydra.process.reader import load_process
     >>> process = load_process("quadruple-tank")
-    >>> status_checks(process, MotionStep(process.motion), 1.0).size_out(0)
-    (4, 1)
+    >>> status_checks(process, MotionStep(process.motion)).size_out(0)
+    (3, 1)
     """
     after = ca.SX.sym("after", step.size)
     parameters = step.held[-1]
@@ -85,30 +124,17 @@ def status_checks(process: Process, step: MotionStep, step_length: float) -> ca.
     for place in range(step.contents):
         sound = ca.fabs(after[place]) <= _LARGEST_NUMBER
         broken = ca.logic_or(broken, ca.logic_not(sound))
-    arguments = [step.integral, after, step.ring, *step.held]
-    checks = ca.vertcat(emptied, spilling, broken, _too_long(process, step, step_length))
-    return ca.Function("status", arguments, [ca.densify(checks)])
-
-
-def _too_long(process: Process, step: MotionStep, step_length: float) -> ca.SX:
-    first, second, third = step.stages(step_length)
-    too_long = ca.SX(0)
-    for place, signal in enumerate(process.motion.contents):
-        later = ca.fabs(third[place] - second[place])
-        earlier = ca.fabs(second[place] - first[place])
-        # Differences that move the content by less than rounding mean nothing.
-        noise = 1e-12 / step_length * (signal.span if np.isfinite(signal.span) else 1.0)
-        too_long = ca.logic_or(too_long, later > _LONGEST_STEP / 2 * earlier + noise)
-    return too_long
+    checks = ca.densify(ca.vertcat(emptied, spilling, broken))
+    return ca.Function("status", [after, parameters], [checks])
 
 
 def append_status(
     builder: BlockBuilder,
     process: Process,
     step: MotionStep,
-    step_length: float,
     status: Sequence[int],
-    integrals: Sequence[int],
+    arguments: Sequence[int],
+    too_long: int,
 ) -> list[int]:
     """Append the checks of a step and return the values of the next status.
 
@@ -117,22 +143,28 @@ def append_status(
     builder : BlockBuilder
     process : Process
     step : MotionStep
-    step_length : float
-        [s]
     status : sequence of int
         Values of the status before.
-    integrals : sequence of int
+    arguments : sequence of int
         Values of all arguments of `status_checks`.
+    too_long : int
+        Value of `step_check`.
     """
-    found = inline(builder, status_checks(process, step, step_length), list(integrals), fused=True)
+    found = inline(builder, status_checks(process, step), list(arguments), fused=True)
     return [
         builder.operation("maximum", before, builder.operation("number", now))
-        for before, now in zip(status, found, strict=True)
+        for before, now in zip(status, [*found, too_long], strict=True)
     ]
 
 
-def lane_status(result: Trajectories) -> np.ndarray:
+def lane_status(result: Trajectories, process: Process) -> np.ndarray:
     """Return the status of every scenario of a batch that was computed with statuses [scenarios].
+
+    Parameters
+    ----------
+    result : Trajectories
+    process : Process
+        The one that was simulated.
 
     Examples
     --------
@@ -146,9 +178,16 @@ def lane_status(result: Trajectories) -> np.ndarray:
     >>> start = loop.initial_state() | {"tank_1.level": np.array([0.12, 0.25])}
     >>> inputs = loop.at_rest()
     >>> [LaneStatus(int(s)).name for s in lane_status(Kernel(program).run(5, inputs=inputs,
-    ...     state=start, parameters=loop.law_parameters()))]
+    ...     state=start, parameters=loop.law_parameters()), loop.process)]
     [None, 'SPILLING']
     """
-    flags = [flag.value for flag in LaneStatus]
-    columns = [result.state(signal.name) for signal in STATUS_SIGNALS]
-    return np.sum([f * c for f, c in zip(flags, columns, strict=True)], axis=0).astype(int)
+    columns: list[tuple[LaneStatus, np.ndarray]] = [
+        (flag, result.state(signal.name))
+        for flag, signal in zip(_CHECKED, STATUS_SIGNALS, strict=True)
+    ]
+    columns += [
+        (LaneStatus.HARMED, result.state(event.counted) > 0.0)
+        for event in process.motion.events
+        if event.harm
+    ]
+    return np.bitwise_or.reduce([flag.value * column.astype(int) for flag, column in columns])

@@ -33,6 +33,7 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.solver import Solver, check_solver
 from clepsydra.loop.step_size import check_substeps, substeps_for
 from clepsydra.process.process import Process
+from clepsydra.scores.plant_flows import forced_flows
 
 
 @dataclass(frozen=True)
@@ -122,10 +123,10 @@ class Loop:
     def run_checked(self, scenario: Scenario, largest: int = LARGEST_REFINEMENT) -> Run:
         """Simulate, estimate the error by halving the step, and refine until it is small.
 
-        The estimate is the largest difference between the two runs, as a fraction of each
-        state's range; the steps are halved until it is below 1e-6, `largest` times as many have
-        been tried, or a sampling period would hold more than 10,000. The run with the smaller
-        step is returned.
+        The estimate is on the safe side, see `clepsydra.loop.refinement.refined`, and a fraction
+        of each state's range; the steps are halved until it is below 1e-6, `largest` times as
+        many have been tried, or a sampling period would hold more than 10,000. The run with the
+        smallest step is returned.
         """
         run, estimate = refined(
             self.process,
@@ -266,14 +267,18 @@ class Loop:
             *process.disturbances,
             *recorded_signals(process),
         )
-        values = {s.name: computed.get(s.name, given.get(s.name)) for s in signals}
+        known = given | computed
+        values = {s.name: np.asarray(known[s.name], float) for s in signals}
+        running = forced_flows(process, scenario.time, values)
+        # What a controller moves is its command; what comes from elsewhere is what runs.
+        values |= {d.name: running[d.name] for d in process.disturbances if d.name in running}
         return Run(
             process=process,
             controller=self.controller,
             scenario=scenario,
             time=scenario.time,
             signals=signals,
-            values={name: np.asarray(value) for name, value in values.items()},
+            values=values,
             error_estimate=None,
             substeps=substeps,
         )

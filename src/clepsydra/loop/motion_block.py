@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.event_location import located_step
-from clepsydra.loop.lane_status import STATUS_SIGNALS, append_status
+from clepsydra.loop.lane_status import STATUS_SIGNALS, append_status, step_check
 from clepsydra.loop.motion_step import MotionStep
 from clepsydra.process.motion import Motion
 from clepsydra.process.process import Process
@@ -73,8 +74,8 @@ class MotionBlock:
             *motion.contents,
             *totals,
             *motion.memories,
-            *(Signal(event_count(name), kind="integer", low=0.0) for name, _ in motion.events),
-            *(Signal(event_time(name), "s") for name, _ in motion.events),
+            *(Signal(event.counted, kind="integer", low=0.0) for event in motion.events),
+            *(Signal(event.dated, "s") for event in motion.events),
             *((Signal(CLOCK, kind="integer", low=0.0),) if motion.events else ()),
             *(STATUS_SIGNALS if self.watched else ()),
         )
@@ -137,6 +138,9 @@ class MotionBlock:
             builder, step.advance, [h, zero, one, *integral, *ring, *m, *outside], fused=True
         )
         following = m
+        check = step_check(self.watched, step) if self.watched else None
+        whole = [h, zero, one, *integral, *after, *ring, *m, *outside]
+        too_long = inline(builder, check, whole, fused=True) if check else []
         if events:
             count, time, clock = dates[:events], dates[events:-1], dates[-1]
             guards = inline(builder, step.guards, [one, *after, *ring, *m, *outside], fused=True)
@@ -144,14 +148,15 @@ class MotionBlock:
             for guard in guards[1:]:
                 fires = builder.operation("less_equal", zero, guard)
                 happens = builder.operation("or", happens, fires)
-            carried = [*after, *count, *time, *m]
+            carried = [*after, *count, *time, *m, *too_long]
             invariants = [clock, *integral, *ring, *outside]
-            body = self._located(step, len(carried), len(invariants))
+            body = self._located(step, check, len(carried), len(invariants))
             changed = builder.conditional("event", happens, body, carried, invariants)
             after = list(changed[: step.size])
-            dates = [*changed[step.size : len(changed) - memories]]
+            dates = list(changed[step.size : step.size + 2 * events])
             dates.append(builder.operation("add", clock, one))
-            following = list(changed[len(changed) - memories :])
+            following = list(changed[step.size + 2 * events :][:memories])
+            too_long = list(changed[step.size + 2 * events + memories :])
         written: list[int] = []
         if motion.delays:
             first = inline(builder, step.sent, [zero, *integral, *ring, *m, *outside], fused=True)
@@ -161,28 +166,32 @@ class MotionBlock:
             for start, total, end in zip(first, after[integrated:], last, strict=True):
                 written += [start, builder.operation("divide", total, h), end]
         if self.watched:
-            integrals = [*integral, *after, *ring, *m, *outside]
-            status = append_status(builder, self.watched, step, self.step_length, status, integrals)
+            parameters = outside[len(outside) - step.held[-1].numel() :]
+            status = append_status(
+                builder, self.watched, step, status, [*after, *parameters], *too_long
+            )
         if memories:
             following = inline(
                 builder, step.updates, [one, *after, *ring, *following, *outside], fused=True
             )
         return [*after[:integrated], *following, *dates, *status], written
 
-    def _located(self, step: MotionStep, carried: int, invariants: int) -> Block:
+    def _located(
+        self, step: MotionStep, check: ca.Function | None, carried: int, invariants: int
+    ) -> Block:
         """Return the block that repeats a step in which something happens."""
         events, memories = len(self.motion.events), len(self.motion.memories)
         inner = BlockBuilder(carried + invariants)
         count = list(range(step.size, step.size + events))
         time = list(range(step.size + events, step.size + 2 * events))
-        m = list(range(carried - memories, carried))
+        m = list(range(step.size + 2 * events, step.size + 2 * events + memories))
         clock, *rest = range(carried, carried + invariants)
         integral, rest = rest[: step.size], rest[step.size :]
         ring, outside = rest[: step.ring.numel()], rest[step.ring.numel() :]
         h = inner.constant(self.step_length)
         now = inner.operation("multiply", clock, h)
         arguments = [h, now, *integral, *ring, *count, *time, *m, *outside]
-        return inner.finish(inline(inner, located_step(step), arguments, fused=True))
+        return inner.finish(inline(inner, located_step(step, check), arguments, fused=True))
 
 
 def motion_at_rest(point: OperatingPoint) -> dict[str, float]:
@@ -240,24 +249,6 @@ def spilt_totals(process: Process) -> tuple[str, ...]:
     ()
     """
     return tuple(total.name for total in process.motion.totals if total.name.endswith(".spilt"))
-
-
-def event_count(event: str) -> str:
-    """Return the name of the number of times that an event has happened.
-
-    >>> event_count("pump_1.runs_dry")
-    'pump_1.runs_dry.count'
-    """
-    return f"{event}.count"
-
-
-def event_time(event: str) -> str:
-    """Return the name of the time at which an event happened last.
-
-    >>> event_time("pump_1.runs_dry")
-    'pump_1.runs_dry.time'
-    """
-    return f"{event}.time"
 
 
 def ring_name(delay: str, part: str) -> str:

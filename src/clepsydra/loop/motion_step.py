@@ -69,14 +69,25 @@ class MotionStep:
             )
         return ca.vertcat(*parts) if parts else ca.SX(0, 1)
 
-    def stages(self, step_length: float) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Return the first three stages k₁, k₂, k₃ of a whole step [integral per second]."""
-        half, middle = ca.SX(step_length) / 2, ca.SX(0.5)
-        first = self._rates(self.integral, ca.SX(0))
-        second = self._rates(self.integral + half * first, middle)
-        return first, second, self._rates(self.integral + half * second, middle)
+    def stages(
+        self, length: ca.SX, first: ca.SX | float = 0.0, last: ca.SX | float = 1.0
+    ) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        """Return the stages k₁ to k₄ of a part of a step [integral per second].
 
-    def _rates(self, integral: ca.SX, fraction: ca.SX) -> ca.SX:
+        Parameters
+        ----------
+        length : casadi.SX
+            Of the part [s].
+        first, last : casadi.SX or float
+            Fractions of the step between which it lies.
+        """
+        start, half, between = self.integral, length / 2, (first + last) / 2
+        k1 = self._rates(start, first)
+        k2 = self._rates(start + half * k1, between)
+        k3 = self._rates(start + half * k2, between)
+        return k1, k2, k3, self._rates(start + length * k3, last)
+
+    def _rates(self, integral: ca.SX, fraction: ca.SX | float) -> ca.SX:
         z = self.delayed(self.ring, fraction)
         contents, entering, totals = self.motion.rates(integral[: self.contents], z, *self.held)
         chosen = [totals[index] for index in self.totals]
@@ -86,11 +97,7 @@ class MotionStep:
         """(h, s₀, s₁, integral, ring, m, u, d, p) → integral after (s₁ - s₀) h."""
         h, first, last = ca.SX.sym("h"), ca.SX.sym("first"), ca.SX.sym("last")
         start, length = self.integral, (last - first) * h
-        half, between = length / 2, (first + last) / 2
-        k1 = self._rates(start, first)
-        k2 = self._rates(start + half * k1, between)
-        k3 = self._rates(start + half * k2, between)
-        k4 = self._rates(start + length * k3, last)
+        k1, k2, k3, k4 = self.stages(length, first, last)
         after = start + length / 6 * (k1 + 2 * (k2 + k3) + k4)
         return ca.Function("advance", [h, first, last, start, self.ring, *self.held], [after])
 

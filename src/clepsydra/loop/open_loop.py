@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +20,7 @@ from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.solver import Solver, check_solver
 from clepsydra.loop.step_size import check_substeps
 from clepsydra.process.process import Process
+from clepsydra.scores.plant_flows import forced_flows
 
 if TYPE_CHECKING:
     import pandas
@@ -33,7 +34,7 @@ class Simulation:
     ----------
     process : Process
     time : ndarray [samples + 1]
-        Start of each sample, and the end [s].
+        Start of each sample, and the end [s]; fewer where the run ended before its time.
     signals : tuple of Signal
         One for each trajectory.
     values : dict
@@ -46,7 +47,7 @@ class Simulation:
     substeps : int
         Integration steps in a sampling period; 0 for the reference solver.
     error_estimate : float or None
-        Largest difference to a run with half the step, as a fraction of the state's range.
+        Of the error of the integration, as a fraction of the state's range.
 
     Examples
     --------
@@ -66,6 +67,20 @@ class Simulation:
     balances: tuple[Balance, ...]
     substeps: int
     error_estimate: float | None = None
+
+    @property
+    def end(self) -> Happening | None:
+        """What ended the run before its time; None where nothing did."""
+        ending = {event.name for event in self.process.motion.events if event.ends}
+        return next((each for each in self.happenings if each.event in ending), None)
+
+    def until_end(self) -> Simulation:
+        """Return the run without what comes after its end, where all that is known stands still."""
+        if self.end is None:
+            return self
+        kept = int(np.searchsorted(self.time, self.end.time)) + 1
+        values = {name: column[:kept] for name, column in self.values.items()}
+        return replace(self, time=self.time[:kept], values=values)
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return a table with one row a sample, indexed by time [s], one column a signal."""
@@ -130,7 +145,8 @@ class _OpenLoop:
         }
         totals = tuple(signal.name for signal in process.motion.totals)
         self.motion = MotionBlock(process.motion, process.sampling_period, substeps, totals)
-        self.recorded = self.motion.state[len(process.motion.contents) :]
+        states = {signal.name for signal in process.state}
+        self.recorded = tuple(s for s in self.motion.state if s.name not in states)
         self.start = point.state.copy()
         for place, signal in enumerate(process.state):
             self.start[place] = state.get(signal.name, self.start[place])
@@ -159,7 +175,7 @@ class _OpenLoop:
         disturbed = self._columns(process.disturbances)
         for sample in range(self.samples + 1):
             state = motion.state()
-            measured = np.array(process.measure(state, process.parameter_values)).ravel()
+            measured = np.array(process.show(state, process.parameter_values)).ravel()
             rows.append(
                 {s.name: v for s, v in zip(process.state, state, strict=True)}
                 | {s.name: v for s, v in zip(process.measurements, measured, strict=True)}
@@ -199,18 +215,22 @@ class _OpenLoop:
         process, motion = self.process, self.process.motion
         for name, profile in self.profiles.items():
             values[name] = np.append(profile, profile[-1])
+        time = process.sampling_period * np.arange(self.samples + 1, dtype=float)
+        values |= forced_flows(process, time, values)
         balanced = [s.name for s in motion.totals if s.name.startswith("balance.")]
-        last_state = np.array([values[s.name][-1] for s in process.state])
-        last = np.array(motion.to_contents(last_state, process.parameter_values)).ravel()
+        # Not from the last states: an emptied tank holds what was dissolved, which its volume
+        # of nothing times a concentration does not give back.
+        contents = [s.name for s in motion.contents]
+        last = np.array([values[name][-1] for name in contents])
         signals = (
             *process.state,
             *process.measurements,
             *self.outside,
-            *(s for s in self.recorded if s.name not in balanced),
+            *(s for s in self.recorded if s.name not in (*balanced, *contents)),
         )
         return Simulation(
             process=process,
-            time=np.arange(self.samples + 1) * process.sampling_period,
+            time=time,
             signals=signals,
             values={s.name: values[s.name] for s in signals},
             happenings=happenings(process, values),

@@ -116,9 +116,9 @@ class Plan:
             )
 
         if solver == "reference":
-            return simulated(self.substeps)
+            return simulated(self.substeps).until_end()
         run, estimate = refined(self.process, simulated, self.substeps, TOLERANCE)
-        return replace(run, error_estimate=estimate)
+        return replace(run, error_estimate=estimate).until_end()
 
 
 def read_state(name: str, value: object, process: Process, place: str) -> float:

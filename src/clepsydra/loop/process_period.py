@@ -35,7 +35,7 @@ def process_period(
     -------
     Program
         State: that of the motion. Inputs: inputs and disturbances, held over the period.
-        Outputs: states of the process, measurements without noise, what is recorded.
+        Outputs: states of the process, what the sensors show without noise, what is recorded.
 
     Examples
     --------
@@ -57,7 +57,7 @@ def process_period(
         by_name = dict(zip((s.name for s in state), moment, strict=True))
         contents = [by_name[s.name] for s in process.motion.contents]
         states = inline(builder, process.motion.to_state, [*contents, *parameters], fused=True)
-        measured = inline(builder, process.measure, [*states, *parameters], fused=True)
+        measured = inline(builder, process.show, [*states, *parameters], fused=True)
         return [*states, *measured, *(by_name[s.name] for s in recorded)]
 
     results = outputs(before) if shown == "start" else []

@@ -10,7 +10,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
-from clepsydra.base.units import from_si, to_si
+from clepsydra.base.units import from_si, to_si, with_percent_hint
 from clepsydra.base.words import time_text
 from clepsydra.loop.duration import samples_before
 from clepsydra.process.process import Process
@@ -105,7 +105,7 @@ def read_change(name: str, words: object, process: Process, place: str) -> Chang
     signal = outside_signal(name, process, place)
     value_words, at, times = words.partition("@") if isinstance(words, str) else (words, "", "")
     value = to_si(value_words, signal.unit, place)
-    check_range(signal, value, place)
+    check_range(signal, value, place, value_words)
     if not at:
         return Change(name, value, 0.0, 0.0, place)
     parts = times.split("..")
@@ -146,8 +146,8 @@ def outside_signal(name: str, process: Process, place: str) -> Signal:
     return known[name]
 
 
-def check_range(signal: Signal, value: float, place: str) -> None:
-    """Refuse a value [SI] outside a signal's range.
+def check_range(signal: Signal, value: float, place: str, written: object = None) -> None:
+    """Refuse a value [SI] outside a signal's range, which was written like that.
 
     Examples
     --------
@@ -167,7 +167,7 @@ the range of pump_1; stay inside the range.
         place,
         f"{shown} {signal.shown_unit}",
         f"a value from {low} to {high} {signal.shown_unit}, the range of {signal.name}",
-        "stay inside the range",
+        with_percent_hint("stay inside the range", written, signal.unit),
     )
 
 
@@ -206,13 +206,11 @@ def profiles_of(
     >>> profiles_of(changes, {"pump": 1.0}, period=1.0, samples=5)["pump"]
     array([2., 2., 3., 4., 4.])
     """
-    profiles = {name: np.full(samples, value) for name, value in before.items()}
-    last: dict[str, Change] = {}
-    value_of = dict(before)
+    begun: dict[str, list[tuple[int, Change]]] = {}
     for change in changes:
-        previous = last.get(change.signal)
-        if previous is not None:
-            _check_follows(previous, change, period)
+        earlier = begun.setdefault(change.signal, [])
+        if earlier:
+            _check_follows(earlier[-1][1], change, period)
         first = samples_before(change.start, period)
         if first >= samples or change.stop > samples * period * (1.0 + 1e-12):
             raise InputError(
@@ -221,15 +219,20 @@ def profiles_of(
                 f"a change that ends within the duration of {time_text(samples * period, 4)}",
                 "lengthen the duration or leave the change out",
             )
-        values, old = profiles[change.signal], value_of[change.signal]
-        if change.is_ramp:
-            time = np.arange(first, samples) * period
-            share = np.clip((time - change.start) / (change.stop - change.start), 0.0, 1.0)
-            # Written so that the ramp ends on its value exactly.
-            values[first:] = (1.0 - share) * old + share * change.value
-        else:
-            values[first:] = change.value
-        value_of[change.signal], last[change.signal] = change.value, change
+        earlier.append((first, change))
+    profiles = {name: np.full(samples, value) for name, value in before.items()}
+    for name, found in begun.items():
+        values, old = profiles[name], before[name]
+        ends = [*(first for first, _ in found[1:]), samples]
+        for (first, change), end in zip(found, ends, strict=True):
+            if change.is_ramp:
+                time = np.arange(first, end) * period
+                share = np.clip((time - change.start) / (change.stop - change.start), 0.0, 1.0)
+                # Written so that the ramp ends on its value exactly.
+                values[first:end] = (1.0 - share) * old + share * change.value
+            else:
+                values[first:end] = change.value
+            old = change.value
     return profiles
 
 

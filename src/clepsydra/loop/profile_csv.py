@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from clepsydra.base.csv_table import checked_width, csv_head, csv_rows, number_text
+from clepsydra.base.csv_table import csv_head, csv_numbers, csv_rows
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import to_si
 from clepsydra.loop.profile import Change, check_range, outside_signal
 from clepsydra.process.process import Process
 
+#: Each row becomes a change of each signal; of so many, this takes seconds.
+_MOST_ROWS = 200_000
 _GAP = "fill the gap; a value is held until the next row"
 
 
@@ -49,13 +51,17 @@ def read_profile_csv(path: str | Path, process: Process) -> list[Change]:
     (60.0, 3.5)
     """
     file = Path(path)
-    rows = csv_rows(file)
-    signals, units = _head(file, *rows[0], process)
+    head, *rows = csv_rows(file, _MOST_ROWS)
+    signals, units = _head(file, *head, process)
+    names = ["time", *(signal.name for signal in signals)]
+    factors = [
+        to_si(f"1 {unit}", to, str(file))
+        for unit, to in zip(units, ["s", *(signal.unit for signal in signals)], strict=True)
+    ]
+    numbers = csv_numbers(rows, names, file, _GAP) * factors
     changes: list[Change] = []
     last = -math.inf
-    for line, cells in rows[1:]:
-        checked_width(cells, len(units), f"{file}, line {line}")
-        time = _number(cells[0], units[0], "s", f"{file}, line {line}, column 'time'")
+    for (line, cells), (time, *values) in zip(rows, numbers.tolist(), strict=True):
         if time < 0.0 or time <= last:
             expected = "a time from 0 s on" if time < 0.0 else "a time after that of the last row"
             raise InputError(
@@ -65,9 +71,8 @@ def read_profile_csv(path: str | Path, process: Process) -> list[Change]:
                 "sort the rows by time, with one row for each time",
             )
         last = time
-        for signal, unit, cell in zip(signals, units[1:], cells[1:], strict=True):
+        for signal, value in zip(signals, values, strict=True):
             place = f"{file}, line {line}, column '{signal.name}'"
-            value = _number(cell, unit, signal.unit, place)
             check_range(signal, value, place)
             changes.append(Change(signal.name, value, time, time, place))
     return changes
@@ -96,7 +101,3 @@ def _head(
         to_si(f"1 {units[-1]}", signal.unit, where)
         signals.append(signal)
     return signals, units
-
-
-def _number(cell: str, unit: str, to: str, place: str) -> float:
-    return to_si(f"{number_text(cell, place, _GAP)} {unit}", to, place)

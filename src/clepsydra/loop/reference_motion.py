@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.loop.motion_block import CLOCK, event_count, event_time, motion_at_rest, ring_name
+from clepsydra.loop.motion_block import CLOCK, motion_at_rest, ring_name
 
 Array = NDArray[np.float64]
 
@@ -85,13 +85,13 @@ class ReferenceMotion:
         return np.array(self._motion.to_state(contents, self._parameters)).ravel()
 
     def recorded(self) -> dict[str, float]:
-        """Return totals, memories, and counts and times of events by name."""
+        """Return contents, totals, memories, and counts and times of events by name."""
         motion = self._motion
-        totals = self._integral[len(motion.contents) :][: len(self._chosen)]
-        values = dict(zip(self._total_names, totals, strict=True))
+        names = [*(s.name for s in motion.contents), *self._total_names]
+        values = dict(zip(names, self._integral[: len(names)], strict=True))
         values |= {s.name: v for s, v in zip(motion.memories, self._memories, strict=True)}
-        for (name, _), count, time in zip(motion.events, self._counts, self._times, strict=True):
-            values |= {event_count(name): count, event_time(name): time}
+        for event, count, time in zip(motion.events, self._counts, self._times, strict=True):
+            values |= {event.counted: count, event.dated: time}
         if motion.events:
             values[CLOCK] = self._clock
         return {name: float(value) for name, value in values.items()}

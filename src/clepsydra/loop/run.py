@@ -38,8 +38,8 @@ class Run:
         variable "pump_1" (held during the sample), status "pump_1.status", disturbance
         "inflow_1"; of a cascade the setpoint of an inner loop, "flow_1.inner_setpoint".
     error_estimate : float or None
-        Largest difference to a run with half the integration step, as a fraction of the
-        state's range; None where it was not asked for.
+        Of the error of the integration, as a fraction of the state's range, see
+        `clepsydra.loop.refinement`; None where it was not asked for.
     substeps : int
         RK4 steps in one sample; 0 for the reference solver.
 

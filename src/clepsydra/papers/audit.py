@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from clepsydra.papers.documents import PACKAGES, load_document
 from clepsydra.papers.experiment import Document, Experiment, Findings
 from clepsydra.papers.figure import Figure
-from clepsydra.papers.row import VERDICTS, Row
+from clepsydra.papers.row import COUNTED, VERDICTS, Row
 
 
 @dataclass(frozen=True)
@@ -91,14 +91,17 @@ class Audit:
 
     @property
     def summary(self) -> str:
-        """The result in one sentence."""
+        """The result in two sentences."""
         counts = self.counts
         claims = counts["claim holds"] + counts["claim fails"]
-        numbers = len(self.rows) - claims
+        numbers = sum(counts[verdict] for verdict in COUNTED) - claims
         return (
             f"Of {numbers} printed numbers and formulas {counts['reproduced']} are reproduced, "
             f"{counts['misprint']} are misprints, and {counts['not reproducible']} cannot be "
-            f"reproduced; of {claims} claims {counts['claim holds']} hold."
+            f"reproduced; of {claims} claims {counts['claim holds']} hold. Outside the count stand "
+            f"{counts['consistent']} rows that are consistent with what they were solved from, "
+            f"{counts['damaged text']} that the text's conversion seems to have damaged, and "
+            f"{counts['remark']} remarks of ours."
         )
 
 

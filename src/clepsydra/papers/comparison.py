@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -25,6 +26,7 @@ def compared(
     *,
     digits: int | None = None,
     tolerance: float = 0.0,
+    zero: float = 0.0,
     why: str = "",
     right_if: Sequence[Evidence] = (),
     unprinted: str = "",
@@ -47,8 +49,10 @@ def compared(
         Significant digits, where the print leaves out trailing zeros.
     tolerance : float
         Share of the computed number that is left open beside the printed digits.
+    zero : float
+        Numbers that are no larger are zero up to rounding, and agree without a difference.
     why : str
-        What leaves it open; needed with a tolerance. Else what the number comes from.
+        What leaves it open; needed with a tolerance or a zero. Else what the number comes from.
     right_if : sequence of (words, bool)
         Other printed numbers that agree with the computed one and contradict this one.
     unprinted : str
@@ -62,13 +66,14 @@ def compared(
     >>> row.verdict, round(row.difference, 4)
     ('misprint', 0.0356)
     """
-    if tolerance and not why:
+    if (tolerance or zero) and not why:
         raise ValueError(f"{place}, {name}: a tolerance needs its reason")
     number = printed_number(printed, digits)
     room = number.half_unit * (1.0 + 1e-9) + tolerance * abs(computed)
     right = bool(right_if) and all(holds for _, holds in right_if)
     verdict: Verdict
-    if abs(computed - number.value) <= room:
+    are_zero = max(abs(computed), abs(number.value)) <= zero
+    if are_zero or abs(computed - number.value) <= room:
         verdict, reason = "reproduced", why
     elif number.is_cut_from(computed):
         verdict, reason = "reproduced", f"{why} Cut after its last digit.".strip()
@@ -82,7 +87,8 @@ def compared(
         raise ValueError(f"{place}, {name}: {computed!r} is not {printed}, and no reason is given")
     return Row(
         place, name, number.value, float(computed), unit,
-        _difference(float(computed), number.value), verdict, reason,
+        None if are_zero else _difference(float(computed), number.value), verdict, reason,
+        text=printed,
     )  # fmt: skip
 
 
@@ -172,6 +178,74 @@ def claimed(
     """
     verdict: Verdict = "claim holds" if holds else "claim fails"
     return Row(place, name, claim, computed, unit, None, verdict, reason)
+
+
+def circular(row: Row, solved_from: str) -> Row:
+    """Return a row whose agreement proves nothing: "consistent" where it was "reproduced".
+
+    Parameters
+    ----------
+    row : Row
+    solved_from : str
+        What the computed number was solved from or fitted to, the printed one among it.
+
+    Examples
+    --------
+    >>> row = compared("Table 7", "IE of V", "1.24E-02", 0.01242)
+    >>> circular(row, "The step follows from this cell.").verdict
+    'consistent'
+    """
+    if row.verdict not in ("reproduced", "claim holds"):
+        return row
+    return dataclasses.replace(row, verdict="consistent", reason=_joined(solved_from, row.reason))
+
+
+def damaged(row: Row, looks_like: str) -> Row:
+    """Return a row that the conversion of the document to text seems to have damaged.
+
+    It is "damaged text" where it would be a "misprint" or "not reproducible"; what agrees is as
+    it was.
+
+    Parameters
+    ----------
+    row : Row
+    looks_like : str
+        What in the text looks like damage of the conversion.
+
+    Examples
+    --------
+    >>> row = compared("(98)", "Q4", "100", 10.0, right_if=[("Q4 of (97a)", True)])
+    >>> damaged(row, "A decimal point is lost.").verdict
+    'damaged text'
+    """
+    if row.verdict not in ("misprint", "not reproducible"):
+        return row
+    return dataclasses.replace(row, verdict="damaged text", reason=_joined(looks_like, row.reason))
+
+
+def remark(place: str, name: str, text: str, computed: str, unit: str = "", *, reason: str) -> Row:
+    """Return a finding of ours on something that the document does not claim.
+
+    Parameters
+    ----------
+    place, name : str
+    text : str
+        What the document has there, or leaves open.
+    computed : str
+        What we find.
+    unit : str
+    reason : str
+
+    Examples
+    --------
+    >>> remark("(79a)", "signed error", "IE is minimised", "Ti/Kp", reason="(81)").verdict
+    'remark'
+    """
+    return Row(place, name, text, computed, unit, None, "remark", reason)
+
+
+def _joined(*sentences: str) -> str:
+    return " ".join(sentence for sentence in sentences if sentence)
 
 
 def short(value: float) -> str:

@@ -10,7 +10,7 @@ from clepsydra.base.files import whole_file
 from clepsydra.papers.audit import Audit, DocumentAudit
 from clepsydra.papers.figure_svg import figure_svg
 from clepsydra.papers.row import VERDICTS, Row
-from clepsydra.papers.row_words import difference_words, value_words
+from clepsydra.papers.row_words import difference_words, printed_words, value_words
 from clepsydra.report.template import rendered
 
 if TYPE_CHECKING:
@@ -78,6 +78,7 @@ def page_text(result: Audit) -> str:
         audit=result,
         chapters=chapters,
         verdicts=VERDICTS,
+        printed_words=printed_words,
         value_words=value_words,
         difference_words=difference_words,
     )

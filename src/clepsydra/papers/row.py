@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-Verdict = Literal["reproduced", "misprint", "not reproducible", "claim holds", "claim fails"]
-VERDICTS: tuple[Verdict, ...] = (
-    "reproduced",
-    "misprint",
-    "not reproducible",
-    "claim holds",
-    "claim fails",
-)
+Verdict = Literal[
+    "reproduced", "misprint", "not reproducible", "claim holds", "claim fails",
+    "consistent", "damaged text", "remark",
+]  # fmt: skip
+#: Those that judge the document, and are counted.
+COUNTED: tuple[Verdict, ...] = (
+    "reproduced", "misprint", "not reproducible", "claim holds", "claim fails",
+)  # fmt: skip
+#: All: a consistent row proves nothing, damaged text is not the author's, a remark is ours.
+VERDICTS: tuple[Verdict, ...] = (*COUNTED, "consistent", "damaged text", "remark")
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,8 @@ class Row:
         Why, for a reader who knows only the document.
     document, experiment : str
         Their keys; the audit fills them in.
+    text : str
+        A printed number with all its digits, "0.510"; empty for words.
 
     Examples
     --------
@@ -55,11 +59,17 @@ class Row:
     reason: str
     document: str = ""
     experiment: str = ""
+    text: str = ""
+
+    @property
+    def is_counted(self) -> bool:
+        """Whether it judges the document."""
+        return self.verdict in COUNTED
 
     @property
     def is_as_printed(self) -> bool:
-        """Whether the document is right here."""
-        return self.verdict in ("reproduced", "claim holds")
+        """Whether nothing here speaks against the document."""
+        return self.verdict not in ("misprint", "not reproducible", "claim fails")
 
     def as_dict(self) -> dict[str, Any]:
         """Return the row under the names that a JSON document has for it."""

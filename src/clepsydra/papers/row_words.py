@@ -2,7 +2,19 @@
 
 from __future__ import annotations
 
+from clepsydra.papers.row import Row
 from clepsydra.report.quantities import number_text
+
+
+def printed_words(row: Row) -> str:
+    """Return what is printed, with all its digits.
+
+    Examples
+    --------
+    >>> printed_words(Row("Table 7", "IE", 0.38, 0.3799, "", None, "reproduced", "", text="0.380"))
+    '0.380'
+    """
+    return row.text or value_words(row.printed)
 
 
 def value_words(value: float | str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
 import casadi as ca
@@ -19,7 +19,7 @@ from clepsydra.process.manipulated_signal import read_manipulated_signal
 from clepsydra.process.orifice import LAMINAR
 from clepsydra.process.root_law import falling_root, signed_root
 from clepsydra.process.stiction import Stiction
-from clepsydra.process.suction import drawn, suction_events, suction_memory
+from clepsydra.process.suction import BREAKS_OFF, SUCTION_KEY, Suction, drawn, read_suction
 from clepsydra.process.valve_characteristic import CHARACTERISTICS, opened
 from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.program.step_law import Symbols
@@ -83,7 +83,9 @@ class ControlValve(Element):
     friction : Backlash or Stiction or None
         Between actuator and stem.
     source_vessel : Vessel or None
-        Shape of the tank that it draws from; None for a reservoir.
+        Shape of the tank above; None for a reservoir.
+    suction : Suction or None
+        From that tank, where pressure or elevation would let the valve empty it.
 
     Examples
     --------
@@ -104,7 +106,7 @@ class ControlValve(Element):
     keys: ClassVar[tuple[str, ...]] = (
         "source", "destination", "kv", "characteristic", "rangeability", "range", "nominal",
         "submerged", "elevation", "pressure", "line_kv", "stroke_time", "backlash", "stiction",
-        "slip_jump",
+        "slip_jump", SUCTION_KEY,
     )  # fmt: skip
 
     source: str
@@ -123,6 +125,7 @@ class ControlValve(Element):
     stroke_time: float = 0.0
     friction: Backlash | Stiction | None = None
     source_vessel: Vessel | None = None
+    suction: Suction | None = None
 
     @classmethod
     def read(cls, name: str, table: TableReader) -> Self:
@@ -176,7 +179,8 @@ class ControlValve(Element):
             components=table.components,
             display_units=table.display_units(*cls.keys),
         )  # fmt: skip
-        if valve.source_vessel is None and not submerged and valve._lift <= 0.0:
+        forced = valve.elevation + valve.pressure / _BAR > 0.0
+        if valve.source_vessel is None and not submerged and not forced:
             raise table.refused(
                 "pressure",
                 "a valve with no pressure",
@@ -184,7 +188,7 @@ class ControlValve(Element):
                 f"since {source} is no tank",
                 'write as in pressure = "0.5 bar" or elevation = "2 m"',
             )
-        return valve
+        return replace(valve, suction=read_suction(table, source, forced=forced))
 
     def connections(self) -> tuple[Connection, ...]:
         """Return the element above and the element below."""
@@ -213,7 +217,7 @@ class ControlValve(Element):
     def memories(self) -> tuple[Signal, ...]:
         """Return whether it draws liquid, and where a stem with play or stiction stands."""
         return (
-            *((suction_memory(self.name),) if self._breaks_off else ()),
+            *((self.suction.memory(self.name),) if self.suction else ()),
             *(self.friction.memories(self.name) if self.friction else ()),
         )
 
@@ -272,7 +276,7 @@ class ControlValve(Element):
             driving = signed_root(head - symbols[f"{self.destination}.level"], LAMINAR)
         else:
             driving = falling_root(head, LAMINAR)
-        if self._breaks_off:
+        if self.suction:
             # What comes back through a submerged valve may still come.
             rest = ca.fmin(driving, 0) if self.submerged else 0
             driving = drawn(self.name, driving, symbols, rest)
@@ -299,8 +303,8 @@ class ControlValve(Element):
     def events(self, symbols: Symbols) -> tuple[Event, ...]:
         """Return where its tank runs empty, and where the stem breaks away and sticks."""
         events: tuple[Event, ...] = ()
-        if self._breaks_off and self.source_vessel:
-            events += suction_events(self.name, self.source, self.source_vessel, symbols)
+        if self.suction:
+            events += self.suction.events(self.name, symbols, BREAKS_OFF)
         if self.friction is not None:
             events += self.friction.events(self.name, *self._actuator(symbols), symbols)
         return events
@@ -317,15 +321,6 @@ class ControlValve(Element):
     @property
     def _position(self) -> str:
         return f"{self.name}.position"
-
-    @property
-    def _lift(self) -> float:
-        """What drives liquid out even of an empty source, by its sign."""
-        return self.elevation + self.pressure / _BAR
-
-    @property
-    def _breaks_off(self) -> bool:
-        return bool(self.source_vessel) and self._lift > 0.0
 
     @property
     def _has_line(self) -> bool:

@@ -1,19 +1,21 @@
-"""A process or study file as text: found, read whole, and parsed, or the reason why not."""
+"""A process or study file as text: parsed, or the reason why not."""
 
 from __future__ import annotations
 
 import re
 import tomllib
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, Literal
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.input_file import input_text
 from clepsydra.process.toml_lines import key_lines, line_of
 
-#: A process of a thousand tanks takes less; what is larger is something else.
-LARGEST_FILE = 1_000_000
 _LONGEST_LINE = 1_000
+#: A quantity without quotation marks: key, number, unit.
+_BARE_QUANTITY = re.compile(
+    r"([\w.-]+) *= *([-+]?[\d.]+(?:e[-+]?\d+)?) *([A-Za-z%µ°(][^'\"#]*)", re.I
+)
 
 Kind = Literal["process", "study", "fuzzy"]
 #: Keys that only a study file has.
@@ -64,49 +66,6 @@ class Document:
         return f"{where}, {'.'.join(parts)}" if path else where
 
 
-def read_bytes(path: Path, kind: Kind = "process") -> bytes:
-    """Read a file whole.
-
-    Parameters
-    ----------
-    path : Path
-    kind : {"process", "study", "fuzzy"}
-        What it should be, for messages.
-
-    Raises
-    ------
-    InputError
-        There is no such file, it is not a file, it cannot be read, or it is too large.
-
-    Examples
-    --------
-    >>> from clepsydra.process.catalogue_names import catalogue_file
-    >>> read_bytes(Path(str(catalogue_file("quadruple-tank")))).startswith(b"#")
-    True
-    """
-    expected, remedy = f"a {kind} file", "check the path"
-    try:
-        if not path.exists():
-            raise InputError(str(path), "no such file", expected, remedy)
-        if path.is_dir():
-            raise InputError(str(path), "a folder", expected, "name the .toml file in it")
-        if not path.is_file():
-            raise InputError(str(path), "no regular file", expected, remedy)
-        with path.open("rb") as stream:
-            content = stream.read(LARGEST_FILE + 1)
-    except (OSError, ValueError) as error:  # ValueError: a null character in the path
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise InputError(ascii(str(path)), reason.lower(), expected, remedy) from None
-    if len(content) > LARGEST_FILE:
-        raise InputError(
-            str(path),
-            "more than 1 MB",
-            f"a {kind} file of at most 1 MB",
-            "check that this is the file you mean",
-        )
-    return content
-
-
 def parse(content: bytes, file: str, kind: Kind = "process") -> Document:
     """Parse the content of a file.
 
@@ -128,27 +87,9 @@ def parse(content: bytes, file: str, kind: Kind = "process") -> Document:
     >>> parse(b"[tanks.a]\\narea = '28 cm^2'\\n", "plant.toml").place("tanks", "a", "area")
     'plant.toml, line 2, tanks.a.area'
     """
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise InputError(
-            f"{file}, line {line}",
-            f"byte 0x{content[error.start]:02x}",
-            "text in UTF-8",
-            f"check that this is a {kind} file, and save it as UTF-8",
-        ) from None
-    text = text.replace("\r\n", "\n")
+    text = input_text(content, file, f"a {kind} file", _LONGEST_LINE)
     if not text.strip():
         raise InputError(file, "an empty file", f"a {kind}", _BEGIN[kind])
-    for number, line_text in enumerate(text.split("\n"), 1):
-        if len(line_text) > _LONGEST_LINE:
-            raise InputError(
-                f"{file}, line {number}",
-                f"{len(line_text)} characters",
-                f"a line of at most {_LONGEST_LINE} characters",
-                "break the line",
-            )
     try:
         tables = tomllib.loads(text)
     except RecursionError:
@@ -186,6 +127,15 @@ def _syntax_error(error: ValueError, text: str, file: str) -> InputError:
         return InputError(place, value, "every name once", "rename or remove one of the two")
     if "limit" in message:
         return InputError(file, "a number of thousands of digits", "a number", "shorten it")
+    bare = _BARE_QUANTITY.fullmatch(value)
+    if bare is not None:
+        key, amount, unit = bare.groups()
+        return InputError(
+            place,
+            value,
+            "a quantity in quotation marks",
+            f'write {key} = "{amount} {unit.strip()}"',
+        )
     words = re.sub(r" \(at .*\)$", "", message)
     return InputError(
         place,

@@ -184,6 +184,19 @@ class Element(ABC):
         """Return the switches that are located inside an integration step."""
         return ()
 
+    @property
+    def may_refuse(self) -> bool:
+        """Whether there are times at which nothing can flow into it, see `refuses`."""
+        return False
+
+    def refuses(self, symbols: Symbols) -> ca.SX | None:
+        """Return the truth that nothing can flow into it; None where it never refuses."""
+        return None
+
+    def ended(self, symbols: Symbols) -> ca.SX | None:
+        """Return the truth that one of its events has ended the run; None where none does."""
+        return None
+
     def delays(self) -> tuple[Delay, ...]:
         """Return the quantities that it keeps for a while."""
         return ()

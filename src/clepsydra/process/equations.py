@@ -13,7 +13,7 @@ from clepsydra.process.component import Component
 from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Delay, Event
-from clepsydra.process.motion import FlowPath, Motion
+from clepsydra.process.motion import FlowPath, Motion, MotionEvent
 from clepsydra.process.wiring import flow_order
 
 #: Totals of what crosses the boundary of the plant, for the balance of a run.
@@ -204,7 +204,7 @@ class _Join:
             totals=self.totals,
             memories=self.memories,
             delays=self.delays,
-            events=tuple((event.name, event.words) for event in events),
+            events=tuple(MotionEvent(e.name, e.words, e.harm, e.ends) for e in events),
             to_contents=ca.Function("to_contents", [x, p], [to_contents], ["x", "p"], ["c"]),
             to_state=ca.Function("to_state", [c, p], [to_state], ["c", "p"], ["x"]),
             rates=ca.Function("rates", arguments, [moving.rates, moving.sent, moving.totals],
@@ -268,6 +268,8 @@ class _Join:
             if delay.conserves:
                 name = f"{DELAYED}.{delay.conserves}"
                 rates[name] += sent[delay.name] - symbols[delay.name]
+        for ended in self._truths("ended", symbols).values():
+            rates = {name: ca.if_else(ended, 0, rate) for name, rate in rates.items()}
         return _Evaluated(
             ca.cse(_stacked(self.contents, rates)),
             _stacked(self.delays, sent),
@@ -282,6 +284,7 @@ class _Join:
         """Return every flow with what it carries, and what enters the delays."""
         x = ca.vertcat(*ca.symvar(_stacked(self.state, symbols)))
         arriving: dict[str, list[Flow]] = {}
+        refusing = self._refusing(symbols)
         flows: list[Flow] = []
         sent: dict[str, ca.SX] = {}
         for element in self.order:
@@ -292,6 +295,10 @@ class _Join:
                 symbols |= entering
             for caused in element.flows(symbols, received):
                 flow = replace(caused, element=caused.element or element.name)
+                if flow.destination in refusing:
+                    flow = flow.held_back(refusing[flow.destination])
+                if flow.reversible and flow.source in refusing:
+                    flow = flow.held_back(refusing[flow.source], back=True)
                 if flow.fluxes is None:
                     flow = flow.carrying(
                         self._held_by(flow.source, symbols),
@@ -303,6 +310,25 @@ class _Join:
         # the sum is computed once a sample and not in every stage of an integration step.
         flows.sort(key=lambda flow: bool(ca.depends_on(ca.SX(flow.driver), x)))
         return flows, sent
+
+    def _truths(self, what: str, symbols: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
+        """Return what a method of the elements says, for those that say something."""
+        found = ((e.name, getattr(e, what)(symbols)) for e in self.elements)
+        return {name: truth for name, truth in found if truth is not None}
+
+    def _refusing(self, symbols: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
+        """Return the truth that nothing can flow into an element, for those that may refuse.
+
+        What passes on refuses where any of those that it feeds does.
+        """
+        refusing = self._truths("refuses", symbols)
+        for element in reversed(self.order):
+            if element.passes_on:
+                fed = [refusing[c.name] for c in element.connections() if c.name in refusing]
+                for truth in fed:
+                    before = refusing.get(element.name, ca.SX(0))
+                    refusing[element.name] = ca.logic_or(before, truth)
+        return refusing
 
     def _held_by(self, name: str, symbols: Mapping[str, ca.SX]) -> Mapping[str, ca.SX]:
         if not self.components:

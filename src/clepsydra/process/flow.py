@@ -54,6 +54,30 @@ class Flow:
         """The flow [m³/s]."""
         return self.coefficient * self.driver
 
+    def held_back(self, truth: ca.SX, *, back: bool = False) -> Flow:
+        """Return the flow as it is while nothing can enter its destination, or its source.
+
+        Parameters
+        ----------
+        truth : casadi.SX
+        back : bool
+            What runs back to the source is held, and not what runs to the destination.
+
+        Examples
+        --------
+        >>> flow = Flow("a", "b", ca.SX(2.0), ca.SX(-1.0), reversible=True)
+        >>> [float(flow.held_back(ca.SX(1), back=back).driver) for back in (False, True)]
+        [-1.0, 0.0]
+        """
+        if self.reversible:
+            rest = ca.fmax(self.driver, 0) if back else ca.fmin(self.driver, 0)
+        else:
+            rest = ca.SX(0)
+        fluxes = self.fluxes
+        if fluxes is not None:
+            fluxes = {name: ca.if_else(truth, 0, flux) for name, flux in fluxes.items()}
+        return replace(self, driver=ca.if_else(truth, rest, self.driver), fluxes=fluxes)
+
     def carrying(self, upstream: Mapping[str, ca.SX], downstream: Mapping[str, ca.SX]) -> Flow:
         """Return the flow with the fluxes of a stream that carries what it is drawn from.
 

@@ -20,8 +20,7 @@ from clepsydra.process.disturbance_range import read_disturbance_range
 from clepsydra.process.element import Connection, Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Event
-from clepsydra.process.suction import drawn, suction_events, suction_memory
-from clepsydra.process.vessels.vessel import Vessel
+from clepsydra.process.suction import BREAKS_OFF, SUCTION_KEY, Suction, drawn, read_suction
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
@@ -48,8 +47,8 @@ class ForcedFlow(Element):
         Size of the load step of the default scenario [m³/s].
     given : mapping
         Component to its concentration, in liquid from outside.
-    source_vessel : Vessel or None
-        Shape of the tank that it draws from; None where it comes from elsewhere.
+    suction : Suction or None
+        From the tank that it is drawn from; None where it comes from elsewhere.
 
     Examples
     --------
@@ -62,7 +61,7 @@ class ForcedFlow(Element):
     table: ClassVar[str] = "flows"
     symbol: ClassVar[str] = "flow"
     keys: ClassVar[tuple[str, ...]] = (
-        "source", "destination", "range", "nominal", "step", "concentration",
+        "source", "destination", "range", "nominal", "step", SUCTION_KEY, "concentration",
     )  # fmt: skip
 
     source: str
@@ -72,7 +71,7 @@ class ForcedFlow(Element):
     nominal: float
     step: float = 0.0
     given: Mapping[str, GivenConcentration] = field(default_factory=dict)
-    source_vessel: Vessel | None = None
+    suction: Suction | None = None
 
     @classmethod
     def read(cls, name: str, table: TableReader) -> Self:
@@ -102,7 +101,7 @@ class ForcedFlow(Element):
             ends["destination"],
             **given._asdict(),
             given=read_concentrations(table),
-            source_vessel=table.vessel_of(ends["source"]),
+            suction=read_suction(table, ends["source"]),
             components=table.components,
             display_units=table.display_units("range"),
         )
@@ -138,12 +137,12 @@ class ForcedFlow(Element):
 
     def memories(self) -> tuple[Signal, ...]:
         """Return whether it draws liquid, where it comes out of a tank."""
-        return (suction_memory(self.name),) if self.source_vessel else ()
+        return (self.suction.memory(self.name),) if self.suction else ()
 
     def flows(self, symbols: Symbols, received: Sequence[Flow]) -> tuple[Flow, ...]:
         """Return q = d."""
         flow = symbols[self.name]
-        if self.source_vessel:
+        if self.suction:
             flow = drawn(self.name, flow, symbols)
         fluxes = None
         if not self.source:
@@ -153,6 +152,4 @@ class ForcedFlow(Element):
 
     def events(self, symbols: Symbols) -> tuple[Event, ...]:
         """Return where its tank runs empty."""
-        if not self.source_vessel:
-            return ()
-        return suction_events(self.name, self.source, self.source_vessel, symbols)
+        return self.suction.events(self.name, symbols, BREAKS_OFF) if self.suction else ()

@@ -54,6 +54,11 @@ class Event:
         Negative while nothing happens; continuous where it changes sign.
     resets : mapping
         Memory name to its new value.
+    harm : str
+        What it does to the plant and how it is avoided, where no plant is meant to see it: a
+        controller in whose run it happens is unsafe. Empty for what is part of normal operation.
+    ends : bool
+        The run ends there: from then on everything stands still, see `Element.ended`.
 
     Examples
     --------
@@ -66,6 +71,8 @@ class Event:
     words: str
     guard: ca.SX
     resets: Mapping[str, ca.SX | float]
+    harm: str = ""
+    ends: bool = False
 
 
 def switch_memory(name: str, initial: float, description: str) -> Signal:

@@ -102,6 +102,7 @@ class LevelTrips:
                     f"{element} trips: {limit.words()}",
                     ca.if_else(tripped, -1, limit.excess(symbols)),
                     {name: 1.0},
+                    "until it is released nothing is controlled; keep the levels away from it",
                 )
                 for limit in self.limits
             ),

@@ -25,6 +25,32 @@ class FlowPath(NamedTuple):
     destination: str
 
 
+class MotionEvent(NamedTuple):
+    """An event as a run records it, see `clepsydra.process.hybrid.Event`.
+
+    Examples
+    --------
+    >>> event = MotionEvent("pump_1.starts", "pump_1 starts: well above 1.2 m")
+    >>> event.counted, event.dated, event.harm
+    ('pump_1.starts.count', 'pump_1.starts.time', '')
+    """
+
+    name: str
+    words: str
+    harm: str = ""
+    ends: bool = False
+
+    @property
+    def counted(self) -> str:
+        """The name of the number of times that it has happened."""
+        return f"{self.name}.count"
+
+    @property
+    def dated(self) -> str:
+        """The name of the time at which it happened last."""
+        return f"{self.name}.time"
+
+
 @dataclass(frozen=True)
 class Motion:
     """The equations of a process in the form that an integrator needs.
@@ -42,7 +68,7 @@ class Motion:
     contents, totals, memories : tuple of Signal
         Integrated; integrated without an effect; held.
     delays : tuple of Delay
-    events : tuple of (name, words)
+    events : tuple of MotionEvent
     to_contents : casadi.Function
         (x, p) → c
     to_state : casadi.Function
@@ -76,7 +102,7 @@ class Motion:
     totals: tuple[Signal, ...]
     memories: tuple[Signal, ...]
     delays: tuple[Delay, ...]
-    events: tuple[tuple[str, str], ...]
+    events: tuple[MotionEvent, ...]
     to_contents: ca.Function
     to_state: ca.Function
     rates: ca.Function

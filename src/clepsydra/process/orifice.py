@@ -38,7 +38,7 @@ class Orifice(Element):
     destination : str
         The element that the liquid falls into; the other tank if submerged.
     area : float
-        Cross-section a [m²].
+        Cross-section a [m²]; 0 if it is plugged.
     discharge : float
         Discharge coefficient c [1].
     submerged : bool
@@ -83,7 +83,8 @@ class Orifice(Element):
             source=table.name("source", "the name of a tank"),
             destination=table.name("destination", "the name of a tank or reservoir"),
             area=table.quantity(
-                "area", "m^2", "an area", "give the cross-section of the hole", above=0.0
+                "area", "m^2", "an area", "give the cross-section of the hole, 0 if it is plugged",
+                at_least=0.0,
             ),
             discharge=table.quantity(
                 "discharge",

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.input_file import read_input
 from clepsydra.base.signal import Signal
 from clepsydra.base.user_code import line_of, run_user_code, shortened, words_of
 from clepsydra.process.element import Connection, Element
@@ -90,13 +91,10 @@ def read_own_kinds(
         raise general.refused("elements", written[:60], expected, remedy)
     file = _file(general, path, written)
     try:
-        content = file.read_bytes()
-    except OSError as error:
+        content = read_input(file, "a Python file that can be read")
+    except InputError as error:
         raise general.refused(
-            "elements",
-            written[:60],
-            "a Python file that can be read",
-            f"see why not: {(error.strerror or str(error)).lower()}",
+            "elements", written[:60], error.expected, f"see why not: {error.value}"
         ) from None
     kinds = _kinds(file, content)
     if not kinds:

@@ -64,6 +64,8 @@ class Process:
         Of the file, in force, in the order in which they were laid over it.
     variants : mapping
         Every variant of the file to its description.
+    warnings : tuple of str
+        What of a user's file has no effect.
     joined_display : casadi.Function or None
         `display` where sensors round or limit; None where they show what they read.
     noise : mapping
@@ -98,6 +100,7 @@ class Process:
     path: Path | None = None
     variant: tuple[str, ...] = ()
     variants: Mapping[str, str] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
     joined_motion: Motion | None = None
     components: tuple[Component, ...] = ()
     joined_display: ca.Function | None = None
@@ -111,6 +114,12 @@ class Process:
             return self.joined_display
         y = ca.SX.sym("y", len(self.measurements))
         return ca.Function("display", [y], [y], ["y"], ["shown"])
+
+    @cached_property
+    def show(self) -> ca.Function:
+        """SX function (x [n], p [l]) → y [q]: what the sensors show of a state without noise."""
+        x, p = (ca.SX.sym(name, self.measure.numel_in(i)) for i, name in enumerate("xp"))
+        return ca.Function("show", [x, p], [self.display(self.measure(x, p))], ["x", "p"], ["y"])
 
     @cached_property
     def motion(self) -> Motion:

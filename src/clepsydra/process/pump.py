@@ -23,12 +23,14 @@ from clepsydra.process.level_switch import (
 )
 from clepsydra.process.manipulated_signal import read_manipulated_signal
 from clepsydra.process.pump_curve import PumpCurve
-from clepsydra.process.suction import drawn, suction_events, suction_memory
-from clepsydra.process.vessels.vessel import Vessel
+from clepsydra.process.suction import SUCTION_KEY, Suction, drawn, read_suction
 from clepsydra.program.step_law import Symbols
 
 if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
+
+#: What it means that its tank is empty.
+_RUNS_DRY = "nothing is left to draw, which damages a pump; keep the level higher"
 
 
 @dataclass(frozen=True)
@@ -76,8 +78,8 @@ class Pump(Element):
     starter : LevelStarter or None
     noise : float
         Standard deviation of the flow, relative to it [1].
-    source_vessel : Vessel or None
-        Shape of the tank that it draws from; None for a reservoir.
+    suction : Suction or None
+        From the tank that it draws from; None for a reservoir.
 
     Examples
     --------
@@ -92,7 +94,7 @@ class Pump(Element):
     symbol: ClassVar[str] = "pump"
     keys: ClassVar[tuple[str, ...]] = (
         "source", "destination", "gain", "range", "nominal", "dead_band", "curve", "static_head",
-        "pipe_loss", "lag", "rate", *SWITCH_KEYS, "noise",
+        "pipe_loss", "lag", "rate", *SWITCH_KEYS, SUCTION_KEY, "noise",
     )  # fmt: skip
 
     source: str
@@ -111,7 +113,7 @@ class Pump(Element):
     trips: LevelTrips | None = None
     starter: LevelStarter | None = None
     noise: float = 0.0
-    source_vessel: Vessel | None = None
+    suction: Suction | None = None
 
     @classmethod
     def read(cls, name: str, table: TableReader) -> Self:
@@ -140,7 +142,7 @@ class Pump(Element):
                 "noise", "1", "a relative standard deviation", "leave it out for a steady pump",
                 at_least=0.0, at_most=1.0, default=0.0,
             ),
-            source_vessel=table.vessel_of(source),
+            suction=read_suction(table, source),
             components=table.components,
             display_units=table.display_units(
                 "gain", "range", "dead_band", "static_head", "pipe_loss", "lag", "rate"
@@ -173,7 +175,7 @@ class Pump(Element):
     def memories(self) -> tuple[Signal, ...]:
         """Return whether it draws liquid, has tripped, and runs by its level switch."""
         return (
-            *((suction_memory(self.name),) if self.source_vessel else ()),
+            *((self.suction.memory(self.name),) if self.suction else ()),
             *((self.trips.memory(self.name),) if self.trips else ()),
             *((self.starter.memory(self.name),) if self.starter else ()),
         )
@@ -228,7 +230,7 @@ class Pump(Element):
         coefficient: Any
         if self.curve is not None:
             head = symbols[f"{self.name}.static_head"]
-            if self.source_vessel:
+            if self.suction:
                 head = head - symbols[f"{self.source}.level"]
             speed = (value - self.low) * (1 / (self.high - self.low))
             coefficient = ca.SX(1)
@@ -239,7 +241,7 @@ class Pump(Element):
                 driver = ca.fmax(value - symbols[f"{self.name}.dead_band"], 0)
         if self.noise:
             driver = driver * ca.fmax(1 + symbols[self._noise], 0)
-        if self.source_vessel:
+        if self.suction:
             driver = drawn(self.name, driver, symbols)
         return (Flow(self.source, self.destination, coefficient, driver),)
 
@@ -260,8 +262,8 @@ class Pump(Element):
     def events(self, symbols: Symbols) -> tuple[Event, ...]:
         """Return where its tank runs empty and where its level switches turn it off and on."""
         events: tuple[Event, ...] = ()
-        if self.source_vessel:
-            events += suction_events(self.name, self.source, self.source_vessel, symbols)
+        if self.suction:
+            events += self.suction.events(self.name, symbols, _RUNS_DRY)
         if self.trips is not None:
             events += self.trips.events(self.name, symbols)
         if self.starter is not None:

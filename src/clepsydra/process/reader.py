@@ -8,13 +8,14 @@ from pathlib import Path
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
+from clepsydra.base.input_file import read_input
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.process.averaging import read_averaging
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.component import Component
 from clepsydra.process.components import check_components, read_components
-from clepsydra.process.document import Document, kind_of, parse, read_bytes
+from clepsydra.process.document import Document, kind_of, parse
 from clepsydra.process.element import Element
 from clepsydra.process.equations import join
 from clepsydra.process.kinds import KINDS
@@ -113,7 +114,8 @@ def load_process(name_or_path: str | Path, variant: str | Sequence[str] | None =
             f"a name of the catalogue ({', '.join(names)}) or the path of a .toml file",
             suggestion(name_or_path, names, "choose a name, or check the path"),
         )
-    return _process(parse(read_bytes(path), str(path)), path, asked)
+    content = read_input(path, "a process file", inside="the .toml file")
+    return _process(parse(content, str(path)), path, asked)
 
 
 def _means_a_path(text: str) -> bool:
@@ -195,6 +197,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         path=path,
         variant=chosen.names,
         variants=chosen.descriptions,
+        warnings=() if path is None else chosen.warnings,
         joined_motion=joined.motion,
         joined_display=joined.display,
         noise=joined.noise,

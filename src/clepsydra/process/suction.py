@@ -2,72 +2,180 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
 from clepsydra.base.signal import Signal
+from clepsydra.base.units import from_si
 from clepsydra.process.hybrid import Event, switch_memory
 from clepsydra.process.vessels.vessel import Vessel
 from clepsydra.program.step_law import Symbols
 
-#: Suction is lost where a tank holds this share of its capacity, and comes back at the other.
-_LOST, _REGAINED = 0.01, 0.02
+if TYPE_CHECKING:
+    from clepsydra.process.table_reader import TableReader
+
+#: The key of a process file that `read_suction` knows.
+SUCTION_KEY = "suction_level"
+#: Suction is lost where a tank holds this share of its capacity, if the file does not say.
+_LOST = 0.01
+#: It comes back when this share of the capacity has come in above that.
+_REGAINED = 0.01
+
+#: What the loss of suction means for what is no pump.
+BREAKS_OFF = "nothing is left to draw, so that the flow breaks off; keep the level higher"
 
 
-def suction_memory(element: str) -> Signal:
-    """Return the memory that is 1 while an element draws liquid and 0 after its tank ran empty.
-
-    Examples
-    --------
-    >>> suction_memory("pump_1").name
-    'pump_1.draws'
-    """
-    return switch_memory(f"{element}.draws", 1.0, f"{element} draws liquid")
-
-
-def suction_events(element: str, tank: str, vessel: Vessel, symbols: Symbols) -> tuple[Event, ...]:
-    """Return the loss of suction near the floor of a tank and its return a little above.
+@dataclass(frozen=True)
+class Suction:
+    """What draws from a tank whatever its level is, until the level falls to the intake.
 
     No forced flow can be drawn from an empty tank: without this switch its volume would become
-    negative. It is lost a hundredth above empty, as an intake stands above the floor, so that a
-    concentration in what is left still has a meaning.
+    negative. An intake stands above the floor, so that a concentration in what is left still has
+    a meaning.
 
     Parameters
     ----------
-    element, tank : str
+    tank : str
     vessel : Vessel
         Of the tank.
-    symbols : mapping
+    level : float or None
+        Where suction ends [m]; None where the tank holds 1 % of its capacity.
+    unit : str
+        In which words give the level.
 
     Examples
     --------
     >>> from clepsydra.process.vessels.prism import Prism
-    >>> symbols = {"tank.level": ca.SX(0.5), "pump.draws": ca.SX(1)}
-    >>> events = suction_events("pump", "tank", Prism(1.0, area=2.0), symbols)
-    >>> [float(event.guard) for event in events]
-    [-0.49, -1.0]
+    >>> suction = Suction("tank", Prism(1.0, area=2.0), level=0.05)
+    >>> suction.ends, round(suction.begins, 12)
+    (0.05, 0.06)
     """
-    level, draws = symbols[f"{tank}.level"], symbols[f"{element}.draws"]
-    name = f"{element}.draws"
-    lost, regained = (
-        float(vessel.level(ca.SX(share * vessel.capacity), vessel.values()))
-        for share in (_LOST, _REGAINED)
+
+    tank: str
+    vessel: Vessel
+    level: float | None = None
+    unit: str = "m"
+
+    @property
+    def ends(self) -> float:
+        """The level at which suction is lost [m]."""
+        return self._level(_LOST) if self.level is None else self.level
+
+    @property
+    def begins(self) -> float:
+        """The level at which it comes back [m]."""
+        held = float(self.vessel.volume(ca.SX(self.ends), self.vessel.values()))
+        return self._level(held / self.vessel.capacity + _REGAINED)
+
+    def memory(self, element: str) -> Signal:
+        """Return the memory that is 1 while an element draws liquid and 0 after its tank ran empty.
+
+        Examples
+        --------
+        >>> from clepsydra.process.vessels.prism import Prism
+        >>> Suction("tank", Prism(1.0, area=2.0)).memory("pump_1").name
+        'pump_1.draws'
+        """
+        return switch_memory(f"{element}.draws", 1.0, f"{element} draws liquid")
+
+    def events(self, element: str, symbols: Symbols, harm: str) -> tuple[Event, ...]:
+        """Return the loss of suction near the floor of the tank and its return a little above.
+
+        Parameters
+        ----------
+        element : str
+        symbols : mapping
+        harm : str
+            What the loss means and how it is avoided.
+
+        Examples
+        --------
+        >>> from clepsydra.process.vessels.prism import Prism
+        >>> symbols = {"tank.level": ca.SX(0.5), "pump.draws": ca.SX(1)}
+        >>> suction = Suction("tank", Prism(1.0, area=2.0))
+        >>> [float(event.guard) for event in suction.events("pump", symbols, "it is damaged")]
+        [-0.49, -1.0]
+        """
+        level, draws = symbols[f"{self.tank}.level"], symbols[f"{element}.draws"]
+        name = f"{element}.draws"
+        return (
+            Event(
+                f"{element}.runs_dry",
+                f"{element} runs dry: {self._words(below=True)}",
+                ca.if_else(draws > 0.5, self.ends - level, -1.0),
+                {name: 0.0},
+                harm,
+            ),
+            Event(
+                f"{element}.draws_again",
+                f"{element} draws again: {self._words(below=False)}",
+                ca.if_else(draws > 0.5, -1.0, level - self.begins),
+                {name: 1.0},
+            ),
+        )
+
+    def _level(self, share: float) -> float:
+        return float(self.vessel.level(ca.SX(share * self.vessel.capacity), self.vessel.values()))
+
+    def _words(self, *, below: bool) -> str:
+        if self.level is None:
+            share = _LOST if below else _LOST + _REGAINED
+            return f"{self.tank} holds {100 * share:.0f} % of its capacity"
+        level = from_si(self.ends if below else self.begins, "m", self.unit)
+        return f"{self.tank} {'below' if below else 'above'} {level:.4g} {self.unit}"
+
+
+def read_suction(table: TableReader, source: str, *, forced: bool = True) -> Suction | None:
+    """Read where an element no longer draws from its tank; None where it draws from no tank.
+
+    Parameters
+    ----------
+    table : TableReader
+    source : str
+        What it draws from.
+    forced : bool
+        It would go on drawing from an empty tank.
+
+    Raises
+    ------
+    InputError
+        The level is given where nothing is drawn from a tank by force, or is none of the tank.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> from clepsydra.process.table_reader import TableReader
+    >>> from clepsydra.process.vessels.prism import Prism
+    >>> document = parse(b"[pumps.p]\\nsuction_level = '5 cm'", "plant.toml")
+    >>> vessels = {"tank": Prism(1.0, area=2.0)}
+    >>> table = TableReader(document, ("pumps", "p"), None, vessels=vessels)
+    >>> read_suction(table, "tank").ends
+    0.05
+    """
+    vessel = table.vessel_of(source) if source and forced else None
+    if vessel is None:
+        if table.has(SUCTION_KEY):
+            raise table.refused(
+                SUCTION_KEY,
+                table.written(SUCTION_KEY),
+                "no such key, since nothing is drawn from a tank by force",
+                "remove it",
+            )
+        return None
+    if not table.has(SUCTION_KEY):
+        return Suction(source, vessel)
+    level = table.quantity(
+        SUCTION_KEY,
+        "m",
+        "a level",
+        f"give the level of {source} at which its intake draws air; leave it out for that of 1 % "
+        "of its capacity",
+        above=0.0,
+        at_most=Suction(source, vessel)._level(1.0 - 2 * _REGAINED),
     )
-    return (
-        Event(
-            f"{element}.runs_dry",
-            f"{element} runs dry: {tank} holds {_LOST:.0%} of its capacity",
-            ca.if_else(draws > 0.5, lost - level, -1.0),
-            {name: 0.0},
-        ),
-        Event(
-            f"{element}.draws_again",
-            f"{element} draws again: {tank} holds {_REGAINED:.0%} of its capacity",
-            ca.if_else(draws > 0.5, -1.0, level - regained),
-            {name: 1.0},
-        ),
-    )
+    return Suction(source, vessel, level, table.display_units(SUCTION_KEY)[SUCTION_KEY])
 
 
 def drawn(element: str, flow: Any, symbols: Symbols, rest: Any = 0) -> ca.SX:

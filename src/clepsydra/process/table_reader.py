@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
-from clepsydra.base.units import from_si, split_quantity, to_si
+from clepsydra.base.units import from_si, split_quantity, to_si, with_percent_hint
 from clepsydra.process.component import Component
 from clepsydra.process.document import Document
 
@@ -198,7 +198,8 @@ class TableReader:
         ):
             if bound is not None and not kept:
                 shown = self._in_written_unit(key, bound, unit)
-                raise self.refused(key, shown_value(value), f"{expected} {words} {shown}", remedy)
+                hinted = with_percent_hint(remedy, value, unit) if bound == at_most else remedy
+                raise self.refused(key, shown_value(value), f"{expected} {words} {shown}", hinted)
         return number
 
     def range(self, key: str, unit: str, *, at_least: float | None = None) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""A tank: an open vessel that mixes what flows into it."""
+"""A tank: a vessel, open or closed, that mixes what flows into it."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ import casadi as ca
 from clepsydra.base.signal import Signal
 from clepsydra.process.element import Element
 from clepsydra.process.flow import Flow
+from clepsydra.process.hybrid import Event
+from clepsydra.process.lid import LID_KEY, Lid, read_lid
 from clepsydra.process.vessels.reading import VESSEL_KEYS, read_vessel
 from clepsydra.process.vessels.vessel import Vessel, reciprocal
 from clepsydra.program.step_law import Symbols
@@ -52,6 +54,8 @@ class Tank(Element):
         Discharge coefficient c of the weir [1].
     evaporation : float
         [m³/s per m² of surface]
+    lid : Lid or None
+        Of a closed tank; None where the level may rise above the rim.
 
     Examples
     --------
@@ -64,7 +68,9 @@ class Tank(Element):
     kind: ClassVar[str] = "tank"
     table: ClassVar[str] = "tanks"
     symbol: ClassVar[str] = "tank"
-    keys: ClassVar[tuple[str, ...]] = (*VESSEL_KEYS, "weir", "weir_discharge", "evaporation")
+    keys: ClassVar[tuple[str, ...]] = (
+        *VESSEL_KEYS, LID_KEY, "weir", "weir_discharge", "evaporation",
+    )  # fmt: skip
     receives: ClassVar[bool] = True
     gives: ClassVar[bool] = True
 
@@ -72,15 +78,18 @@ class Tank(Element):
     weir: float = 0.0
     weir_discharge: float = 0.62
     evaporation: float = 0.0
+    lid: Lid | None = None
 
     @classmethod
     def read(cls, name: str, table: TableReader) -> Self:
         """Make the tank from its table of a process file."""
         remedy = "leave it out for a tank that does not spill"
+        vessel = read_vessel(table)
+        weir = table.quantity("weir", "m", "a length", remedy, at_least=0.0, default=0.0)
         return cls(
             name,
-            vessel=read_vessel(table),
-            weir=table.quantity("weir", "m", "a length", remedy, at_least=0.0, default=0.0),
+            vessel=vessel,
+            weir=weir,
             weir_discharge=table.quantity(
                 "weir_discharge", "1", "a discharge coefficient", "leave it out for 0.62",
                 above=0.0, at_most=1.0, default=0.62,
@@ -89,6 +98,7 @@ class Tank(Element):
                 "evaporation", "m/s", "a falling speed of the surface",
                 "leave it out where nothing evaporates", at_least=0.0, default=0.0,
             ),
+            lid=read_lid(table, name, vessel, spills=weir > 0.0),
             components=table.components,
             display_units=table.display_units(*cls.keys),
         )  # fmt: skip
@@ -135,7 +145,7 @@ class Tank(Element):
         capacity = self.vessel.capacity
         volume = Signal(self._volume, "m^3", low=0.0, high=capacity)
         return (
-            level if self.vessel.uniform else volume,
+            level if self._by_level else volume,
             *(
                 Signal(self._amount(c.name), c.amount_unit, low=0.0, high=capacity * c.high)
                 for c in self.components
@@ -146,21 +156,23 @@ class Tank(Element):
         """Return V(h) and V C."""
         level = symbols[self.level]
         volume = self.vessel.volume(level, self._sizes(symbols))
-        first = {self.level: level} if self.vessel.uniform else {self._volume: volume}
+        first = {self.level: level} if self._by_level else {self._volume: volume}
         return first | {
             self._amount(c.name): symbols[f"{self.name}.{c.name}"] * volume for c in self.components
         }
 
     def to_states(self, symbols: Symbols) -> dict[str, ca.SX]:
-        """Return h(V) and the amounts over V."""
+        """Return h(V), at most the top of a closed tank, and the amounts over V."""
         sizes = self._sizes(symbols)
-        if self.vessel.uniform:
+        if self._by_level:
             level = symbols[self.level]
         else:
             level = self.vessel.level(symbols[self._volume], sizes)
+        if self.lid:  # an event is located to rounding, which is no level above the top
+            level = ca.fmin(level, self.vessel.rim(sizes))
         if not self.components:
             return {self.level: level}
-        volume = self.vessel.volume(level, sizes) if self.vessel.uniform else symbols[self._volume]
+        volume = self.vessel.volume(level, sizes) if self._by_level else symbols[self._volume]
         inverse = 1 / ca.fmax(volume, _EMPTY * self.vessel.capacity)
         return {self.level: level} | {
             f"{self.name}.{c.name}": symbols[self._amount(c.name)] * inverse
@@ -222,7 +234,7 @@ class Tank(Element):
         A flow enters the level as coefficient / A · driver: 1/A and the product of the constants
         are computed once a run, so no step divides by the cross-section.
         """
-        if self.vessel.uniform:
+        if self._by_level:
             factor = reciprocal(self.vessel.area(symbols[self.level], self._sizes(symbols)))
         else:
             factor = ca.SX(1)
@@ -231,7 +243,7 @@ class Tank(Element):
             balance += factor * flow.coefficient * flow.driver
         for flow in given:
             balance -= factor * flow.coefficient * flow.driver
-        rates = {self.level if self.vessel.uniform else self._volume: balance}
+        rates = {self.level if self._by_level else self._volume: balance}
         for component in self.components:
             carried = ca.SX(0)
             for sign, flows in ((1, received), (-1, given)):
@@ -242,16 +254,46 @@ class Tank(Element):
             rates[self._spilt] = symbols[f"{self.name}.weir.flow"]
         return rates
 
+    def memories(self) -> tuple[Signal, ...]:
+        """Return whether it is full, where it is closed."""
+        return (self.lid.memory(),) if self.lid else ()
+
+    def events(self, symbols: Symbols) -> tuple[Event, ...]:
+        """Return that it is full and that it takes in again, where it is closed."""
+        if self.lid is None:
+            return ()
+        return self.lid.events(
+            symbols, self.stored(symbols)["liquid"], self.vessel.full(self._sizes(symbols))
+        )
+
+    @property
+    def may_refuse(self) -> bool:
+        """Whether its inflow stops when it is full."""
+        return self.lid is not None and not self.lid.ends
+
+    def refuses(self, symbols: Symbols) -> ca.SX | None:
+        """Return the truth that it is full, where inflow then stops."""
+        return self.lid.is_full(symbols) if self.lid and self.may_refuse else None
+
+    def ended(self, symbols: Symbols) -> ca.SX | None:
+        """Return the truth that it is full, where the run then ends."""
+        return self.lid.is_full(symbols) if self.lid and self.lid.ends else None
+
     def stored(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return the volume and the amounts."""
         volume = self.vessel.volume(symbols[self.level], self._sizes(symbols))
-        return {"liquid": volume if self.vessel.uniform else symbols[self._volume]} | {
+        return {"liquid": volume if self._by_level else symbols[self._volume]} | {
             component.name: symbols[self._amount(component.name)] for component in self.components
         }
 
     def concentrations(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return what its outlets carry: the concentrations of the mixed content."""
         return {c.name: symbols[f"{self.name}.{c.name}"] for c in self.components}
+
+    @property
+    def _by_level(self) -> bool:
+        """Whether the level is integrated: in proportion to the volume, and never cut off."""
+        return self.vessel.uniform and self.lid is None
 
     @property
     def _volume(self) -> str:

@@ -1,9 +1,11 @@
-"""Line numbers of the keys of a TOML file, which the standard library does not keep."""
+"""Where the keys of a TOML file stand, which the standard library does not keep."""
 
 from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Iterator
+from typing import NamedTuple
 
 Path = tuple[str, ...]
 
@@ -24,12 +26,70 @@ _VALUE_TOKEN = re.compile(
 )
 
 
+class Entry(NamedTuple):
+    """A key with its value, or the heading of a table, in a TOML text.
+
+    Parameters
+    ----------
+    path : tuple of str
+        The tables of an array are numbered from 1: the second ``[[step]]`` is ("step", "2").
+    is_table : bool
+    start, value, end : int
+        Where the entry and its value begin and where its last line ends; a heading has no value
+        and begins where it ends.
+
+    Examples
+    --------
+    >>> text = "area = '28 cm^2'  # left\\n"
+    >>> (entry,) = entries(text)
+    >>> entry.path, text[entry.value:entry.end]
+    (('area',), " '28 cm^2'  # left")
+    """
+
+    path: Path
+    is_table: bool
+    start: int
+    value: int
+    end: int
+
+
+def entries(text: str) -> Iterator[Entry]:
+    """Yield the keys and headings of a text that `tomllib` has accepted, in its order.
+
+    A key inside an inline table is none of its own.
+
+    Examples
+    --------
+    >>> [entry.path for entry in entries("[tanks.tank_1]\\narea = '28 cm^2'")]
+    [('tanks', 'tank_1'), ('tanks', 'tank_1', 'area')]
+    """
+    counts: dict[Path, int] = {}
+    table: Path = ()
+    position = 0
+    while (position := _end_of_blank(text, position)) < len(text):
+        start = position
+        is_table = text[position] == "["
+        if is_table:
+            repeated = text.startswith("[[", position)
+            table, position = _key(text, position + 1 + repeated)
+            table = _numbered(table, counts)
+            if repeated:
+                counts[table] = counts.get(table, 0) + 1
+                table = (*table, str(counts[table]))
+            path, position = table, text.find("]", position)
+        else:
+            path, position = _key(text, position)
+            path = table + path
+            position += 1  # the equals sign
+        value, position = position, _end_of_value(text, position)
+        yield Entry(path, is_table, start, value, position)
+
+
 def key_lines(text: str) -> dict[Path, int]:
     """Return the line on which each key and each table of a valid TOML text begins.
 
     A key inside an inline table is not listed: it stands on the line of the table's own key,
-    which `line_of` finds. The tables of an array are numbered from 1: the second ``[[step]]`` is
-    ("step", "2").
+    which `line_of` finds.
 
     Parameters
     ----------
@@ -43,30 +103,13 @@ def key_lines(text: str) -> dict[Path, int]:
     (1, 3, 4)
     """
     lines: dict[Path, int] = {}
-    counts: dict[Path, int] = {}
-    table: Path = ()
     position, line = 0, 1
-    while True:
-        start, position = position, _end_of_blank(text, position)
-        line += text.count("\n", start, position)
-        if position >= len(text):
-            return lines
-        if text[position] == "[":
-            repeated = text.startswith("[[", position)
-            table, position = _key(text, position + 1 + repeated)
-            table = _numbered(table, counts)
-            if repeated:
-                counts[table] = counts.get(table, 0) + 1
-                table = (*table, str(counts[table]))
-            path, position = table, text.find("]", position)
-        else:
-            path, position = _key(text, position)
-            path = table + path
-            position += 1  # the equals sign
-        for length in range(1, min(len(path), _DEEPEST) + 1):
-            lines.setdefault(path[:length], line)
-        start, position = position, _end_of_value(text, position)
-        line += text.count("\n", start, position)
+    for entry in entries(text):
+        line += text.count("\n", position, entry.start)
+        position = entry.start
+        for length in range(1, min(len(entry.path), _DEEPEST) + 1):
+            lines.setdefault(entry.path[:length], line)
+    return lines
 
 
 def line_of(lines: dict[Path, int], path: Path) -> int:

@@ -10,12 +10,16 @@ from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
+from clepsydra.base.words import listed
 from clepsydra.process.document import Document
 from clepsydra.process.table_reader import TableReader, shown_value
+from clepsydra.process.toml_lines import line_of
 
 #: Keys of a process file that say which variants it has, and so cannot vary themselves.
 VARIANT_KEYS = ("variants", "default_variant")
 
+#: Keys that a warning names at most.
+_SHOWN = 4
 _NAME = re.compile(r"[A-Za-z](?:[-_]?[A-Za-z0-9]){0,39}")
 
 
@@ -31,6 +35,8 @@ class ChosenVariants:
         The variants in force, in the order in which they were laid over the file.
     descriptions : dict
         Every variant of the file to its description.
+    warnings : tuple of str
+        What has no effect where the file stands, since variants that nobody asked for give it.
 
     Examples
     --------
@@ -44,6 +50,7 @@ class ChosenVariants:
     document: Document
     names: tuple[str, ...]
     descriptions: dict[str, str]
+    warnings: tuple[str, ...] = ()
 
 
 def split_variants(text: str) -> tuple[str, tuple[str, ...] | None]:
@@ -141,11 +148,30 @@ def choose_variants(document: Document, asked: tuple[str, ...] | None) -> Chosen
     names = _defaults(document, general, contents) if asked is None else asked
     merged = _copied({k: v for k, v in document.tables.items() if k not in VARIANT_KEYS})
     origins: dict[tuple[str, ...], tuple[str, ...]] = {}
+    warnings = []
     for name in names:
         content = {k: v for k, v in contents[name].items() if k != "description"}
-        _merge(merged, content, (), ("variants", name), origins)
+        replaced = _merge(merged, content, (), ("variants", name), origins)
+        if asked is None and replaced:
+            warnings.append(_without_effect(document, name, replaced))
     return ChosenVariants(
-        Document(document.file, merged, document.lines, origins), names, descriptions
+        Document(document.file, merged, document.lines, origins),
+        names,
+        descriptions,
+        tuple(warnings),
+    )
+
+
+def _without_effect(document: Document, name: str, replaced: list[tuple[str, ...]]) -> str:
+    """Return the sentence that says which keys of a file a default variant replaces."""
+    shown = [f"{'.'.join(path)} (line {line_of(document.lines, path)})" for path in replaced]
+    if len(shown) > _SHOWN:
+        shown = [*shown[: _SHOWN - 1], f"{len(shown) - _SHOWN + 1} more keys"]
+    return (
+        f"{listed(shown)} of {document.file} {'has' if len(replaced) == 1 else 'have'} no effect: "
+        f"the variant {name}, which default_variant puts in force, gives "
+        f"{'it' if len(replaced) == 1 else 'them'}; edit [variants.{name}], or remove "
+        "default_variant"
     )
 
 
@@ -227,15 +253,22 @@ def _merge(
     path: tuple[str, ...],
     origin: tuple[str, ...],
     origins: dict[tuple[str, ...], tuple[str, ...]],
-) -> None:
-    """Merge a table into another in place, and note where each new value stands."""
+) -> list[tuple[str, ...]]:
+    """Merge a table into another in place; return which values of the file it replaced.
+
+    Where each new value stands is noted in `origins`.
+    """
+    replaced = []
     for key, value in over.items():
         here, there = (*path, key), (*origin, key)
         if isinstance(value, dict) and isinstance(table.get(key), dict):
-            _merge(table[key], value, here, there, origins)
+            replaced += _merge(table[key], value, here, there, origins)
             continue
+        if key in table and here not in origins:
+            replaced.append(here)
         table[key] = _copied(value) if isinstance(value, dict) else value
         # What an earlier variant brought below this key is gone, and with it its place.
         for old in [known for known in origins if known[: len(here)] == here]:
             del origins[old]
         origins[here] = there
+    return replaced

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from graphlib import CycleError, TopologicalSorter
 
 from clepsydra.base.errors import InputError
@@ -75,6 +75,7 @@ def check_wiring(elements: Sequence[Element], place: Place) -> None:
             "flows that reach a tank or reservoir",
             "let one of them end in a tank or reservoir",
         ) from None
+    _check_delays(elements, named, place)
 
 
 def flow_order(elements: Sequence[Element]) -> tuple[Element, ...]:
@@ -101,6 +102,26 @@ def flow_order(elements: Sequence[Element]) -> tuple[Element, ...]:
                 feeders[connection.name].add(element.name)
     by_name = {element.name: element for element in elements}
     return tuple(by_name[name] for name in TopologicalSorter(feeders).static_order())
+
+
+def _check_delays(elements: Sequence[Element], named: dict[str, Element], place: Place) -> None:
+    """Refuse a delay that feeds what may refuse: what is on its way cannot be held back."""
+
+    def fed(element: Element) -> Iterator[Element]:
+        for connection in element.connections():
+            if connection.carries_flow:
+                other = named[connection.name]
+                yield from fed(other) if other.passes_on else (other,)
+
+    for delay in (element for element in elements if element.delays()):
+        for closed in (element for element in fed(delay) if element.may_refuse):
+            raise InputError(
+                place(closed.table, closed.name),
+                f"{closed.name}, whose inflow stops when it is full",
+                f"a vessel that always takes in, since {delay.name} feeds it, and what is on its "
+                "way there cannot be held back",
+                'write when_full = "run ends", or give it a weir',
+            )
 
 
 def _check_connections(element: Element, by_name: dict[str, Element], place: Place) -> None:

@@ -15,6 +15,7 @@ from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.report.quantities import (
     display_factor,
     number_text,
+    percent_text,
     quantity_text,
     time_cell,
     unit_text,
@@ -52,8 +53,7 @@ def operating_point_grid(point: OperatingPoint) -> Grid:
     for group in (process.state, process.inputs, process.disturbances, process.measurements):
         for signal in group:
             value = values[signal.name]
-            bounded = 0.0 < signal.span < math.inf
-            percent = f"{number_text(signal.to_percent(value))} %" if bounded else ""
+            percent = percent_text(process, signal.name, value)
             rows.append((signal.name, quantity_text(signal, value, 4), percent))
     return Grid("Operating point", ("signal", "value", "of range"), tuple(rows))
 

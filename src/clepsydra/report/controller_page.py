@@ -84,7 +84,7 @@ def controller_page(result: StudyResult, place: int) -> ControllerPage:
     ('robust', '<svg')
     """
     candidate, process = result.ranking[place], result.process
-    controller, name = candidate.controller, candidate.controller.name
+    controller, name = candidate.controller, candidate.controller.title
     response, tuning = candidate.response, candidate.tuning
     number = place + 1
     title = f"Levels, manipulated variables and disturbances under {name}"

@@ -15,7 +15,7 @@ from clepsydra.report.flow_graph import FlowGraph, Instrument, flow_graph
 from clepsydra.report.pipe_paths import Points, draw_basins, draw_pipes
 from clepsydra.report.quantities import (
     fitted,
-    number_text,
+    percent_text,
     quantity_text,
     short_text,
     unit_text,
@@ -125,8 +125,7 @@ class _Drawing:
             lines.append(self._value(name))
             signal = self.process.signal(name)
             if signal in self.process.inputs and signal.shown_unit != "%":
-                percent = signal.to_percent(self.values[name])
-                lines.append(f"{number_text(percent, 2)} %")
+                lines.append(percent_text(self.process, name, self.values[name], 2))
         return tuple(lines)
 
     def _title(self, name: str) -> str:
@@ -193,11 +192,12 @@ class _Drawing:
             share = 0.5
             title = f"{name}: {element.kind}"
             if self.values:
-                percent = level.to_percent(self.values[level.name])
-                share = percent / 100
-                lines = [self._value(level.name), f"{number_text(percent)} %"]
-                height = quantity_text(level, level.high)
-                title = f"{name}: level {lines[0]}, {number_text(percent)} % of {height}"
+                value = self.values[level.name]
+                share = (value - level.low) / level.span
+                lines = [self._value(level.name), percent_text(self.process, level.name, value)]
+                title = (
+                    f"{name}: level {lines[0]} of {quantity_text(level, level.high)}, {lines[1]}"
+                )
         lines.insert(0, fitted(name, _NARROW))
         surface = TANK_HEIGHT * (1.0 - (share or 0.0))
         others = [signal for signal in own if signal is not level and self.values]

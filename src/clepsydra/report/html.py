@@ -81,7 +81,7 @@ def report_text(result: StudyResult) -> str:
     first = result.ranking[0] if result.ranking else None
     overview = ""
     if first is not None:
-        title = f"Controlled levels under {first.controller.name}"
+        title = f"Controlled levels under {first.controller.title}"
         overview = trend_svg(first.run, controlled_panels(first.run), title, "overview")
     return rendered(
         "report.html.jinja",

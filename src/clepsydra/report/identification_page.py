@@ -10,8 +10,8 @@ from clepsydra.base.files import whole_file
 from clepsydra.base.words import time_text
 from clepsydra.identify.identification import Identification
 from clepsydra.identify.process_fit import ProcessFit
+from clepsydra.identify.ranking import RANKING_RULE
 from clepsydra.identify.record import Record
-from clepsydra.identify.validation import RANKING_RULE
 from clepsydra.report.html import address_text, versions_text
 from clepsydra.report.identification_picture import (
     ComparedSignal,
@@ -96,7 +96,7 @@ def _of_models(found: Identification) -> str:
     ]
     rows = len(best.residuals)
     earlier = moved[record.held_back - rows : record.held_back]
-    notes = [f"{model.name}: {remark}." for model in found.models for remark in model.remarks]
+    notes = [f"{model.name}: {remark}." for model in found.models for remark in model.cautions]
     notes += [f"{name} could not be fitted: {reason}." for name, reason in found.refused]
     formulas = [(f"{m.name}, {m.title}", m.formula) for m in found.models]
     return _page(

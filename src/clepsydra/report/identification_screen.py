@@ -53,7 +53,7 @@ def identification_screen(found: Identification | ProcessFit) -> RenderableType:
         ]
         for model in found.models:
             parts.append(hanging(f"•  {model.name}: residuals {model.tests.words}."))
-            parts += [hanging(f"!  {model.name}: {remark}.", "yellow") for remark in model.remarks]
+            parts += [hanging(f"!  {model.name}: {remark}.", "yellow") for remark in model.cautions]
         parts += [
             hanging(f"–  {name} could not be fitted: {reason}.") for name, reason in found.refused
         ]

@@ -3,28 +3,30 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from clepsydra.report.axes_box import draw_box
 from clepsydra.report.chart import WIDTH, Chart, Scale
-from clepsydra.report.colours import INK, MUTED
+from clepsydra.report.colours import MUTED
 from clepsydra.report.quantities import short_text
 from clepsydra.study.ranking import ROBUST
-from clepsydra.study.result import Candidate, Standing, StudyResult
+from clepsydra.study.result import Standing, StudyResult
 
 _HEIGHT = 190.0
 _BOX_X, _BOX_Y = (48.0, WIDTH - 14.0), (158.0, 24.0)
-_RADIUS = 6.2
+#: Radius of a point, and the room that its number needs around its middle.
+_POINT, _ROOM = 3.2, 6.2
 _LIMIT = "#D55E00"
 #: Beyond these a controller is out of the question, and the others would be squeezed together.
 _WORST_PEAK, _WORST_ERROR = 10.0, 100.0
-#: Fill, edge and colour of the number.
+#: Fill and edge of a point.
 _LOOKS = {
-    Standing.ROBUST: ("#0072B2", "#0072B2", "#ffffff"),
-    Standing.NERVOUS: ("#ffffff", "#0072B2", INK),
-    Standing.STABLE: ("#ffffff", "#D55E00", INK),
-    Standing.UNSAFE: ("#d8dde3", "#59636e", INK),
+    Standing.ROBUST: ("#0072B2", "#0072B2"),
+    Standing.NERVOUS: ("#ffffff", "#0072B2"),
+    Standing.STABLE: ("#ffffff", "#D55E00"),
+    Standing.UNSAFE: ("#d8dde3", "#59636e"),
 }
 _WORDS = {
     Standing.ROBUST: "robust and quiet",
@@ -35,10 +37,11 @@ _WORDS = {
 
 
 def map_svg(result: StudyResult, title: str, prefix: str) -> str:
-    """Draw each controller as its rank: to the left is robust, below is a small error.
+    """Draw each controller as a point with its rank: to the left is robust, below a small error.
 
-    What is beyond max|S| 10 or a hundred times the smallest error stands at the edge; a law that
-    switches has no max|S| and is left out.
+    Every point stands where its numbers are; where several stand close, their ranks are written
+    further off, each with a line to its point. What is beyond max|S| 10 or a hundred times the
+    smallest error stands at the edge; a law that switches has no max|S| and is left out.
 
     Parameters
     ----------
@@ -73,19 +76,23 @@ def map_svg(result: StudyResult, title: str, prefix: str) -> str:
     chart.line((x.place(ROBUST),) * 2, _BOX_Y, _LIMIT, 0.8)
     words = f"limit {short_text(ROBUST)}"
     chart.text(x.place(ROBUST), _BOX_Y[1] - 4.0, words, anchor="middle", colour=_LIMIT)
-    taken: list[tuple[float, float]] = []
-    for peak, error in zip(peaks, errors, strict=True):
-        home = (x.place(peak), y.place(error))
-        place = _free(home, taken)
-        taken.append(place)
-        if place != home:
-            chart.line((home[0], place[0]), (home[1], place[1]), MUTED, 0.6)
-    for candidate, place in zip(shown, taken, strict=True):
-        _draw_rank(chart, candidate, place)
+    points = [(x.place(p), y.place(e)) for p, e in zip(peaks, errors, strict=True)]
+    labels: list[tuple[float, float]] = []
+    for point in points:
+        place = _free(point, points, labels)
+        labels.append(place)
+        distance = math.dist(point, place)
+        if distance > 2.0 * _ROOM:  # up to the number, and not through it
+            reach = 1.0 - 0.8 * _ROOM / distance
+            end = [a + reach * (b - a) for a, b in zip(point, place, strict=True)]
+            chart.line((point[0], end[0]), (point[1], end[1]), MUTED, 0.5)
+    for candidate, point in zip(shown, points, strict=True):
+        chart.circle(*point, _POINT, *_LOOKS[candidate.standing], 1.2)
+    for candidate, place in zip(shown, labels, strict=True):
+        chart.text(place[0], place[1] + 2.7, str(candidate.rank), anchor="middle")
     across = _BOX_X[0]
     for standing in sorted({candidate.standing for candidate in shown}):
-        fill, edge, _ = _LOOKS[standing]
-        chart.circle(across + 4.0, 9.0, 4.0, fill, edge, 1.2)
+        chart.circle(across + 4.0, 9.0, _POINT, *_LOOKS[standing], 1.2)
         chart.text(across + 11.0, 11.8, _WORDS[standing])
         across += 90.0
     return chart.svg()
@@ -95,25 +102,21 @@ def _finite(value: float, other: float) -> float:
     return value if math.isfinite(value) else other
 
 
-def _free(home: tuple[float, float], taken: list[tuple[float, float]]) -> tuple[float, float]:
-    """Return the place nearest to home where a number covers no other."""
+def _free(
+    point: tuple[float, float],
+    points: Sequence[tuple[float, float]],
+    labels: Sequence[tuple[float, float]],
+) -> tuple[float, float]:
+    """Return the place nearest to a point where its number covers no point and no other number."""
     turns = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
-    spots = [home] + [
-        (home[0] + radius * math.cos(turn), home[1] + radius * math.sin(turn))
-        for radius in np.arange(4.0, 80.0, 4.0)
-        for turn in turns
-    ]
-    for spot in spots:
-        inside = (
-            _BOX_X[0] + _RADIUS < spot[0] < _BOX_X[1] - _RADIUS
-            and _BOX_Y[1] + _RADIUS < spot[1] < _BOX_Y[0] - _RADIUS
-        )
-        if inside and all(math.dist(spot, other) > 2.0 * _RADIUS + 0.6 for other in taken):
-            return spot
-    return home
-
-
-def _draw_rank(chart: Chart, candidate: Candidate, place: tuple[float, float]) -> None:
-    fill, edge, ink = _LOOKS[candidate.standing]
-    chart.circle(*place, _RADIUS, fill, edge, 1.2)
-    chart.text(place[0], place[1] + 2.7, str(candidate.rank), anchor="middle", colour=ink)
+    for radius in np.arange(_POINT + _ROOM, 100.0, 3.0):
+        for turn in turns:
+            spot = (point[0] + radius * math.cos(turn), point[1] - radius * math.sin(turn))
+            inside = (
+                _BOX_X[0] + _ROOM < spot[0] < _BOX_X[1] - _ROOM
+                and _BOX_Y[1] + _ROOM < spot[1] < _BOX_Y[0] - _ROOM
+            )
+            apart = all(math.dist(spot, other) > 2.0 * _ROOM + 0.6 for other in labels)
+            if inside and apart and all(math.dist(spot, p) > _POINT + _ROOM - 0.1 for p in points):
+                return spot
+    return point

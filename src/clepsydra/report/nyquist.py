@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clepsydra.linear.analysis import Analysis
-from clepsydra.linear.compared import compared
 from clepsydra.linear.response import frequency_response
 from clepsydra.report.colours import INK, MUTED, signal_colours
 from clepsydra.report.response_axes import (
+    in_shares,
     picture,
     say_no_effect,
     shown_frequencies,
@@ -28,9 +28,9 @@ _FARTHEST = 3.0
 def nyquist_figure(analysis: Analysis) -> Figure:
     """Draw g(jω) from each input (columns) to each output (rows) for ω above zero.
 
-    Gains are shares of the output's range over shares of the input's range, so that the
-    unit circle (dashed) and the cross at -1 mean a proportional controller of gain one in
-    percent; dots mark the decades of the frequency. Without ranges they are in SI.
+    Gains are in % per %, so that the unit circle (dashed) and the cross at -1 mean a proportional
+    controller of gain 1 %/%; dots mark the decades of the frequency. Without ranges they are in
+    SI.
 
     Parameters
     ----------
@@ -47,15 +47,21 @@ def nyquist_figure(analysis: Analysis) -> Figure:
     >>> len(nyquist_figure(analyse(load_process("quadruple-tank"))).axes)
     4
     """
-    shares = compared(analysis.model)
-    model = shares or analysis.model
-    colours = signal_colours(analysis.operating_point.process)
+    model, process = analysis.model, analysis.operating_point.process
+    signals = [process.signal(name) for name in (*model.outputs, *model.inputs)]
+    percent = all(0.0 < signal.percent_span < np.inf for signal in signals)
+    colours = signal_colours(process)
     omegas = shown_frequencies(analysis)
-    gains = frequency_response(model, omegas)
+
+    def response(frequencies: np.ndarray) -> np.ndarray:
+        gains = frequency_response(model, frequencies)
+        return in_shares(analysis, gains) if percent else gains
+
+    gains = response(omegas)
     silent = without_effect(gains)
     rows, columns = len(model.outputs), len(model.inputs)
     decades = 10.0 ** np.arange(np.ceil(np.log10(omegas[0])), np.log10(omegas[-1]) + 1e-9)
-    marked = frequency_response(model, decades) if len(decades) else gains[:0]
+    marked = response(decades) if len(decades) else gains[:0]
     with picture(rows, columns, min(2.6, 6.4 / columns)) as drawn:
         for place, output in enumerate(model.outputs):
             for column, name in enumerate(model.inputs):
@@ -63,7 +69,7 @@ def nyquist_figure(analysis: Analysis) -> Figure:
                 values, dots = gains[:, place, column], marked[:, place, column]
                 title(axes, output, f"by {name}", columns)
                 if place == rows - 1:
-                    axes.set_xlabel("real part" + (" [% per %]" if shares else " [SI]"))
+                    axes.set_xlabel("real part" + (" [% per %]" if percent else " [SI]"))
                 if column == 0:
                     axes.set_ylabel("imaginary part")
                 if silent[place, column]:

@@ -13,6 +13,7 @@ from clepsydra.report.panels import Panel
 from clepsydra.report.quantities import (
     display_factor,
     fitted,
+    percent_scale,
     sensor_scale,
     short_text,
     unit_text,
@@ -77,7 +78,7 @@ class PanelContent:
     saturated_words : str
     unit : str
     percent : tuple of float or None
-        Values at 0 and at 100 % of the range.
+        Values at 0 and at 100 % of the sensor, or of the signal's own range.
 
     Examples
     --------
@@ -137,11 +138,13 @@ def panel_content(
     main = Curve(signal.name, time, values, colour, 1.4, held=held)
     measured, setpoint = _measurement(panel, recording, time, colour, factor)
     curves = (*measured, *setpoint, main)
-    bottom, top = _view(panel, np.concatenate([curve.values for curve in curves]), factor)
-    hatched, beyond = _limits(panel, bottom, top, factor)
+    low, high = (end * factor for end in _ends(panel, recording))
+    bottom, top = _view(panel, np.concatenate([curve.values for curve in curves]), low, high)
+    hatched, beyond = _limits(panel, bottom, top, low, high)
     held_at_limit = _saturation(recording, signal, time) if panel.kind == "input" else ((), "")
-    span = signal.span * factor
-    ranged = panel.kind not in ("disturbance", "total") and np.isfinite(span) and span > 0.0
+    percent = None
+    if panel.kind not in ("disturbance", "total"):
+        percent = percent_scale(recording.process, signal.name)
     return PanelContent(
         curves,
         main,
@@ -151,7 +154,7 @@ def panel_content(
         beyond,
         *held_at_limit,
         unit_text(signal.shown_unit) or "–",
-        (signal.low * factor, signal.high * factor) if ranged else None,
+        percent and (percent[0] * factor, percent[1] * factor),
     )
 
 
@@ -177,15 +180,24 @@ def _measurement(
     return measured, setpoint
 
 
-def _view(panel: Panel, shown: np.ndarray, factor: float) -> tuple[float, float]:
-    """Return the ends of the axis."""
-    signal = panel.signal
-    low, high = signal.low * factor, signal.high * factor
+def _ends(panel: Panel, recording: Recording) -> tuple[float, float]:
+    """Return the limits that a panel shows [unit]: of the tank, of the sensor, or its own.
+
+    What a sensor shows of a concentration or a flow ends at its range; a level, at the rim.
+    """
+    own = panel.signal.low, panel.signal.high
+    if panel.kind != "state":
+        return own
+    return percent_scale(recording.process, panel.signal.name) or own
+
+
+def _view(panel: Panel, shown: np.ndarray, low: float, high: float) -> tuple[float, float]:
+    """Return the ends of the axis, from what is shown and its limits, in the units of the axis."""
     shown = shown[np.isfinite(shown)]
     bottom, top = (float(shown.min()), float(shown.max())) if shown.size else (0.0, 1.0)
-    margin = max(0.08 * (top - bottom), 1e-3 * max(abs(top), abs(bottom)), 1e-9 * factor)
+    margin = max(0.08 * (top - bottom), 1e-3 * max(abs(top), abs(bottom)), 1e-9)
     if np.isfinite(low) and np.isfinite(high):
-        span = signal.span * factor
+        span = high - low
         margin = max(margin, 0.01 * span)
         if panel.kind == "input":
             bottom, top, margin = min(bottom, low), max(top, high), 0.06 * span
@@ -197,7 +209,7 @@ def _view(panel: Panel, shown: np.ndarray, factor: float) -> tuple[float, float]
 
 
 def _limits(
-    panel: Panel, bottom: float, top: float, factor: float
+    panel: Panel, bottom: float, top: float, low: float, high: float
 ) -> tuple[tuple[tuple[float, float], ...], tuple[str, ...]]:
     """Return the limits in view with the edge beyond each, and the names of those above it."""
     signal = panel.signal
@@ -205,10 +217,7 @@ def _limits(
         return (), ()
     word = {"level": "rim", "state": "top of range"}.get(panel.kind, "upper limit")
     hatched, beyond = [], []
-    for value, edge, above in (
-        (signal.high * factor, top, True),
-        (signal.low * factor, bottom, False),
-    ):
+    for value, edge, above in ((high, top, True), (low, bottom, False)):
         if np.isfinite(value) and bottom <= value <= top:
             hatched.append((value, edge))
         elif np.isfinite(value) and above:

@@ -10,7 +10,7 @@ from clepsydra.controllers.blocks.anti_windup import IN_WORDS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.design.gain_units import GainUnits, gain_units
+from clepsydra.design.gain_units import GainUnits, gain_units, has_range
 from clepsydra.design.loops.pid_settings import (
     ParallelSettings,
     PidSettings,
@@ -185,7 +185,7 @@ def _gains(
     action = "reverse" if settings.gain > 0.0 else "direct"
     moves = "rises" if settings.gain > 0.0 else "falls"
     facts = [("action", f"{action}: the output {moves} when the measurement falls")]
-    if not (math.isfinite(measurement.span) and math.isfinite(moved.span)):
+    if not (has_range(measurement) and has_range(moved)):
         return [*facts, ("gain K", gain), *_times_alone(settings)]
     shown = gain_units(settings, measurement, moved)
     facts += [

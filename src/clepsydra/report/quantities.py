@@ -11,6 +11,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_unit
 from clepsydra.process.process import Process
+from clepsydra.process.sensor import Sensor
 from clepsydra.report.resolution import settled_reading
 
 _SUPERSCRIPTS = {"^2": "²", "^3": "³", "**2": "²", "**3": "³"}
@@ -160,6 +161,55 @@ class SensorScale:
     def to_state(self, measurement: np.ndarray) -> np.ndarray:
         """Return the state [SI] that a measurement (or its setpoint) stands for."""
         return (measurement - self.offset) / self.gain
+
+
+def percent_scale(process: Process, name: str) -> tuple[float, float] | None:
+    """Return the values that 0 and 100 % of a signal stand for [unit]; None where it has no range.
+
+    A state that a sensor measures has the percent that the sensor shows, and of several sensors
+    that of a controlled one: so a reading, its setpoint, an axis and a table say the same. Any
+    other signal has its own.
+
+    Parameters
+    ----------
+    process : Process
+    name : str
+        A state, input, disturbance or measurement.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> percent_scale(load_process("quadruple-tank"), "tank_1.level")
+    (0.0, 0.2)
+    """
+    scale = process.signal(name).percent_scale
+    sensors = [element for element in process.elements if isinstance(element, Sensor)]
+    showing = [
+        sensor.name
+        for sensor in sensors
+        if name in (process.measured_state.get(sensor.name), sensor.quantity)
+    ]
+    if showing:
+        shown = min(showing, key=lambda sensor: sensor not in process.controlled)
+        ends = np.array(process.signal(shown).percent_scale)
+        low, high = sensor_scale(process, shown).to_state(ends)
+        scale = (float(low), float(high))
+    return scale if math.isfinite(scale[1] - scale[0]) and scale[0] < scale[1] else None
+
+
+def percent_text(process: Process, name: str, value: float, digits: int = 3) -> str:
+    """Return a value [SI] of a signal in percent, with the sign; empty where it has no range.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> percent_text(load_process("quadruple-tank"), "tank_1.level", 0.124)
+    '62.0 %'
+    """
+    scale = percent_scale(process, name)
+    if scale is None:
+        return ""
+    return f"{number_text(100.0 * (value - scale[0]) / (scale[1] - scale[0]), digits)} %"
 
 
 def sensor_scale(process: Process, measurement: str) -> SensorScale:

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from clepsydra.loop.happenings import Happening, happenings
-from clepsydra.loop.motion_block import event_count
+from clepsydra.loop.happenings import happenings
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Segment
 from clepsydra.process.process import Process
+from clepsydra.report.event_marks import EventMark, event_marks
+from clepsydra.scores.plant_flows import forced_flows
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +35,8 @@ class Recording:
         Measurement to its noise [samples], where it has some.
     segments : tuple of Segment
         Of the scenario.
-    happenings : tuple of Happening
-        Events in order of time.
+    marks : tuple of EventMark
+        Of the events, in order of time.
     limits : mapping
         Input to the limits that hold it [SI], where they may be narrower than its range.
 
@@ -53,7 +54,7 @@ class Recording:
     controlled: tuple[str, ...] = ()
     noise: Mapping[str, np.ndarray] = field(default_factory=dict)
     segments: tuple[Segment, ...] = ()
-    happenings: tuple[Happening, ...] = ()
+    marks: tuple[EventMark, ...] = ()
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
@@ -71,20 +72,20 @@ def recording_of(run: Run | Simulation) -> Recording:
     """
     process = run.process
     if isinstance(run, Simulation):
-        return Recording(
-            process, run.time, float(run.time[-1]), run.values, happenings=run.happenings
-        )
+        marks = event_marks(run.happenings)
+        return Recording(process, run.time, float(run.time[-1]), run.values, marks=marks)
     scenario = run.scenario
     columns = zip(process.measurements, scenario.noise.T, strict=True)
-    recorded = all(event_count(name) in run.values for name, _ in process.motion.events)
+    recorded = all(event.counted in run.values for event in process.motion.events)
     return Recording(
         process,
         run.time,
         float(run.time[-1]) + scenario.sampling_period,
-        run.values,
+        # What a controller asks of a forced flow is its command; a picture shows what flows.
+        {**run.values, **forced_flows(process, run.time, run.values)},
         process.controlled,
         {signal.name: column for signal, column in columns if np.any(column)},
         scenario.segments,
-        happenings(process, run.values) if recorded else (),
+        event_marks(happenings(process, run.values)) if recorded else (),
         {signal.name: run.limits(signal.name) for signal in process.inputs},
     )

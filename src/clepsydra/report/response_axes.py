@@ -58,7 +58,7 @@ def shown_frequencies(analysis: Analysis) -> np.ndarray:
 
 
 def in_shares(analysis: Analysis, gains: np.ndarray) -> np.ndarray:
-    """Return responses [l, q, m] in SI as shares of the ranges; without a range as they are.
+    """Return responses [l, q, m] in SI in % per %; of a signal without a range in its unit.
 
     Examples
     --------
@@ -70,7 +70,9 @@ def in_shares(analysis: Analysis, gains: np.ndarray) -> np.ndarray:
     """
     model, process = analysis.model, analysis.operating_point.process
     spans = [
-        np.array([s.span if np.isfinite(s.span) else 1.0 for s in map(process.signal, names)])
+        np.array(
+            [s.percent_span if np.isfinite(s.span) else 1.0 for s in map(process.signal, names)]
+        )
         for names in (model.outputs, model.inputs)
     ]
     return np.asarray(gains / spans[0][:, None] * spans[1])

@@ -183,7 +183,7 @@ def ranking_rows(result: StudyResult) -> list[RankingRow]:
     return [
         RankingRow(
             candidate.rank,
-            candidate.controller.name,
+            candidate.controller.title,
             standing_word(candidate),
             tuple(column[place] for column in columns),
             candidate.reason if place < _FULL_REASONS else _short(candidate.reason),

@@ -16,7 +16,6 @@ from clepsydra.report.panels import all_panels
 from clepsydra.report.simulation_tables import (
     balances_grid,
     change_words,
-    event_counts_grid,
     events_grid,
     simulation_sentence,
     trajectories_grid,
@@ -87,7 +86,6 @@ def simulation_text(plan: Plan, run: Simulation) -> str:
         picture=Markup(svg_text(figure, title, "trends")),
         drawing=Markup(process_drawing(process, plan.first)),
         events=events_grid(run, _LISTED),
-        counts=event_counts_grid(run),
         trajectories=trajectories_grid(run),
         balances=balances_grid(run),
         changes=_changes_grid(plan),

@@ -8,7 +8,6 @@ from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.open_loop_plan import Plan
 from clepsydra.report.simulation_tables import (
     balances_grid,
-    event_counts_grid,
     events_grid,
     simulation_sentence,
     trajectories_grid,
@@ -55,8 +54,7 @@ def simulation_screen(plan: Plan, run: Simulation) -> RenderableType:
         grid_table(trajectories_grid(run)),
     ]
     if run.happenings:
-        listed = len(run.happenings) <= _LISTED
-        parts.append(grid_table(events_grid(run, _LISTED) if listed else event_counts_grid(run)))
+        parts.append(grid_table(events_grid(run, _LISTED)))
     if run.balances:
         parts.append(grid_table(balances_grid(run)))
     parts += [hanging(f"!  {warning}", "yellow") for warning in plan.point.warnings]

@@ -15,6 +15,7 @@ from clepsydra.loop.open_loop_plan import TOLERANCE, Plan
 from clepsydra.loop.profile import Change
 from clepsydra.process.process import Process
 from clepsydra.report.analysis_tables import Grid
+from clepsydra.report.event_marks import event_marks
 from clepsydra.report.quantities import number_text, quantity_text, short_text, unit_text
 
 #: Changes that one sentence still names.
@@ -36,6 +37,8 @@ def simulation_sentence(plan: Plan, run: Simulation) -> str:
     """
     count = sum(event.times for event in run.happenings)
     events = "1 event" if count == 1 else f"{count or 'no'} events"
+    if run.end is not None:
+        events += f"; it ended at {time_text(run.end.time, 4)}: {run.end.words.partition(':')[0]}"
     return (
         f"Starts {plan.begins} and runs for {time_text(plan.duration, 4)} {_changes_text(plan)}; "
         f"{events}."
@@ -132,44 +135,23 @@ def shown_signals(run: Simulation) -> list[Signal]:
 def events_grid(run: Simulation, most: int) -> Grid:
     """Return the events in order of time, the first `most` of them, numbered as in the picture.
 
+    What happens often is one line, with how often and the last time.
+
     Examples
     --------
     >>> from clepsydra.loop.simulation import simulate
     >>> events_grid(simulate("quadruple-tank", duration="60 s"), most=5).rows
     ()
     """
+    marks = event_marks(run.happenings)
     rows = [
-        (
-            str(number),
-            time_text(event.time, 4),
-            event.words + (f" ({event.times} times)" if event.times > 1 else ""),
-        )
-        for number, event in enumerate(run.happenings[:most], 1)
+        (str(number), time_text(mark.time, 4), mark.sentence)
+        for number, mark in enumerate(marks[:most], 1)
     ]
-    left = len(run.happenings) - most
-    if left > 0:
+    if len(marks) > most:
         last = time_text(run.happenings[-1].time, 4)
-        rows.append(("…", "", f"and {left} more, the last at {last}"))
+        rows.append(("…", "", f"and {len(marks) - most} more, the last at {last}"))
     return Grid("Events", ("", "time", "what happened"), tuple(rows))
-
-
-def event_counts_grid(run: Simulation) -> Grid:
-    """Return how often each event happened, first and last time.
-
-    Examples
-    --------
-    >>> from clepsydra.loop.simulation import simulate
-    >>> event_counts_grid(simulate("quadruple-tank", duration="60 s")).rows
-    ()
-    """
-    rows = []
-    for name, words in run.process.motion.events:
-        found = [event for event in run.happenings if event.event == name]
-        if found:
-            times = sum(event.times for event in found)
-            first, last = (time_text(found[k].time, 4) for k in (0, -1))
-            rows.append((words, str(times), first, last))
-    return Grid("How often", ("event", "times", "first", "last"), tuple(rows))
 
 
 def balances_grid(run: Simulation) -> Grid:

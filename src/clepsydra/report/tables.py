@@ -77,7 +77,7 @@ def ranking_table(result: StudyResult) -> RenderableType:
 def _warnings(result: StudyResult) -> list[str]:
     """Return the warnings of the best three, and how many the others have."""
     words = [
-        f"{candidate.controller.name}: {warning}"
+        f"{candidate.controller.title}: {warning}"
         for candidate in result.ranking[:_IN_FULL]
         for warning in candidate.warnings
     ]
@@ -134,7 +134,7 @@ def _next_step(result: StudyResult) -> str:
             "about, and change the process or its sampling period."
         )
     return (
-        f"open the report and read the page of {result.ranking[0].controller.name}: its "
+        f"open the report and read the page of {result.ranking[0].controller.title}: its "
         "parameters, pictures and warnings."
     )
 

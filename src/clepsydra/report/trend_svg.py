@@ -22,8 +22,6 @@ _STRIP, _EVENTS, _LEGEND, _FOOTER = 34.0, 14.0, 19.0, 30.0
 _DASH = "4 2.5"
 #: Letters of the strip above the panels [pt].
 _SMALL = 6.5
-#: Hairlines of events that stay apart; of more, each is drawn fainter.
-_CLEAR_EVENTS = 30
 
 
 def trend_svg(run: Run, panels: Sequence[Panel], title: str, prefix: str) -> str:
@@ -59,14 +57,14 @@ def trend_svg(run: Run, panels: Sequence[Panel], title: str, prefix: str) -> str
     time, end = recording.time / seconds, recording.end / seconds
     colours = signal_colours(run.process)
     strip = _STRIP if recording.segments else 0.0
-    events = _EVENTS if recording.happenings else 0.0
+    events = _EVENTS if recording.marks else 0.0
     heights = [72.0 * panel.height for panel in panels]
     chart = Chart(strip + events + sum(heights) + _LEGEND * len(heights) + _FOOTER, title, prefix)
     x = Scale(float(time[0]) - 0.012 * end, end, _LEFT, WIDTH - _RIGHT)
     if recording.segments:
         _draw_strip(chart, recording, seconds, x)
     marks = _hairlines(recording, seconds, x)
-    if recording.happenings:
+    if recording.marks:
         _draw_numbers(chart, recording, seconds, x, strip)
     top = strip + events
     for place, (panel, height) in enumerate(zip(panels, heights, strict=True)):
@@ -83,9 +81,8 @@ def trend_svg(run: Run, panels: Sequence[Panel], title: str, prefix: str) -> str
         )
         chart.lines(bars, MUTED, 0.5, 0.6)
         if marks:
-            faint = min(0.8, max(0.06, 0.8 * _CLEAR_EVENTS / len(marks)))
             hairs = "".join(f"M{mark:.1f} {top:.1f}V{top + height:.1f}" for mark in marks)
-            chart.lines(hairs, INK, 0.5, faint)
+            chart.lines(hairs, INK, 0.5, 0.8)
         top += height
     return chart.svg()
 
@@ -159,16 +156,16 @@ def _draw_strip(chart: Chart, recording: Recording, seconds: float, x: Scale) ->
 
 def _hairlines(recording: Recording, seconds: float, x: Scale) -> list[float]:
     """Return the places of events; those that nobody could tell apart are one."""
-    places = {round(x.place(event.time / seconds), 0) for event in recording.happenings}
+    places = {round(x.place(mark.time / seconds), 0) for mark in recording.marks}
     return sorted(places)
 
 
 def _draw_numbers(chart: Chart, recording: Recording, seconds: float, x: Scale, top: float) -> None:
     """Write above the panels the number of each event that has room."""
     free = 0.0
-    for number, event in enumerate(recording.happenings, 1):
-        place = x.place(event.time / seconds)
-        width = LETTER * _SMALL * len(str(number)) + 3.0
+    for number, mark in enumerate(recording.marks, 1):
+        place, label = x.place(mark.time / seconds), mark.label(number)
+        width = LETTER * _SMALL * len(label) + 3.0
         if place - width / 2 >= free:
-            chart.text(place, top + 9.0, str(number), anchor="middle", size=_SMALL)
-            free = place + width / 2 * (1.0 if len(recording.happenings) <= _CLEAR_EVENTS else 4.0)
+            chart.text(place, top + 9.0, label, anchor="middle", size=_SMALL)
+            free = place + width / 2

@@ -59,10 +59,6 @@ _LEFT, _RIGHT = 0.62, 0.6
 _HEADER, _LEGEND, _FOOTER = 0.5, 0.27, 0.42
 #: Height above the panels where there is no scenario, with and without events.
 _EVENTS_HEADER, _NO_HEADER = 0.24, 0.1
-#: Hairlines of events that stay apart; of more, each is drawn fainter.
-_CLEAR_EVENTS = 30
-#: Places on the time axis for hairlines.
-_HAIRLINES = 1000
 #: Share of the width that the number of an event needs.
 _NUMBER_WIDTH = 0.02
 
@@ -73,7 +69,7 @@ def trend_figure(run: Run | Simulation, panels: Sequence[Panel]) -> Figure:
     States are drawn in their display unit with percent of the range on the right, setpoints
     dashed, limits shaded; a bar on the time axis marks where a manipulated variable stands at a
     limit; the strip on top says what the scenario does. Vertical hairlines are events, numbered
-    in order of time where there is room.
+    in order of time where there is room; one that happens often has one, with its count.
 
     Parameters
     ----------
@@ -109,7 +105,7 @@ def trend_figure(run: Run | Simulation, panels: Sequence[Panel]) -> Figure:
     limits = (float(time[0]) - 0.012 * end, end)
     colours = signal_colours(run.process)
     header = _HEADER if recording.segments else _NO_HEADER
-    if recording.happenings:
+    if recording.marks:
         header += _EVENTS_HEADER
     height = header + sum(panel.height + _LEGEND for panel in panels) + _FOOTER
     with matplotlib.rc_context(STYLE):
@@ -119,7 +115,7 @@ def trend_figure(run: Run | Simulation, panels: Sequence[Panel]) -> Figure:
         if recording.segments:
             strips.append(figure.add_axes(_box(height - _HEADER + 0.02, _HEADER - 0.06, height)))
             _draw_strip(strips[0], recording, seconds, limits)
-        if recording.happenings:
+        if recording.marks:
             strips.append(figure.add_axes(_box(top, _EVENTS_HEADER, height)))
             _draw_numbers(strips[-1], recording, seconds, limits)
         first: Axes | None = None
@@ -198,15 +194,11 @@ def _draw_strip(
 
 
 def _draw_hairlines(axes: Axes, recording: Recording, seconds: float) -> None:
-    if recording.happenings:
-        # Lines that nobody could tell apart are drawn once.
-        grid = (recording.end - float(recording.time[0])) / _HAIRLINES
-        places = {round(event.time / grid): event.time / seconds for event in recording.happenings}
-        alpha = min(0.8, max(0.06, 0.8 * _CLEAR_EVENTS / len(places)))
+    if recording.marks:
         # In shares of the panel's height, so that the lines do not widen its range.
         axes.vlines(
-            list(places.values()), 0.0, 1.0, transform=axes.get_xaxis_transform(), color=INK,
-            linewidth=0.5, alpha=alpha, zorder=1.5,
+            [mark.time / seconds for mark in recording.marks], 0.0, 1.0,
+            transform=axes.get_xaxis_transform(), color=INK, linewidth=0.5, alpha=0.8, zorder=1.5,
         )  # fmt: skip
 
 
@@ -219,15 +211,15 @@ def _draw_numbers(
     axes.set_axis_off()
     _draw_hairlines(axes, recording, seconds)
     free = limits[0] - 1.0
-    for number, event in enumerate(recording.happenings, 1):
-        time = event.time / seconds
-        width = _NUMBER_WIDTH * (limits[1] - limits[0]) * max(1.0, len(str(number)) / 2)
+    for number, mark in enumerate(recording.marks, 1):
+        time, label = mark.time / seconds, mark.label(number)
+        width = _NUMBER_WIDTH * (limits[1] - limits[0]) * max(1.0, len(label) / 2)
         if time - width / 2 >= free:
             axes.text(
-                time, 0.5, str(number), ha="center", va="center", fontsize=6.5,
+                time, 0.5, label, ha="center", va="center", fontsize=6.5,
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
             )  # fmt: skip
-            free = time + width / 2 * (1.0 if len(recording.happenings) <= _CLEAR_EVENTS else 4.0)
+            free = time + width / 2
 
 
 def _cut(word: str, letters: int) -> str:

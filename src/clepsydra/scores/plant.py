@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 
-from clepsydra.engine.many_points import at_many_points
 from clepsydra.process.motion import FlowPath
 from clepsydra.process.process import Process
 from clepsydra.process.pump import Pump
 from clepsydra.process.sensor import Sensor
 from clepsydra.process.tank import Tank
+from clepsydra.scores.plant_flows import plant_flows
 from clepsydra.scores.trajectory import FloatArray
 
 
@@ -106,7 +106,7 @@ def plant_trajectories(
     ([0.307, 0.307], [0.5, 0.5])
     """
     parameters = {signal.name: signal.initial for signal in process.parameters}
-    flows = _flows(process, time, values)
+    flows = plant_flows(process, time, values)
     pumps = [element for element in process.elements if isinstance(element, Pump)]
     tanks = {element.name: element for element in process.elements if isinstance(element, Tank)}
     sensors = {element.name: element for element in process.elements if isinstance(element, Sensor)}
@@ -127,40 +127,6 @@ def plant_trajectories(
         },
         gravity=parameters.get("gravity", 9.81),
     )
-
-
-def _flows(
-    process: Process, time: FloatArray, values: Mapping[str, FloatArray]
-) -> list[tuple[FlowPath, FloatArray]]:
-    """Return every flow of the plant with its path."""
-    motion, parameters = process.motion, process.parameter_values
-
-    def stacked(names: list[str]) -> np.ndarray:
-        return np.array([values[name] for name in names]).reshape(len(names), time.size)
-
-    states = stacked([s.name for s in process.state])
-    contents = at_many_points(motion.to_contents, [states, parameters])
-    memories = np.array(
-        [values.get(s.name, np.full(time.size, s.initial)) for s in motion.memories]
-    )
-    outside = [
-        memories.reshape(len(motion.memories), time.size),
-        stacked([s.name for s in process.inputs]),
-        stacked([s.name for s in process.disturbances]),
-        parameters,
-    ]
-    # What leaves a delay entered it earlier, and one delay may feed the next.
-    delayed = np.zeros((len(motion.delays), time.size))
-    for _ in motion.delays:
-        sent = at_many_points(motion.rates, [contents, delayed, *outside], 1)
-        delayed = np.array(
-            [
-                np.interp(time - delay.time, time, row)
-                for delay, row in zip(motion.delays, sent, strict=True)
-            ]
-        )
-    rates = at_many_points(motion.flows, [contents, delayed, *outside])
-    return list(zip(motion.flow_paths, rates, strict=True))
 
 
 def _sum(flows: list[tuple[FlowPath, FloatArray]], time: FloatArray, **ends: str) -> FloatArray:
@@ -193,7 +159,7 @@ def _head(
 ) -> FloatArray:
     """Return the static head above the liquid and the loss in the pipe [m]."""
     lifted = np.full(flow.size, parameters[f"{pump.name}.static_head"])
-    if pump.source_vessel is not None:
+    if pump.suction is not None:
         lifted = lifted - values[f"{pump.source}.level"]
     return lifted + parameters[f"{pump.name}.pipe_loss"] * flow**2
 

@@ -25,14 +25,15 @@ from clepsydra.study.ranking_words import (
 )
 from clepsydra.study.result import Candidate, Standing
 from clepsydra.study.tuning.result import TuningResult
-from clepsydra.study.warnings.levels import leaves_its_tanks
+from clepsydra.study.warnings.harm import harms
 from clepsydra.study.warnings.loop_response import LoopResponse
+from clepsydra.study.warnings.margins import LARGEST_PEAK
 
 _GROUPS = (
-    "safe, robust and quiet controllers first (levels stay in their tanks, no pump trips, max|S| "
-    "at most 2.0, also of inner loops, measurement noise throws no manipulated variable about by "
-    "more than 5 % of its range), then nervous ones, which are not quiet, then stable ones, then "
-    "the rest. Among these "
+    "safe, robust and quiet controllers first (levels stay in their tanks, nothing runs dry, "
+    "no pump trips, max|S| at most 2.0, also of inner loops, measurement noise throws no "
+    "manipulated variable about by more than 5 % of its range), then nervous ones, which are not "
+    "quiet, then stable ones, then the rest. Among these "
 )
 _USUAL = (
     "the smaller mean of setpoint error and load error: the integral absolute error over all "
@@ -53,8 +54,6 @@ RULE = _GROUPS + _USUAL + _TIES
 ROBUST = 2.0
 #: Largest noise movement of a quiet controller, share of the input's range.
 QUIET = 0.05
-#: The designs stop exactly at the limit; this much above it is rounding.
-_ROUNDING = 1e-6
 #: What is smaller is rounding, and no reason to call a controller many times worse than another:
 #: a mean error and a move in shares of the signal's range, a variance ratio [1], and a rate of
 #: change of an outflow [m³/h per h].
@@ -93,7 +92,7 @@ class Trial:
     @property
     def standing(self) -> Standing:
         """How far it can be trusted."""
-        if leaves_its_tanks(self.run) or _trips(self.run):
+        if harms(self.run):
             return Standing.UNSAFE
         if not self.controller.setpoints:  # it switches at levels, and has no linear loop
             return Standing.ROBUST
@@ -101,7 +100,7 @@ class Trial:
             return Standing.UNSAFE
         inner = self.response.inner_peak if self.response else None
         peak = max(self.maximum_sensitivity, inner[1] if inner else 0.0)
-        if peak > ROBUST * (1 + _ROUNDING):
+        if peak > LARGEST_PEAK:
             return Standing.STABLE
         return Standing.ROBUST if self.noise_movement <= QUIET else Standing.NERVOUS
 
@@ -218,7 +217,7 @@ def verdict(process: Process, ranking: Sequence[Candidate]) -> str:
     if best.standing is Standing.UNSAFE:
         return (
             f"No controller of this study can be recommended for {process.title}; the least bad "
-            f"is {best.controller.name}: {best.reason[0].lower()}{best.reason[1:]}"
+            f"is {best.controller.title}: {best.reason[0].lower()}{best.reason[1:]}"
         )
     watch = (
         f"watch: {best.warnings[0].rstrip('.')}"
@@ -226,7 +225,7 @@ def verdict(process: Process, ranking: Sequence[Candidate]) -> str:
         else "no level leaves its tank and no input saturates for long"
     )
     return (
-        f"{best.controller.name} controls {process.title} best{_lead(best, ranking[1:])}; "
+        f"{best.controller.title} controls {process.title} best{_lead(best, ranking[1:])}; "
         f"{peak_sentence(best)}{watch}."
     )
 
@@ -236,7 +235,7 @@ def _lead(best: Candidate, others: Sequence[Candidate]) -> str:
     if not others:
         return ""
     rival = others[0]
-    name = rival.controller.name
+    name = rival.controller.title
     if best.standing is not rival.standing:
         return f", {STANDINGS[best.standing]} where {name} is not"
     if rival.mean_error > TIE * best.mean_error:
@@ -362,9 +361,3 @@ def _title(score: str) -> str:
     """Return what a table calls a score, "IAE" or "IAE of level"."""
     name, _, signal = score.removesuffix("]").partition("[")
     return SCORES[name].title + (f" of {signal}" if signal else "")
-
-
-def _trips(run: Run) -> bool:
-    """Return whether a level switch turns a pump off that should run."""
-    tripped = [m.name for m in run.process.motion.memories if m.name.endswith(".tripped")]
-    return any(np.any(run.values[name] > 0.5) for name in tripped if name in run.values)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from clepsydra.study.result import Candidate, Standing
+from clepsydra.study.warnings.harm import harms
 
 #: Controllers whose mean differs by less are as good as each other, and their wear decides.
 TIE = 1.02
@@ -15,6 +16,9 @@ IDLE = 0.1
 
 #: From here on a multiple says more than a percentage.
 _MANY = 3.0
+
+#: Harms to the plant that a reason names.
+_NAMED_HARMS = 2
 
 #: How a standing is said of a controller.
 STANDINGS = {
@@ -66,11 +70,10 @@ def _standing(candidate: Candidate) -> str:
         return f"Robust ({peaks}), but noise moves its outputs too much"
     if candidate.standing is Standing.STABLE:
         return f"Stable with thin margins ({peaks})"
-    return "Unsafe: " + (
-        "a level leaves its tank or a pump trips"
-        if math.isfinite(peak)
-        else "unstable by its linear model"
-    )
+    harm = [each.brief for each in harms(candidate.run)]
+    more = [f"{len(harm) - _NAMED_HARMS} more"] if len(harm) > _NAMED_HARMS else []
+    unsafe = [*harm[:_NAMED_HARMS], *more] or ["unstable by its linear model"]
+    return "Unsafe: " + "; ".join(unsafe)
 
 
 def _peaks(candidate: Candidate) -> str:
@@ -117,7 +120,7 @@ def _wear(multiple: float) -> str:
 
 
 def _behind(candidate: Candidate, better: Candidate, tied: bool) -> str:
-    name = better.controller.name
+    name = better.controller.title
     if candidate.standing is not better.standing:
         return f"Behind {name}, which is {STANDINGS[better.standing]}."
     if tied:
@@ -128,7 +131,7 @@ def _behind(candidate: Candidate, better: Candidate, tied: bool) -> str:
 
 
 def _ahead(candidate: Candidate, worse: Candidate, tied: bool) -> str:
-    name = worse.controller.name
+    name = worse.controller.title
     if candidate.standing is not worse.standing:
         return f"Ahead of {name}, which is not {STANDINGS[candidate.standing]}."
     if tied:

@@ -79,7 +79,7 @@ class Candidate:
         """Return its place and the numbers of the ranking, in a line."""
         judged = ", ".join(f"{title} {value:.3g}" for title, value in self.criteria.items())
         return (
-            f"<Candidate {self.rank}: {self.controller.name}; {self.standing.name.lower()}, "
+            f"<Candidate {self.rank}: {self.controller.title}; {self.standing.name.lower()}, "
             f"max|S| {self.maximum_sensitivity:.2f}; {judged or 'not judged'} times the best, "
             f"moves {self.wear:.3g} times the least; {_counted(len(self.warnings), 'warning')}>"
         )
@@ -122,7 +122,7 @@ class StudyResult:
 
     def __repr__(self) -> str:
         """Return what was studied and what came first, in a line."""
-        best = f", best {self.ranking[0].controller.name}" if self.ranking else ""
+        best = f", best {self.ranking[0].controller.title}" if self.ranking else ""
         return (
             f"<StudyResult of {self.process.address}: "
             f"{_counted(len(self.ranking), 'controller')}{best}; "
@@ -173,6 +173,8 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
         "rank": candidate.rank,
         "standing": candidate.standing.name.lower(),
         "controller": controller.name,
+        "title": controller.title,
+        "slowed": controller.slowed,
         "family": controller.family,
         "design": controller.design,
         "parameters": dict(controller.values),

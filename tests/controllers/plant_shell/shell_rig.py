@@ -24,7 +24,8 @@ class Scans:
         }
         self.values = dict(controller.values)
         self.inputs = {signal.name: signal.initial for signal in self.law.inputs}
-        self.inputs |= {"time_step": period} | inputs
+        modes = [name for name in self.inputs if name.startswith(("mode_", "sensor_"))]
+        self.inputs |= dict.fromkeys(modes, 1.0) | {"time_step": period} | inputs
 
     def scan(self, **inputs):
         assert set(inputs) <= set(self.inputs), sorted(set(inputs) - set(self.inputs))

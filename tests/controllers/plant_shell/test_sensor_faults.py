@@ -88,7 +88,7 @@ def test_the_borders_of_ne_43(current, good, uncertain):
 
 def test_uncertain_currents_control_on_for_ever():
     loop = shelled_loop(1.0)
-    outputs = loop.scans(20, measurement_1=-0.3, setpoint_1=-0.3)
+    outputs = loop.scans(20, measurement_1=-0.3, setpoint_1=0.0)
     assert read_status(int(outputs["status_1"])) == ("automatic", "sensor_uncertain")
 
 

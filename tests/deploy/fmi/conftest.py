@@ -1,26 +1,20 @@
-"""Lets the tests of FMUs import their helpers by name, and leaves them out where they cannot run.
+"""Lets the tests of FMUs import their helpers by name, and skips them where they cannot run.
 
-They need FMPy and a C compiler; with CLEPSYDRA_REQUIRE_TOOLS=1 they run, and fail, without.
+They need FMPy, which they and their helpers import, and a C compiler.
 """
 
-import importlib.util
-import os
 import sys
 from pathlib import Path
 
-from clepsydra.base.errors import InputError
-from clepsydra.deploy.compiler import find_compiler
+import pytest
+from tools import REQUIRE, missing
 
 sys.path.insert(0, str(Path(__file__).parent))
 
 
-def _tools() -> bool:
-    try:
-        find_compiler("tests of FMUs")
-    except InputError:
-        return False
-    return importlib.util.find_spec("fmpy") is not None
-
-
-if not _tools() and os.environ.get("CLEPSYDRA_REQUIRE_TOOLS") != "1":
-    collect_ignore_glob = ["test_*.py"]
+@pytest.hookimpl(tryfirst=True)
+def pytest_make_collect_report(collector: pytest.Collector) -> pytest.CollectReport | None:
+    reason = "" if REQUIRE else missing("fmpy", compiler=True)
+    if not reason or not collector.path.is_file():
+        return None
+    return pytest.CollectReport(collector.nodeid, "skipped", (str(collector.path), 1, reason), [])

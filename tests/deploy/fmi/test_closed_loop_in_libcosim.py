@@ -4,13 +4,11 @@ It reads FMI 2.0 for co-simulation and comes by ``pip install libcosimpy``. Wher
 the tests are skipped, unless CLEPSYDRA_REQUIRE_TOOLS=1.
 """
 
-import importlib.util
-import os
-
 import numpy as np
 import pytest
 from fmus import Imported, written
 from models import pi_model, process_of
+from tools import need
 
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process.reader import load_process
@@ -25,10 +23,7 @@ pytestmark = pytest.mark.thorough
 
 @pytest.fixture(autouse=True)
 def _libcosim():
-    if importlib.util.find_spec("libcosimpy") is None:
-        if os.environ.get("CLEPSYDRA_REQUIRE_TOOLS") == "1":
-            pytest.fail("libcosimpy is not installed")
-        pytest.skip("libcosimpy is not installed")
+    need("libcosimpy")
 
 
 @pytest.fixture(scope="module")

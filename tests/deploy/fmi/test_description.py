@@ -13,10 +13,14 @@ from models import exchange_of, origin, pi_model, pi_program, process_of
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si, to_si
+from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.dependencies import output_dependencies
 from clepsydra.deploy.fmi.unit_definitions import unit_definitions
 from clepsydra.deploy.fmi.write import write_fmu
+from clepsydra.design.simc import design_simc
+from clepsydra.linear.analysis import analyse
+from clepsydra.process.reader import load_process
 from clepsydra.program.program import Block, Operation, Program
 
 MODELS = {
@@ -77,10 +81,23 @@ def test_every_variable_has_its_name_unit_range_and_start(kind, version, describ
             assert float(found.max) == signal.high
 
 
-def test_the_time_step_starts_as_the_sampling_period():
-    model = controller_model(pi_program(), origin("quadruple-tank", 0.25))
-    assert model.variable("time_step").signal.initial == 0.25
-    assert model.step == 0.25
+def test_inputs_start_as_in_every_other_export():
+    """Behind the plant shell: no sensor, manual, no time step, until the importer sets them."""
+    analysis = analyse(load_process("quadruple-tank"))
+    ready = exportable(design_simc(analysis.model, analysis.pairing), analysis.operating_point)
+    model = controller_model(ready.program, ready.origin)
+    starts = {
+        name: model.variable(name).signal.initial
+        for name in ("sensor_1", "measurement_1", "mode_1", "manual_1", "time_step")
+    }
+    assert starts == {
+        "sensor_1": 0.0,
+        "measurement_1": -2.5,
+        "mode_1": 0.0,
+        "manual_1": 0.0,
+        "time_step": 0.0,
+    }
+    assert model.step == 1.0
 
 
 @cases
@@ -163,6 +180,10 @@ def test_the_digest_and_the_design_are_told(kind, version, described):
     page = Path(fmpy.extract(str(path)), "documentation", "index.html")
     assert model.digest in page.read_text(encoding="utf-8")
     assert model.digest in (page.parents[1] / "modelDescription.xml").read_text(encoding="utf-8")
+    sources = page.parents[1] / "sources" / f"{model.name}.c"
+    found = re.search("program digest ([0-9a-f]{16})", sources.read_text(encoding="utf-8"))
+    version = fmpy.read_model_description(str(path)).version
+    assert found[1] == version == model.digest
 
 
 def test_the_token_changes_with_the_numbers_and_the_version():

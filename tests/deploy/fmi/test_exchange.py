@@ -52,7 +52,11 @@ class Equations:
 
     def outputs(self) -> list[float]:
         x = np.array(self.motion.to_state(self.c, self.p)).ravel()
-        return [*x, *np.array(self.process.measure(x, self.p)).ravel()]
+        measured = np.array(self.process.measure(x, self.p)).ravel()
+        # A sensor stops at the end of its range; one of 4 to 20 mA goes on from 3.8 to 20.5 mA.
+        ends = [(0.0038, 0.0205) if s.unit == "A" else (s.low, s.high)
+                for s in self.process.measurements]  # fmt: skip
+        return [*x, *np.clip(measured, *np.array(ends).T)]
 
     def completed(self) -> bool:
         """End a step: keep what it leaves behind, and say whether that is an event."""

@@ -85,8 +85,9 @@ EQUAL = Difference(0.0, "", -1, 0, 0, -1)
         (dataclasses.replace(EQUAL, differing=9, largest=1e-13), 1e-12, "within the bound"),
         (dataclasses.replace(EQUAL, differing=9, largest=1e-11), 1e-12, "differs"),
         (dataclasses.replace(EQUAL, differing=9, largest=1e-13, decisions=1), 1e-12, "differs"),
-        (dataclasses.replace(EQUAL, differing=9, largest=1.0), None, "told"),
-        (dataclasses.replace(EQUAL, differing=9, largest=math.inf), None, "told"),
+        (dataclasses.replace(EQUAL, differing=9, largest=1.0), None, "reported"),
+        (dataclasses.replace(EQUAL, differing=9, largest=4e24), None, "diverges"),
+        (dataclasses.replace(EQUAL, differing=9, largest=math.inf), None, "diverges"),
         (dataclasses.replace(EQUAL, differing=9, largest=math.inf, overflows=1), None, "differs"),
     ],
 )

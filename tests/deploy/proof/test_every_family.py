@@ -4,7 +4,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from deployed import need_compiler, need_grammar, need_importer
+from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.deploy.exportable import exportable
@@ -207,6 +207,7 @@ def check(proof: Proof, controller: Controller) -> None:
     compared = [verdict for *_, precision, verdict in rows if precision == "double"]
     assert compared == ["equal"] * 6
     assert ("Structured Text", "single", "equal") in rows
+    assert ("C", "single", "reported") in rows
     coverage = proof.coverage[controller.name]
     assert coverage.still == ()
     assert len(coverage.seen) > len(coverage.unseen), coverage.sentence

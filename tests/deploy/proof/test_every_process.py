@@ -1,7 +1,7 @@
 """Every process of the catalogue is the same on every target, FMU derivatives included."""
 
 import pytest
-from deployed import need_compiler, need_grammar, need_importer
+from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra.deploy.proof.item import process_item
 from clepsydra.deploy.proof.proof import prove

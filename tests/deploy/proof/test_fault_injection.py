@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from deployed import need_compiler, need_grammar, need_importer
 from spoilt_programs import (
     dropped,
     level_control,
@@ -15,6 +14,7 @@ from spoilt_programs import (
     spoilt,
     turned,
 )
+from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.proof import compiled_c, interpreted_text

@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from deployed import need_compiler, need_grammar, need_importer
 from spoilt_programs import dropped, item, level_control, places, quick_proof, spoilt
+from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.fmi import sources

@@ -4,8 +4,8 @@ import dataclasses
 from importlib import resources
 
 import pytest
-from deployed import need_compiler, need_grammar, need_importer
 from spoilt_programs import item, level_control, quick_proof
+from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from deployed import need_compiler, need_grammar, need_importer
+from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra.base.errors import InputError
 from clepsydra.cli import main

@@ -1,8 +1,8 @@
 """SCL as the standard writes it: what is converted, and what is refused instead."""
 
 import pytest
-from deployed import need_grammar
 from spoilt_programs import level_control
+from tools import need_grammar
 
 from clepsydra.deploy.proof.text.interpreter import function_block
 from clepsydra.deploy.proof.text.scl import standard_text

@@ -6,7 +6,7 @@ import operator
 
 import numpy as np
 import pytest
-from deployed import need_grammar
+from tools import need_grammar
 
 from clepsydra.deploy.proof.text.interpreter import function_block
 from clepsydra.deploy.proof.text.operations import quotient, square_root

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from deployed import need_grammar
 from hypothesis import given
 from hypothesis import strategies as st
+from tools import need_grammar
 
 from clepsydra.deploy.proof.text.interpreter import StructuredText, function_block
 from clepsydra.deploy.proof.text.tree import StructuredTextError

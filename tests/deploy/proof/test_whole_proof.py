@@ -7,9 +7,9 @@ import json
 from functools import lru_cache
 
 import pytest
-from deployed import need_compiler, need_grammar, need_importer
 from rich.console import Console
 from spoilt_programs import item, level_control, quick_proof
+from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
@@ -65,7 +65,7 @@ def screen(proof) -> str:
 def test_a_controller_in_its_shell_is_the_same_on_every_target(name):
     proof = prove([shelled(name)])
     assert [(row.target, row.precision) for row in proof.rows] == TARGETS
-    assert [row.verdict for row in proof.rows] == ["equal"] * 7 + ["told"]
+    assert [row.verdict for row in proof.rows] == ["equal"] * 7 + ["reported"]
     assert all(row.bound == 0.0 and row.exact and row.scans == 10_000 for row in proof.rows[:7])
     assert proof.holds
     # Every bit of every status word was on in some scan and off in another.
@@ -215,7 +215,7 @@ def test_the_files_say_what_was_proved(monkeypatch, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["tank.proof.json", "tank.proof.md"]
 
 
-@pytest.mark.parametrize("text", ["", "{}", '{"rows": [{}]}', "[1]"])
+@pytest.mark.parametrize("text", ["", "{}", '{"rows": [{}]}', "[1]", "[" * 100_000])
 def test_a_file_that_is_no_proof_is_not_overwritten(text, tmp_path, monkeypatch):
     (tmp_path / "proof.json").write_text(text)
     with pytest.raises(InputError, match="expected what an earlier proof wrote"):

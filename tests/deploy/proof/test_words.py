@@ -4,8 +4,8 @@ import dataclasses
 import math
 
 import pytest
-from deployed import need_compiler, need_grammar, need_importer
 from spoilt_programs import quick_proof
+from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.proof.coverage import Coverage
@@ -14,7 +14,7 @@ from clepsydra.deploy.proof.row import ProofRow
 from clepsydra.deploy.proof.words import notes, result_sentence
 from clepsydra.program.program import Block, Operation, Program
 
-ROW = ProofRow("PI", "C", "single", "engine in double", "0f", 10_000, 1, verdict="told")
+ROW = ProofRow("PI", "C", "single", "engine in double", "0f", 10_000, 1, verdict="reported")
 
 
 def scored(ranking, score, change, is_change):
@@ -76,4 +76,4 @@ def test_what_is_infinite_in_single_precision_only_fails_the_proof(monkeypatch):
     assert "of y" not in said[0] and "the worst is y in scan" in said[0]
     assert ProofRow.from_dict(failed.as_dict()) == failed
     small = dataclasses.replace(square, inputs=(Signal("u", low=0.0, high=1e15),))
-    assert quick_proof(monkeypatch, small).rows[-1].verdict == "told"
+    assert quick_proof(monkeypatch, small).rows[-1].verdict == "reported"

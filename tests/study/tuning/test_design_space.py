@@ -10,10 +10,11 @@ from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.process.reader import load_process
 from clepsydra.study.tuning.design_space import DesignSpace
-from clepsydra.study.tuning.lqi_weights import WeightWords
+from clepsydra.study.tuning.lqi_weights import LqiWeights, WeightWords
 from clepsydra.study.tuning.objective import minimax
 from clepsydra.study.tuning.parameters import LawSpace, TunedParameter
 from clepsydra.study.tuning.search import search
+from clepsydra.study.tuning.weighted_designs import lqi_by_bryson
 
 LOWEST = 0.7
 
@@ -80,3 +81,15 @@ def test_the_numbers_of_the_space_are_checked(setting):
     ):
         with pytest.raises(InputError, match=said):
             DesignSpace(start, (parameter,), design)
+
+
+def test_gains_of_weights_change_smoothly_by_the_steps_that_a_search_takes():
+    design = LqiWeights(lqi_by_bryson(analyse(load_process("three-tanks")).model))
+    weight = design.numbers["inputs.feed"]
+    gains = [
+        design.values({**design.numbers, "inputs.feed": weight * (1.0 + 1e-6 * i)})
+        for i in range(3)
+    ]
+    for name in ("feedback_1_1", "feedback_1_3", "integral_gain_1_1"):
+        steps = np.diff([each[name] for each in gains])
+        assert steps[0] != 0.0 and steps[1] == pytest.approx(steps[0], rel=1e-3)

@@ -314,7 +314,7 @@ def test_gains_in_percent_of_the_pumps_range_are_told(quadruple):
         return unit_warnings(changed, model, loop_response(changed, model))
 
     both = words(scaled(controller, "proportional_gain", 10.0))
-    assert [number_in(w, r"fit as ([\d.]+) % of the range of pump") for w in both] == [30.0, 30.0]
+    assert [number_in(w, r"fit as ([\d.]+) % of pump") for w in both] == [30.0, 30.0]
     assert all(w.endswith("the law then needs 3 V/V.") for w in both)
     (one,) = words(with_values(controller, proportional_gain_1=30.0))
     assert one.startswith("proportional_gain_1 of 30 V/V is far too strong")
@@ -431,6 +431,28 @@ def test_a_load_that_the_pump_cannot_hold_is_told(tank, proportional, stepped, l
     assert len(words) == said
     if said:
         assert "load step of demand by 600 cm^3/s" in words[0] and "at about 11 V" in words[0]
+
+
+@pytest.mark.parametrize(("seconds", "said"), [(4, False), (5, True)])
+def test_a_load_that_is_over_before_the_tank_is_empty_needs_not_be_held(
+    tank, proportional, stepped, seconds, said
+):
+    """600 cm³/s more out of 100 cm² lower the level by 6 cm/s, and it stands at 25 cm."""
+    analysis = tank()
+    scenario = stepped(analysis.model, 0.0)
+    disturbances = scenario.disturbances.copy()
+    disturbances[5 : 5 + seconds] += 6e-4
+    ends = 5.0 + seconds
+    scenario = replace(
+        scenario,
+        disturbances=disturbances,
+        segments=(
+            Segment("load", "demand", 5.0, ends, 6e-4),
+            Segment("load", "demand", ends, 50.0, -6e-4),
+        ),
+    )
+    words = told(analysis, proportional(analysis.model, 1.0), scenario)
+    assert [("at about 11 V" in each) for each in words] == [True] * said
 
 
 # Levels

@@ -4,8 +4,32 @@ from __future__ import annotations
 
 import casadi as ca
 
+#: So close to a limit, as a share of the range, an output counts as cut off there. An integral
+#: that is taken up at a limit asks for that limit but for rounding, which must decide nothing;
+#: in single precision this is some hundred roundings.
+_AT_LIMIT = 1e-5
 
-def winds_up(increment: ca.SX, unlimited: ca.SX, limited: ca.SX, middle: ca.SX) -> ca.SX:
+
+def cut_off(asked: ca.SX, applied: ca.SX, low: ca.SX, high: ca.SX) -> ca.SX:
+    """Return whether an output is not what was asked for, or stands at a limit.
+
+    Parameters
+    ----------
+    asked, applied, low, high : casadi.SX
+        In the unit of the output.
+
+    Examples
+    --------
+    >>> ends = ca.DM(0.0), ca.DM(10.0)
+    >>> [bool(cut_off(ca.DM(u), ca.DM(min(u, 10.0)), *ends)) for u in (12.0, 10.0 - 1e-15, 9.0)]
+    [True, True, False]
+    """
+    reach = _AT_LIMIT * (high - low)
+    at_limit = ca.logic_or(asked <= low + reach, asked >= high - reach)
+    return ca.logic_or(asked != applied, at_limit)
+
+
+def winds_up(increment: ca.SX, unlimited: ca.SX, cut: ca.SX, middle: ca.SX) -> ca.SX:
     """Return whether what is asked for is cut off and the error pushes on, away from the middle.
 
     u_n ≠ u_s and e (u_n − ū) > 0, with ū half-way between the limits. The increment has the
@@ -13,19 +37,20 @@ def winds_up(increment: ca.SX, unlimited: ca.SX, limited: ca.SX, middle: ca.SX) 
 
     Parameters
     ----------
-    increment, unlimited, limited, middle : casadi.SX
-        Δt K/Ti e, u_n, u_s and ū, in one unit.
+    increment, unlimited, middle : casadi.SX
+        Δt K/Ti e, u_n and ū, in one unit.
+    cut : casadi.SX
+        Whether u_n ≠ u_s, see `cut_off`.
 
     Examples
     --------
     Asked for 12 where 10 is the limit and 5 the middle, with the error pushing up, then down:
 
-    >>> at = ca.DM(12.0), ca.DM(10.0), ca.DM(5.0)
+    >>> at = ca.DM(12.0), ca.DM(1), ca.DM(5.0)
     >>> bool(winds_up(ca.DM(0.1), *at)), bool(winds_up(ca.DM(-0.1), *at))
     (True, False)
     """
-    pushes = increment * (unlimited - middle) > 0
-    return ca.logic_and(unlimited != limited, pushes)
+    return ca.logic_and(cut, increment * (unlimited - middle) > 0)
 
 
 def variable_structure(
@@ -33,6 +58,7 @@ def variable_structure(
     increment: ca.SX,
     unlimited: ca.SX,
     limited: ca.SX,
+    cut: ca.SX,
     middle: ca.SX,
     share: ca.SX,
 ) -> ca.SX:
@@ -45,6 +71,8 @@ def variable_structure(
     ----------
     integral, increment, unlimited, limited, middle : casadi.SX
         I, Δt K/Ti e, u_n, u_s and ū, in one unit.
+    cut : casadi.SX
+        Whether u_n ≠ u_s, see `cut_off`.
     share : casadi.SX
         α Δt, at most 1 [1].
 
@@ -55,11 +83,11 @@ def variable_structure(
 
     Examples
     --------
-    >>> numbers = [ca.DM(value) for value in (7.0, 0.1, 12.0, 10.0, 5.0, 0.25)]
+    >>> numbers = [ca.DM(value) for value in (7.0, 0.1, 12.0, 10.0, 1, 5.0, 0.25)]
     >>> float(variable_structure(*numbers))
     6.5
     """
-    winds = winds_up(increment, unlimited, limited, middle)
+    winds = winds_up(increment, unlimited, cut, middle)
     return ca.if_else(winds, integral - share * (unlimited - limited), integral + increment)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.input_file import read_input
 from clepsydra.base.units import to_si
 from clepsydra.controllers.fuzzy.membership import (
     Gaussian,
@@ -24,7 +25,7 @@ from clepsydra.controllers.fuzzy.system import (
     FuzzySystem,
     LinguisticVariable,
 )
-from clepsydra.process.document import Document, parse, read_bytes
+from clepsydra.process.document import Document, parse
 from clepsydra.process.table_reader import TableReader, checked_name, shown_value
 
 _KEYS = ("title", "points", "inputs", "outputs", "rules")
@@ -82,7 +83,7 @@ def load_fuzzy(path: str | Path) -> FuzzyFile:
     clepsydra.base.errors.InputError: no-such-rules.toml: got 'no such file', expected a fuzzy \
 file; check the path.
     """
-    content = read_bytes(Path(path), "fuzzy")
+    content = read_input(Path(path), "a fuzzy file", inside="the .toml file")
     return read_fuzzy(parse(content, str(path), "fuzzy"))
 
 

@@ -207,10 +207,9 @@ def _numbers(
     name: str, used: np.ndarray, rows: Sequence[Signal], columns: Sequence[Signal], when: str
 ) -> list[Signal]:
     return [
-        signals.gain(
+        signals.coefficient(
             f"{name}_{j + 1}_{k + 1}",
             signals.ratio_of_units(rows[j].unit, columns[k].unit),
-            0.0,
             f"what {columns[k].name} {when} does to {rows[j].name}",
         )
         for j, k in np.argwhere(used)

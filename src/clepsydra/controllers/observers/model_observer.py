@@ -83,13 +83,12 @@ class ModelObserver:
         """Return correction_j_k."""
         process = self.equations.point.process
         return [
-            signals.gain(
+            signals.coefficient(
                 f"correction_{j + 1}_{k + 1}",
                 signals.ratio_of_units(
                     process.signal(self.estimated[j]).unit,
                     process.signal(self.measurements[k]).unit,
                 ),
-                0.0,
                 f"what {self.measurements[k]} not as estimated does to {self.estimated[j]}",
             )
             for j, k in np.argwhere(self.corrected)

@@ -134,6 +134,12 @@ class SafeOutput:
         words = f"value of {u.name} after a sensor has failed"
         return [signals.gain(f"fail_safe_{self.number}", u.unit, self.value, words)]
 
+    def unwired(self) -> dict[str, float]:
+        """What its inputs are until somebody wires them: manual, at the fail-safe value."""
+        i = self.number
+        at = {f"manual_{i}": self.value, f"tracking_{i}": self.value}
+        return {f"mode_{i}": float(Mode.MANUAL), **at}
+
     def state(self) -> list[Signal]:
         """Whether it has failed, and whether the law has yet to take it up."""
         i, u = self.number, self.signal

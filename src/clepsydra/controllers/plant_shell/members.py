@@ -154,11 +154,13 @@ class _Maker:
     def _setpoint(self, number: int) -> RampedSetpoint:
         name, measurements = self.controller.setpoints[number - 1], self.controller.measurements
         rate = self.settings.setpoint_rate.get(name)
+        place = measurements.index(name) + 1 if name in measurements else None
         self._source(f"setpoint_rate_{number}", rate is not None, "default: no ramp")
         return RampedSetpoint(
             number,
             _named(self.inputs[f"setpoint_{number}"], name),
-            measurements.index(name) + 1 if name in measurements else None,
+            place,
+            place if place is not None and f"range_low_{place}" in self.sources else None,
             LARGEST_PARAMETER if rate is None else float(rate),
         )
 

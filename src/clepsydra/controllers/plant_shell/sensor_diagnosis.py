@@ -115,6 +115,14 @@ class MonitoredSensor:
         )
         return found
 
+    def unwired(self) -> dict[str, float]:
+        """What its inputs are until somebody wires them: no current, and not good."""
+        found = {f"sensor_{self.number}": 0.0}
+        if self.range is not None:
+            low, high = self.range
+            found[f"measurement_{self.number}"] = low - 4.0 * (high - low) / 16.0
+        return found
+
     def state(self) -> list[Signal]:
         """The last good value, and for how many scans there is a fault."""
         j, y = self.number, self.signal

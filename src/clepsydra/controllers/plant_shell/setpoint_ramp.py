@@ -1,4 +1,4 @@
-"""A setpoint that is always a number and moves no faster than its ramp."""
+"""A setpoint that is always a number within its range and moves no faster than its ramp."""
 
 from __future__ import annotations
 
@@ -24,18 +24,21 @@ class RampedValue:
     value : casadi.SX
     number : casadi.SX
         Whether what was asked for is a number.
+    limited : casadi.SX
+        Whether what was asked for is a number outside the range.
     ramps : casadi.SX
         Whether the value is still on its way.
     next_state, named : dict
 
     Examples
     --------
-    >>> bool(RampedValue(ca.SX(3.0), ca.SX(1), ca.SX(0), {}, {}).ramps)
+    >>> bool(RampedValue(ca.SX(3.0), ca.SX(1), ca.SX(0), ca.SX(0), {}, {}).ramps)
     False
     """
 
     value: ca.SX
     number: ca.SX
+    limited: ca.SX
     ramps: ca.SX
     next_state: dict[str, ca.SX]
     named: dict[str, ca.SX]
@@ -53,12 +56,15 @@ class RampedSetpoint:
         What it is the setpoint of.
     measurement : int or None
         k of measurement_k that it is the setpoint of, if the law measures it.
+    sensor_range : int or None
+        k of the parameters range_low_k and range_high_k within which it is held, if there are
+        such; else it is held within the range of its signal.
     rate : float
         [unit/s]; the largest parameter is none.
 
     Examples
     --------
-    >>> ramp = RampedSetpoint(1, Signal("level_1", "V"), 1, 0.5)
+    >>> ramp = RampedSetpoint(1, Signal("level_1", "V"), 1, 1, 0.5)
     >>> [parameter.unit for parameter in ramp.parameters()]
     ['V/s']
     """
@@ -66,6 +72,7 @@ class RampedSetpoint:
     number: int
     signal: Signal
     measurement: int | None
+    sensor_range: int | None
     rate: float
 
     def parameters(self) -> list[Signal]:
@@ -103,15 +110,16 @@ class RampedSetpoint:
     ) -> RampedValue:
         """Return the setpoint of this scan.
 
-        A setpoint that is not a number leaves the last one. While no output that needs it is in
-        automatic the ramp stands at the measurement, and there it begins in the first scan. While
-        a fault is ridden through it stands where it is: the output is held, and would jump by
-        what the ramp had gone meanwhile.
+        One outside the range is held at the end of it: what it asks for cannot be measured, and one
+        scan of it would fill an integral. A setpoint that is not a number leaves the last one.
+        While no output that needs it is in automatic the ramp stands at the measurement, and there
+        it begins in the first scan. While a fault is ridden through it stands where it is: the
+        output is held, and would jump by what the ramp had gone meanwhile.
 
         Parameters
         ----------
         symbols : mapping
-            setpoint_j, ramped_setpoint_j, setpoint_rate_j and time_step.
+            setpoint_j, ramped_setpoint_j, setpoint_rate_j, time_step and the range.
         measured : Diagnosis or None
             The measurement it belongs to.
         in_force : casadi.SX
@@ -122,9 +130,11 @@ class RampedSetpoint:
             Whether nothing was remembered before this scan.
         """
         j = self.number
-        asked, last = symbols[f"setpoint_{j}"], symbols[f"ramped_setpoint_{j}"]
+        raw, last = symbols[f"setpoint_{j}"], symbols[f"ramped_setpoint_{j}"]
         rate, step = symbols[f"setpoint_rate_{j}"], symbols["time_step"]
-        number = is_number(asked)
+        number = is_number(raw)
+        asked = self._within_range(raw, symbols)
+        beyond = ca.logic_and(number, asked != raw)
         begin = ca.if_else(number, asked, last)
         if measured is not None:
             begin = ca.if_else(measured.good, measured.value, begin)
@@ -135,12 +145,13 @@ class RampedSetpoint:
         if measured is not None:
             stands = ca.if_else(measured.good, measured.value, kept)
             on_its_way = ca.if_else(in_force, on_its_way, stands)
-        limited = rate < signals.LARGEST_PARAMETER
-        value = ca.if_else(limited, on_its_way, target)
+        value = ca.if_else(rate < signals.LARGEST_PARAMETER, on_its_way, target)
         ramps = ca.logic_and(in_force, value != target)
         named = {
             f"setpoint_used_{j}": value,
             f"setpoint_given_{j}": number,
+            f"setpoint_in_range_{j}": asked,
+            f"setpoint_limited_{j}": beyond,
             f"setpoint_wanted_{j}": target,
             f"setpoint_before_{j}": kept,
             f"setpoint_move_{j}": way,
@@ -148,4 +159,16 @@ class RampedSetpoint:
             f"setpoint_held_{j}": held,
             f"setpoint_in_force_{j}": in_force,
         }
-        return RampedValue(value, number, ramps, {f"ramped_setpoint_{j}": value}, named)
+        following = {f"ramped_setpoint_{j}": value}
+        return RampedValue(value, number, beyond, ramps, following, named)
+
+    def _within_range(self, value: ca.SX, symbols: Symbols) -> ca.SX:
+        """Return a setpoint held in the range; a transmitter may be scaled the other way round."""
+        if self.sensor_range is not None:
+            ends = [symbols[f"range_{end}_{self.sensor_range}"] for end in ("low", "high")]
+            return limit(value, ca.fmin(*ends), ca.fmax(*ends))
+        if math.isfinite(self.signal.low):
+            value = ca.fmax(self.signal.low, value)
+        if math.isfinite(self.signal.high):
+            value = ca.fmin(self.signal.high, value)
+        return value

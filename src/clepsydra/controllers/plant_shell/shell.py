@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
@@ -18,7 +18,7 @@ from clepsydra.controllers.plant_shell.fail_safe import (
 )
 from clepsydra.controllers.plant_shell.members import Members, members_of
 from clepsydra.controllers.plant_shell.output_limits import rate_limit_parameter
-from clepsydra.controllers.plant_shell.scan_time import scan_parameters
+from clepsydra.controllers.plant_shell.scan_time import scan_parameters, unwired_time_step
 from clepsydra.controllers.plant_shell.sensor_diagnosis import MonitoredSensor
 from clepsydra.controllers.plant_shell.setpoint_ramp import RampedSetpoint
 from clepsydra.controllers.plant_shell.settings import PlantShell
@@ -190,10 +190,17 @@ def _shelled(
     state += [*(s for s in last if s.name not in kept), acknowledge_state(), counted]
     _check_clashes(bare, [start_input(), acknowledge_input(), *parameters, *state, watchdog])
     initial = {**bare.initial_state, **{signal.name: signal.initial for signal in state}}
+    # An input that nobody wires is to be seen: no sensor, manual, and no time between two scans.
+    unwired = unwired_time_step()
+    for sensor in members.sensors:
+        unwired |= sensor.unwired()
+    for output in members.outputs:
+        unwired |= output.unwired()
+    inputs = [replace(s, initial=unwired.get(s.name, s.initial)) for s in law.inputs]
     step = ShellStep(law, members, [*law.state, *state], initial)
     shelled = step_law(
         f"{law.name}_with_shell",
-        inputs=[*law.inputs, start_input(), acknowledge_input()],
+        inputs=[*inputs, start_input(), acknowledge_input()],
         parameters=[*law.parameters, *parameters],
         state=[*law.state, *state, *start_states()],
         outputs=[*map(_with_shell_status, law.outputs), watchdog],
@@ -214,6 +221,7 @@ def _shelled(
         notes=(*bare.notes, *members.notes),
         free_inputs={**bare.free_inputs, "start": 0.0, "acknowledge": 0.0},
         free_outputs=(*bare.free_outputs, watchdog.name),
+        slowed=bare.slowed,
         bare=bare,
         sources=members.sources,
     )

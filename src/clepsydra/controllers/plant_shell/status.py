@@ -1,4 +1,4 @@
-"""The status word of an output behind the plant shell: 16 bits, 14 of them in use."""
+"""The status word of an output behind the plant shell: 16 bits, 15 of them in use."""
 
 from __future__ import annotations
 
@@ -33,6 +33,9 @@ SHELL_STATUS_BITS: dict[str, StatusBit] = {
         8192,
         "after a warm start or a fault, in automatic: the law takes up its last output, and waits",
     ),
+    "setpoint_limited": StatusBit(
+        16384, "a setpoint lies outside its range and is held at the end of it"
+    ),
 }
 
 
@@ -42,7 +45,7 @@ def status_signal(signal: Signal) -> Signal:
     Examples
     --------
     >>> status_signal(Signal("status_1", kind="integer")).high
-    16383.0
+    32767.0
     """
     bits = ", ".join(
         f"{bit.value} {name.replace('_', ' ')}" for name, bit in SHELL_STATUS_BITS.items()

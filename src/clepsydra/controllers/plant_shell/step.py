@@ -233,6 +233,7 @@ class ShellStep:
                 "scan_time_off": off,
                 "setpoint_ramps": ca.logic_and(_any(ramping), command.in_force),
                 "following": command.takes_up,
+                "setpoint_limited": _any([setpoint.limited for setpoint in followed]),
             }
         )
 

@@ -99,5 +99,5 @@ def ramped(value: ca.SX, working: ca.SX, largest_rate: ca.SX, time_step: ca.SX) 
     >>> float(ramped(ca.DM(5.0), ca.DM(3.0), ca.DM(0.5), ca.DM(2.0)))
     4.0
     """
-    step = largest_rate * time_step
+    step = ca.fmax(largest_rate, 0) * time_step  # a rate below zero would turn the limits round
     return limit(value, working - step, working + step)

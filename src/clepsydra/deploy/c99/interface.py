@@ -17,12 +17,12 @@ _TYPES = {"integer": "int32_t", "boolean": "bool"}
 _REAL = {"double": "double", "single": "float"}
 _NUMBERS: dict[Precision, tuple[str, str]] = {
     "double": (
-        "Needs IEEE 754 doubles, evaluated as doubles and without fused multiply-add",
-        "(gcc, clang: -ffp-contract=off, never -ffast-math); then it equals the simulation.",
+        "Needs IEEE 754 doubles, evaluated as doubles; the source switches fused multiply-add off",
+        "and refuses -ffast-math (clang: no -ffp-contract=fast). Then it equals the simulation.",
     ),
     "single": (
-        "Needs IEEE 754 floats, evaluated as floats and without fused multiply-add (gcc, clang:",
-        "-ffp-contract=off, never -ffast-math); the simulation computes with doubles instead.",
+        "Needs IEEE 754 floats, evaluated as floats; the source switches fused multiply-add off",
+        "and refuses -ffast-math (clang: no -ffp-contract=fast). The simulation has doubles.",
     ),
 }
 _NOTES = ("No allocation, no recursion, no static state: one state structure for each instance.",)
@@ -70,7 +70,7 @@ def kept(program: Program) -> tuple[Entry, ...]:
 def print_header(
     program: Program, origin: Origin | None = None, precision: Precision = "double"
 ) -> str:
-    """Print the header: four structures and three functions.
+    """Print the header: four structures and four functions.
 
     Examples
     --------
@@ -94,6 +94,9 @@ def print_header(
     lines += [
         "/* Sets the parameters' values. */",
         *default_parameters_head(name, ";"),
+        "",
+        "/* Sets the inputs to what they are until they are wired. */",
+        *default_inputs_head(name, ";"),
         "",
         "/* Sets the initial state. */",
         *initialise_head(name, ";"),
@@ -165,6 +168,17 @@ def default_parameters_head(name: str, end: str) -> list[str]:
     """
     arguments = [f"{name}_parameters *parameters"]
     return _function_head(f"{name}_default_parameters", arguments, end)
+
+
+def default_inputs_head(name: str, end: str) -> list[str]:
+    """Return the head of the function that sets the inputs' values before they are wired.
+
+    Examples
+    --------
+    >>> default_inputs_head("law", ";")
+    ['void law_default_inputs(law_inputs *inputs);']
+    """
+    return _function_head(f"{name}_default_inputs", [f"{name}_inputs *inputs"], end)
 
 
 def _function_head(name: str, arguments: Sequence[str], end: str) -> list[str]:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.c99.interface import (
     WIDTH,
+    default_inputs_head,
     default_parameters_head,
     head_comment,
     initialise_head,
@@ -51,7 +52,8 @@ class _Source:
         self._names = Identifiers(
             {*C_WORDS, *self._notation.functions.values(), "state", "inputs", "parameters"}
             | {"outputs", f"{name}_state", f"{name}_inputs", f"{name}_parameters"}
-            | {f"{name}_outputs", f"{name}_step", f"{name}_initialise"},
+            | {f"{name}_outputs", f"{name}_step", f"{name}_initialise"}
+            | {f"{name}_default_parameters", f"{name}_default_inputs"},
             ignore_case=False,
         )
         self._used = program.block.uses()
@@ -108,23 +110,26 @@ class _Source:
         for table, values in self._listing.tables.items():
             head = f"static const {self._real} {table}[{len(values)}]"
             lines += [f"/* {table_comment(self._origin)} */", *array(head, values, self._notation)]
-        return "\n".join([*lines, *self._defaults(), *self._initialise(), *self._step()])
+        name, program = self._program.name, self._program
+        lines += self._defaults(default_parameters_head(name, ""), "parameters", program.parameters)
+        lines += self._defaults(default_inputs_head(name, ""), "inputs", program.inputs)
+        return "\n".join([*lines, *self._initialise(), *self._step()])
 
     def _uses_mathematics(self) -> bool:
-        signals = [*map(signal_of, kept(self._program)), *self._program.parameters]
+        program = self._program
+        signals = [*map(signal_of, kept(program)), *program.parameters, *program.inputs]
         return any(math.isinf(signal.initial) for signal in signals) or any(
             part.code in self._notation.functions
             or (part.code == "constant" and math.isinf(part.number))
             for part in self._listing.expressions()
         )
 
-    def _defaults(self) -> list[str]:
-        name = self._program.name
-        lines = [*default_parameters_head(name, ""), "{"]
-        for entry in self._program.parameters:
-            lines += self._number(f"parameters->{entry.identifier}", entry, 1)
-        if not self._program.parameters:
-            lines.append("  parameters->nothing = 0;")
+    def _defaults(self, head: list[str], where: str, entries: Sequence[Signal]) -> list[str]:
+        lines = [*head, "{"]
+        for entry in entries:
+            lines += self._number(f"{where}->{entry.identifier}", entry, 1)
+        if not entries:
+            lines.append(f"  {where}->nothing = 0;")
         return [*lines, "}", ""]
 
     def _initialise(self) -> list[str]:
@@ -144,7 +149,9 @@ class _Source:
 
     def _number(self, left: str, entry: Entry, depth: int) -> list[str]:
         """Write an initial value, with its unit and where it comes from."""
-        source = self._origin.source_of(entry) if self._origin else ""
+        # Nobody has chosen what an input is: only numbers that stay have a source.
+        stays = entry not in self._program.inputs
+        source = self._origin.source_of(entry) if self._origin and stays else ""
         indent = "  " * depth
         line = f"{left} = {self._literal(signal_of(entry))};"
         about = number_comment(entry, source)

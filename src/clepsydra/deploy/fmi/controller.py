@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.deploy.fmi.dependencies import output_dependencies
 from clepsydra.deploy.fmi.model import FmuModel, variables_of
 from clepsydra.deploy.printing.entries import is_ring, signal_of
@@ -34,8 +31,9 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
     In a communication step from t to t + h the scans that fall due from t on and before t + h
     run with the inputs as they were set, and the outputs hold until the next scan: with the
     sampling period as communication step there is one scan in each, at its start. Before the
-    first step the outputs are those of a scan that leaves the state as it is. An input
-    ``time_step`` starts as the sampling period, and every mode as automatic.
+    first step the outputs are those of a scan that leaves the state as it is. Inputs start as in
+    every other export: behind a plant shell in manual, without a sensor and without a time step,
+    until the importer sets them.
 
     Parameters
     ----------
@@ -66,10 +64,6 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
             f"program {program.name}, sampling period", f"{period!r} s", "a time above 0 s",
             "give the period that the controller was designed for",
         )  # fmt: skip
-    # A block waits in manual until an engineer has wired it; a simulation runs from the start.
-    starts = {s.name: float(Mode.AUTOMATIC) for s in program.inputs if s.name.startswith("mode_")}
-    starts["time_step"] = period
-    inputs = [replace(s, initial=starts.get(s.name, s.initial)) for s in program.inputs]
     states = [signal_of(entry) for entry in program.state if not is_ring(entry)]
     rings = {entry.name for entry in program.state if is_ring(entry)}
     depends_on = [
@@ -79,7 +73,7 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
         programs=(program,),
         variables=(
             *variables_of(program.parameters, "parameters", "parameter", "tunable"),
-            *variables_of(inputs, "inputs", "input", "discrete"),
+            *variables_of(program.inputs, "inputs", "input", "discrete"),
             *variables_of(states, "state", "local", "discrete"),
             *variables_of(program.outputs, "outputs", "output", "discrete", depends_on),
         ),

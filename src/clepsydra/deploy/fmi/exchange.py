@@ -153,7 +153,7 @@ class _Equations:
         rates = inline(builder, motion.rates, everything)[: len(contents)]
         guards = inline(builder, motion.guards, everything)
         states = inline(builder, motion.to_state, [*contents, *parameters])
-        measured = inline(builder, process.measure, [*states, *parameters])
+        measured = inline(builder, process.show, [*states, *parameters])
         shown = shown_contents(process)
         others = [place for place, s in enumerate(process.state) if s.name not in shown]
         outputs = (
@@ -161,7 +161,7 @@ class _Equations:
                 Signal(f"derivative.{s.name}", _rate_unit(s.unit), description=f"of {s.name}")
                 for s in motion.contents
             ),
-            *(Signal(f"guard.{name}", description=words) for name, words in motion.events),
+            *(Signal(f"guard.{event.name}", description=event.words) for event in motion.events),
             *(process.state[place] for place in others),
             *process.measurements,
         )

@@ -155,14 +155,15 @@ class FmuModel:
 
     @property
     def digest(self) -> str:
-        """A short digest of everything that is computed."""
-        parts = [digest(program) for program in self.programs]
-        parts += [self.functions, repr((self.step, self.scans, __version__))]
-        return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+        """The digest of its program, as it stands in the heads of the printed texts."""
+        return digest(self.programs[0])
 
     def token(self, version: str) -> str:
         """Return what ties the binary to the model description of a version of the interface."""
-        return f"{{{uuid.uuid5(_NAMESPACE, f'{self.digest} {version}')}}}"
+        parts = [digest(program) for program in self.programs]
+        parts += [self.functions, repr((self.step, self.scans, __version__))]
+        whole = hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+        return f"{{{uuid.uuid5(_NAMESPACE, f'{whole} {version}')}}}"
 
     def reference(self, name: str) -> int:
         """Return the value reference of a variable."""

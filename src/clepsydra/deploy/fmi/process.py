@@ -114,7 +114,7 @@ def _reading(process: Process, program: Program) -> Program:
     builder = BlockBuilder(len(contents) + len(process.parameters))
     parameters = range(len(contents), len(contents) + len(process.parameters))
     states = inline(builder, process.motion.to_state, [*range(len(contents)), *parameters])
-    measured = inline(builder, process.measure, [*states, *parameters])
+    measured = inline(builder, process.show, [*states, *parameters])
     return Program(
         f"{program.name}_reading",
         (),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,6 +75,53 @@ def flag(text: str) -> Expression:
     True
     """
     return Expression("flag", text=text)
+
+
+_OPPOSITE = {"and": "or", "or": "and"}
+
+
+def simplified(condition: Expression) -> Expression:
+    """Return a condition without NOT of a bracketed AND or OR, and with no part said twice.
+
+    Some compilers of Structured Text take NOT of a bracket for a function, which has no truth
+    value of two comparisons to work on. Any other expression is returned as it is.
+
+    Parameters
+    ----------
+    condition : Expression
+        Its operands are simplified already.
+
+    Examples
+    --------
+    >>> a, b = flag("a"), flag("b")
+    >>> both = Expression("and", (a, b))
+    >>> signs = Notation("signs", {"and": "&", "or": "|"}, {}, "!", frozenset(), frozenset())
+    >>> [render(simplified(Expression(*parts)), signs) for parts in (
+    ...     ("not", (both,)), ("and", (both, a)), ("and", (b, both)))]
+    ['!a | !b', 'a & b', 'b & a']
+    """
+    code, operands = condition.code, condition.operands
+    if code == "not" and operands[0].code == "not":
+        return operands[0].operands[0]
+    if code == "not" and operands[0].code in _OPPOSITE:
+        negated = tuple(simplified(Expression("not", (each,))) for each in operands[0].operands)
+        return simplified(Expression(_OPPOSITE[operands[0].code], negated))
+    if code not in _OPPOSITE:
+        return condition
+    # By their texts: equal numbers may be zeros of different sign.
+    first, *rest = {repr(part): part for part in _chain(condition, code)}.values()
+    for part in rest:
+        first = Expression(code, (first, part))
+    return first
+
+
+def _chain(condition: Expression, code: str) -> Iterator[Expression]:
+    """Yield the parts of a chain of AND or of OR, in order."""
+    if condition.code != code:
+        yield condition
+        return
+    for operand in condition.operands:
+        yield from _chain(operand, code)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from clepsydra.deploy.printing.expressions import Expression, Notation, flag, render, variable
+from clepsydra.deploy.printing.expressions import (
+    Expression,
+    Notation,
+    flag,
+    render,
+    simplified,
+    variable,
+)
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.listing import (
     Assignment,
@@ -263,7 +270,7 @@ class _Scope:
         """Return the operation, with the widest operands given variables while it is too wide."""
         while True:
             operands = tuple(self.values[value] for value in arguments)
-            expression = Expression(code, operands)
+            expression = simplified(Expression(code, operands))
             if self._width(expression) <= _WIDTH:
                 return expression
             folded = [value for value in arguments if not self.values[value].is_atom]

@@ -157,16 +157,38 @@ class CompiledC(Instance):
         ]
         return np.concatenate(parts)
 
-    def _chunk(self, inputs: Scans) -> Array:
+    def scan_by_scan(self, before: Array, inputs: Scans) -> Array:
+        """Run scans that do not follow each other; returns outputs and then states [scans, q + n].
+
+        Parameters
+        ----------
+        before : ndarray [scans, n]
+            The state that each scan starts from; of a delay ring its oldest value.
+        inputs : mapping
+            As for `run`. Of a ring the value is returned that a scan writes.
+        """
+        kept = self._rows(self.memory, (), inputs)
+        with np.errstate(all="ignore"):
+            for column, entry in zip(before.T, self.program.state, strict=True):
+                name = signal_of(entry).identifier
+                if is_ring(entry):
+                    kept[name][:, 0], kept[f"{name}_position"] = column, 0
+                else:
+                    kept[name] = column
+        return self._chunk(inputs, kept)
+
+    def _chunk(self, inputs: Scans, before: np.ndarray | None = None) -> Array:
         scans, program = scan_count(inputs), self.program
         found = np.zeros(scans, dtype=np.dtype(type(self._outputs)))
-        kept = np.zeros(scans, dtype=np.dtype(type(self.memory)))
+        kept = np.zeros(scans, np.dtype(type(self.memory))) if before is None else before
         given = self._rows(self._inputs, program.inputs, inputs)
         tuned = given_parameters(program, inputs)
         parameters = self._rows(self._printed if tuned else self.parameters, tuned, inputs)
         memory = ctypes.addressof(self.memory)
         size = ctypes.sizeof(self.memory)
         for k in range(scans):
+            if before is not None:
+                ctypes.memmove(memory, kept.ctypes.data + k * size, size)
             self._step(
                 parameters.ctypes.data + k * parameters.itemsize,
                 memory,
@@ -179,7 +201,8 @@ class CompiledC(Instance):
             name = signal_of(entry).identifier
             column = kept[name]
             if is_ring(entry):
-                column = column[np.arange(scans), kept[f"{name}_position"]]
+                place = kept[f"{name}_position"] if before is None else 0
+                column = column[np.arange(scans), place]
             columns.append(column)
         return np.column_stack(columns).astype(float) if columns else np.zeros((scans, 0))
 

@@ -6,7 +6,11 @@ import json
 from pathlib import Path
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.input_file import read_input
 from clepsydra.deploy.proof.row import ProofRow
+
+#: A row takes a kilobyte, and no study has a hundred thousand.
+_LARGEST = 100_000_000
 
 
 def read_memory(path: Path) -> dict[tuple[object, ...], ProofRow]:
@@ -29,16 +33,12 @@ def read_memory(path: Path) -> dict[tuple[object, ...], ProofRow]:
     """
     if not path.exists():
         return {}
-    place = f"proof, {path}"
+    content = read_input(path, "what an earlier proof wrote", _LARGEST)
     try:
-        said = json.loads(path.read_text(encoding="utf-8"))
+        said = json.loads(content)
         rows = [ProofRow.from_dict(entry) for entry in said["rows"]]
-    except OSError as error:
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         raise InputError(
-            place, error.strerror or "no access", "a file that can be read", "choose another folder"
-        ) from None
-    except (ValueError, TypeError, KeyError, AttributeError):
-        raise InputError(
-            place, "something else", "what an earlier proof wrote", "move that file away"
+            f"proof, {path}", "something else", "what an earlier proof wrote", "move that file away"
         ) from None
     return {row.key: row for row in rows if row.holds and row.verdict != "refused" and row.text}

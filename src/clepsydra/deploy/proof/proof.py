@@ -88,6 +88,11 @@ class Proof:
         return tuple(row for row in self.rows if row.verdict == "refused" and row.holds)
 
     @property
+    def diverging(self) -> tuple[ProofRow, ...]:
+        """The rows in which single precision leads away from the simulation."""
+        return tuple(row for row in self.rows if row.verdict == "diverges")
+
+    @property
     def idle(self) -> tuple[str, ...]:
         """Subjects in which nothing moved, so that the comparison says nothing."""
         return tuple(name for name, seen in self.coverage.items() if seen.is_idle)
@@ -127,8 +132,9 @@ def prove(
     as C built by this machine's compiler, as Structured Text of each dialect read by a grammar
     and an interpreter of their own, and as FMUs by FMPy; in single precision as C and as
     Structured Text, which are compared with each other, and as C with the engine in double
-    precision. That difference is only told, with what it does to the scores of the loop, unless a
-    number is infinite or not a number in single precision only.
+    precision. That difference is only reported, with what it does to the scores of the loop, unless
+    a number is infinite or not a number in single precision only; where the two diverge it is a
+    finding with a verdict of its own.
 
     Bounds in double precision: every bit where the program has nothing but + − × ÷ √, comparison
     and rounding; otherwise 1e-12 of a signal's range, and no integer or boolean value may differ.

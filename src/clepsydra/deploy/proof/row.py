@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal
 
-Verdict = Literal["equal", "within the bound", "differs", "told", "refused", "fails"]
+Verdict = Literal[
+    "equal", "within the bound", "differs", "reported", "diverges", "refused", "fails"
+]
 #: Verdicts with which a proof holds.
-HOLDING: tuple[Verdict, ...] = ("equal", "within the bound", "told")
+HOLDING: tuple[Verdict, ...] = ("equal", "within the bound", "reported", "diverges")
 
 
 @dataclass(frozen=True)
@@ -39,10 +41,12 @@ class ProofRow:
     decisions : int
         Integer and boolean values that differ.
     bound : float or None
-        Of the largest difference; None where it is only told.
+        Of the largest difference; None where it is only reported.
     verdict : str
-        "equal" in every bit, "within the bound", "differs"; "told" where there is no bound;
-        "refused" where there is nothing to run, and "fails" where it does not run.
+        "equal" in every bit, "within the bound", "differs"; "reported" where there is no bound, and
+        "diverges" where the two lie further apart than the range: a finding about single precision,
+        of which the proof in double precision holds; "refused" where there is nothing to run, and
+        "fails" where it does not run.
     overflows : int
         Numbers that are infinite or not a number where they are finite in what it is compared
         with.

@@ -14,7 +14,13 @@ if TYPE_CHECKING:
 
     from clepsydra.deploy.proof.proof import Proof
 
-_STYLES = {"differs": "bold red", "fails": "bold red", "refused": "yellow", "told": "dim"}
+_STYLES = {
+    "differs": "bold red",
+    "fails": "bold red",
+    "refused": "yellow",
+    "diverges": "yellow",
+    "reported": "dim",
+}
 _LEGEND = (
     "Largest difference as a share of the signal's range, in double precision from the engine: 0 "
     "is equal in every bit. ST single is compared with C single, and C single with the engine in "
@@ -89,7 +95,7 @@ def _cell(row: ProofRow) -> tuple[str, str]:
     style = _STYLES.get(row.verdict, "")
     if row.verdict == "refused" and not row.holds:
         style = _STYLES["fails"]
-    if row.verdict in ("refused", "fails"):
+    if row.verdict in ("refused", "fails", "diverges"):
         return row.verdict, style
     if row.verdict == "differs" and row.largest in (0.0, math.inf):
         return "differs", style

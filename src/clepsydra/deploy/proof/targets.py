@@ -31,6 +31,7 @@ from clepsydra.deploy.proof.interpreted_text import InterpretedText, printed_tex
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.job import Job
 from clepsydra.deploy.proof.row import ProofRow, Verdict
+from clepsydra.deploy.proof.single_scans import DIVERGED, compare_single
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 
 #: Largest difference of C in floats and Structured Text in REALs where the law uses functions of
@@ -59,7 +60,7 @@ class Target:
         Takes a job and these files, and returns the difference, the bound (None: there is none),
         and further fields of the row.
     scores : bool
-        Whether the row tells scores of the loop.
+        Whether the row has scores of the loop.
 
     Examples
     --------
@@ -183,7 +184,9 @@ def _verdict(difference: Difference, bound: float | None) -> Verdict:
         return "equal"
     if bound is None:
         # Rounding may move a number, and turn none into what is infinite or not a number.
-        return "differs" if difference.overflows else "told"
+        if difference.overflows:
+            return "differs"
+        return "diverges" if difference.largest > DIVERGED else "reported"
     # Where nothing but exact operations are, the sign of a zero counts too; and a decision that
     # differs is no matter of a bound.
     within = bound > 0.0 and difference.largest <= bound and difference.decisions == 0
@@ -246,8 +249,13 @@ def _single_text(job: Job, files: Contents) -> Measured:
 
 
 def _single_c(job: Job, files: Contents) -> Measured:
-    found = compare(shown_signals(job.program), job.engine_of_single, job.run_of_single_c)
-    return found, None, _scores(job.item, job)
+    found, reason = compare_single(job)
+    scores = _scores(job.item, job)
+    return (
+        found,
+        None,
+        {**scores, "reason": "; ".join(filter(None, [reason, scores.get("reason")]))},
+    )
 
 
 def _scores(item: ProofItem, job: Job) -> dict[str, Any]:

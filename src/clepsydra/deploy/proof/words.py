@@ -50,6 +50,12 @@ def result_sentence(proof: Proof) -> str:
     if proof.refusals:
         refused = _count(len(proof.refusals), "row")
         equal += f"; {refused} refused by what the target cannot express"
+    if proof.diverging:
+        names = ", ".join(dict.fromkeys(row.subject for row in proof.diverging))
+        return (
+            f"The proof holds in double precision: {over}, {equal}. In single precision {names} "
+            "diverges from the simulation."
+        )
     return f"The proof holds: {over}, {equal}."
 
 
@@ -92,6 +98,8 @@ def notes(proof: Proof, *, brief: bool = False) -> list[str]:
         target = row.target if row.precision == "double" else f"{row.target} in single precision"
         if row.verdict == "differs":
             said.append(f"{row.subject}, {target}: {_difference_sentence(row)}")
+        elif row.verdict == "diverges":
+            said.append(f"{row.subject}, {target}: {_divergence_sentence(row)}")
         elif row.reason:
             reasons.setdefault((row.subject, _verb(row), row.reason), []).append(target)
         if row.scores and (row.scores["is_change"] or not brief):
@@ -109,7 +117,7 @@ def notes(proof: Proof, *, brief: bool = False) -> list[str]:
 def _verb(row: ProofRow) -> str:
     if row.verdict == "refused":
         return f"refused ({row.limit}); " if row.limit else "refused without need; "
-    return "" if row.verdict == "told" else f"{row.verdict}; "
+    return "" if row.verdict == "reported" else f"{row.verdict}; "
 
 
 def _difference_sentence(row: ProofRow) -> str:
@@ -129,6 +137,14 @@ def _difference_sentence(row: ProofRow) -> str:
         f"{'differs' if row.differing == 1 else 'differ'}{where}; "
         f"{_count(row.decisions, 'decision')} among them"
     )
+
+
+def _divergence_sentence(row: ProofRow) -> str:
+    sentence = (
+        f"it does not follow the simulation: {row.signal} is {row.largest:.2g} times its range off "
+        f"in scan {row.scan}; export this controller in double precision"
+    )
+    return f"{sentence}; {row.reason}" if row.reason else sentence
 
 
 def _score_sentence(row: ProofRow) -> str:

@@ -44,8 +44,6 @@ class Dialect:
         Whether ``FOR i := 0 TO 0`` runs once.
     constant_arrays : bool
         Whether a block may declare a constant array.
-    repeated_values : bool
-        Whether ``[3(0.0)]`` may stand for three values.
     line_comments : bool
         Whether comments are written ``// …`` to the end of the line, not ``(* … *)``.
     block_quote : str
@@ -79,7 +77,6 @@ class Dialect:
     absolute_zero: bool = True
     single_turns: bool = True
     constant_arrays: bool = True
-    repeated_values: bool = True
     line_comments: bool = False
     block_quote: str = ""
     local_mark: str = ""
@@ -154,7 +151,6 @@ _SCL = Dialect(
     typed_numbers=frozenset({"double", "single"}),
     # Local constants are elementary; an array with initial values is static.
     constant_arrays=False,
-    repeated_values=False,
     # The comment behind a declaration goes into the comment column of the interface.
     line_comments=True,
     block_quote='"',

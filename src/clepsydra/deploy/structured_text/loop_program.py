@@ -94,6 +94,8 @@ def wired(
             rest[signal.name] = at_rest[base]
         elif what == "mode":
             rest[signal.name] = float(Mode.AUTOMATIC)
+        elif what == "sensor":
+            rest[signal.name] = 1.0
         elif signal.name == "time_step":
             rest[signal.name] = sampling_period
     for signal in controller.outputs:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from itertools import groupby
 
 from clepsydra.deploy.printing.heading import commented, harmless
 from clepsydra.deploy.structured_text.dialect import Dialect
@@ -101,8 +100,8 @@ def _declaration(entry: Variable, dialect: Dialect) -> list[str]:
     if entry.is_array:
         kind = f"ARRAY[0..{entry.length - 1}] OF {kind}"
     head = f"{entry.name} : {kind}"
-    texts = _values(entry, dialect) if entry.is_array else list(entry.initial)
-    if entry.is_array:
+    texts = list(entry.initial)
+    if entry.is_array and texts:
         rows = [
             ", ".join(texts[first : first + _VALUES_A_LINE])
             for first in range(0, len(texts), _VALUES_A_LINE)
@@ -113,16 +112,6 @@ def _declaration(entry: Variable, dialect: Dialect) -> list[str]:
         texts = [f"[{rows[0]}]"]
     value = f" := {texts[0]}" if texts else ""
     return _commented(f"{head}{value};", entry.comment, dialect)
-
-
-def _values(entry: Variable, dialect: Dialect) -> list[str]:
-    if not dialect.repeated_values:
-        return list(entry.initial)
-    texts = []
-    for value, run in groupby(entry.initial):
-        count = len(list(run))
-        texts += [f"{count}({value})"] if count > 2 else [value] * count
-    return texts
 
 
 def _commented(line: str, text: str, dialect: Dialect) -> list[str]:

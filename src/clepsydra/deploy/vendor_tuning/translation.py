@@ -182,7 +182,7 @@ def translate(
             if tuning.number in found
         ]
     return Translation(
-        controller.name, plant.name, tuple(tunings), tuple(rows), tuple(refused), check.saturated()
+        controller.title, plant.name, tuple(tunings), tuple(rows), tuple(refused), check.saturated()
     )
 
 

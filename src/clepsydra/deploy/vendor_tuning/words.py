@@ -20,7 +20,7 @@ _NOTHING = 0.001
 
 
 def loop_words(tuning: StandardTuning) -> str:
-    """Return a loop and its tuning in ISA form, with the ranges that percent are of.
+    """Return a loop and its tuning in ISA form, with the scales that percent are of.
 
     Examples
     --------
@@ -43,15 +43,16 @@ def loop_words(tuning: StandardTuning) -> str:
         shown.append(f"Tf = {printed_number(numbers.filter_time)} s")
         shown.append(f"derivative on the {tuning.form.derivative_on}")
     shown.append(f"b = {printed_number(numbers.setpoint_weight)}")
-    names = " by ".join(_range_words(signal) for signal in signals)
+    names = " by ".join(_scale_words(signal) for signal in signals)
     through = "" if tuning.direct is not None else " Other blocks stand between it and the outputs."
     return f"{names}, {tuning.action} acting: {', '.join(shown)}.{through}"
 
 
-def _range_words(signal: Signal) -> str:
+def _scale_words(signal: Signal) -> str:
+    """Return the name with what 0 and 100 % of the signal are."""
     if not has_range(signal):
         return signal.name
-    ends = (from_si(end, signal.unit, signal.shown_unit) for end in (signal.low, signal.high))
+    ends = (from_si(end, signal.unit, signal.shown_unit) for end in signal.percent_scale)
     low, high = (f"{end:.5g}" for end in ends)
     unit = "" if signal.shown_unit == "1" else f" {signal.shown_unit}"
     return f"{signal.name} ({low} to {high}{unit})"
@@ -89,7 +90,7 @@ def check_words(translation: Translation) -> str:
         "Each line was simulated in the block's form with the numbers as printed. Differences are "
         "the largest of the manipulated variable, in percent of its range: by the numbers, that "
         "is by rounding, and by the block, with what it does otherwise. Gains in %/% take the "
-        "ranges in brackets for 0 to 100 %. The simulation keeps the controller's own "
+        "values in brackets for 0 and 100 %. The simulation keeps the controller's own "
         "anti-windup, where each block has its own"
     )
     if share == 0.0:

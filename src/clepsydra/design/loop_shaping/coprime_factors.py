@@ -11,7 +11,6 @@ import numpy as np
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.loop_shaping.sampled_system import SampledSystem
 from clepsydra.design.states.riccati import optimal_regulator
-from clepsydra.linear.gramians import controllability_gramian, observability_gramian
 
 METHOD = "Glover-McFarlane"
 #: The smallest difference of a Hankel norm from one that can be told from rounding.
@@ -84,11 +83,14 @@ class CoprimeFactors:
 
     @cached_property
     def roots(self) -> tuple[np.ndarray, np.ndarray]:
-        """R and L of the Gramians P = R Rᵀ and Q = L Lᵀ of [N M]."""
-        image = self.system.continuous_image()
-        reached = controllability_gramian(image.A, image.B)
-        shown = observability_gramian(image.A, image.C)
-        return _root(reached), _root(shown)
+        """R and L of the Gramians P = R Rᵀ and Q = L Lᵀ of [N M].
+
+        P is Z itself, and Q = (X⁻¹ + Z)⁻¹ = U (1 + Uᵀ Z U)⁻¹ Uᵀ with X = U Uᵀ: no difference of
+        large numbers, of which a small state would keep few digits.
+        """
+        reached, weight = _root(self.Z), _root(self.X)
+        lower = np.linalg.cholesky(np.eye(len(self.Z)) + weight.T @ self.Z @ weight)
+        return reached, np.linalg.solve(lower, weight.T).T
 
     @property
     def _joined(self) -> np.ndarray:
@@ -142,5 +144,8 @@ def coprime_factors(plant: SampledSystem) -> CoprimeFactors:
 
 def _root(gramian: np.ndarray) -> np.ndarray:
     """Return R of R Rᵀ = M for a symmetric M without negative eigenvalues but for rounding."""
-    sizes, directions = np.linalg.eigh(gramian)
-    return np.asarray(directions * np.sqrt(np.maximum(sizes, 0.0)))
+    try:
+        return np.linalg.cholesky(gramian)
+    except np.linalg.LinAlgError:  # a state that is not reached or not shown
+        sizes, directions = np.linalg.eigh(gramian)
+        return np.asarray(directions * np.sqrt(np.maximum(sizes, 0.0)))

@@ -72,7 +72,9 @@ def reduced_plant(factors: CoprimeFactors, order: int) -> ReducedPlant:
         raise ValueError(f"order reduction: {order} states, expected 1 to {size}")
     reached, shown = factors.roots
     left, values, right = np.linalg.svd(shown.T @ reached)
-    scale = 1.0 / np.sqrt(values[:order])
+    # A singular vector and its partner may both be turned: the first large number is positive.
+    turned = np.array([_sign(column) for column in (reached @ right[:order].T).T])
+    scale = turned / np.sqrt(values[:order])
     into = (scale[:, None] * left.T[:order]) @ shown.T
     back = reached @ (right[:order].T * scale)
     A, B, C, _ = factors.system
@@ -80,3 +82,8 @@ def reduced_plant(factors: CoprimeFactors, order: int) -> ReducedPlant:
     m = factors.plant.B.shape[1]
     plant = SampledSystem(a - b[:, m:] @ c, b[:, :m], c, factors.plant.D)
     return ReducedPlant(plant, 2.0 * float(values[order:].sum()))
+
+
+def _sign(direction: np.ndarray) -> float:
+    large = np.abs(direction) > 0.3 * np.abs(direction).max()
+    return 1.0 if direction[np.argmax(large)] > 0.0 else -1.0

@@ -30,6 +30,8 @@ class Precompensator:
         W₁
     outputs, inputs : tuple of str
         Controlled measurements and manipulated variables, in the order of the system.
+    slowed : float
+        How many times slower than its method asked for it is.
 
     Raises
     ------
@@ -49,6 +51,7 @@ class Precompensator:
     system: SampledSystem
     outputs: tuple[str, ...]
     inputs: tuple[str, ...]
+    slowed: float = 1.0
 
     def __post_init__(self) -> None:
         shape, names = self.system.D.shape, (len(self.inputs), len(self.outputs))
@@ -188,4 +191,6 @@ def precompensator_of(controller: Controller, model: LinearModel) -> Precompensa
                 "give it setpoint weights of one, and derivative action on the error",
             )
     system = SampledSystem(law.A, law.B_setpoint, law.C, law.D_setpoint)
-    return Precompensator(controller.name, system, controller.setpoints, controller.manipulated)
+    return Precompensator(
+        controller.name, system, controller.setpoints, controller.manipulated, controller.slowed
+    )

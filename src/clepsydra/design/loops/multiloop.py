@@ -13,8 +13,9 @@ from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import Decoupling, family, multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.decoupling import inverted_decoupler
+from clepsydra.design.designed_values import designed_values, rounded_values
 from clepsydra.design.loops.control_authority import check_ranges, largest_proportional_gain
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, Detuned
 from clepsydra.design.loops.law_settings import law_settings
@@ -143,8 +144,7 @@ class MultiloopPid:
         NotApplicable
             A setting is outside of what a controller takes.
         """
-        values = self._values(found.settings)
-        check_designed(self._without_settings.law, values, self.method)
+        values = designed_values(self._law, self._values(found.settings), self.point, self.method)
         return dataclasses.replace(
             self._without_settings,
             design=(
@@ -154,6 +154,7 @@ class MultiloopPid:
             values=values,
             initial_state=self._at_rest(values),
             notes=tuple(notes),
+            slowed=found.factor,
         )
 
     def _blank(self, outputs: tuple[str, ...], inputs: tuple[str, ...]) -> Controller:
@@ -165,7 +166,7 @@ class MultiloopPid:
             decoupling=self.decoupling,
         )
         values = {parameter.name: parameter.initial for parameter in law.parameters} | self._fixed
-        check_designed(law, values, self.method)
+        values = designed_values(law, values, self.point, self.method)
         self._law = law
         return Controller(
             name=f"{self.form.actions}, {self.method}" + self._decoupled(", "),
@@ -223,7 +224,7 @@ class MultiloopPid:
             values |= {
                 f"{name}_{i}": value for name, value in own.items() if f"{name}_{i}" in values
             }
-        return values
+        return rounded_values(self._law, values, self.point)
 
     def _in_words(self, settings: Sequence[PidSettings]) -> str:
         return "; ".join(

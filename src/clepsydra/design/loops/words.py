@@ -23,7 +23,7 @@ def lag(time_constant: float) -> str:
 
 
 def gain(value: float, output: Signal, manipulated: Signal) -> str:
-    """Return a controller's gain in percent of the input's range per percent of the output's.
+    """Return a controller's gain in percent of the input per percent of the output.
 
     Examples
     --------
@@ -36,7 +36,7 @@ def gain(value: float, output: Signal, manipulated: Signal) -> str:
 
 
 def slope(value: float, output: Signal, manipulated: Signal) -> str:
-    """Return how fast an output moves, in percent of its range per percent of the input's.
+    """Return how fast an output moves, in percent of it per percent of the input.
 
     Parameters
     ----------

@@ -9,7 +9,8 @@ from typing import NamedTuple
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.polynomial_controller import PolynomialShape
-from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.designed_values import designed_values, rounded_values
 from clepsydra.design.gain_units import percent_gain
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.design.polynomial.paired_models import ModelledPair
@@ -152,6 +153,7 @@ class PairedDesign(NamedTuple):
             self._with(found.design),
             design=f"{source}: {words}; sensitivity peak of all loops together {found.peak:.2f}.",
             notes=(*notes, *more, self._period_note()),
+            slowed=found.factor,
         )
 
     def _period_note(self) -> str:
@@ -163,11 +165,10 @@ class PairedDesign(NamedTuple):
         for i, (loop, pair) in enumerate(zip(gains, self.pairs, strict=True), start=1):
             values |= loop.values(i)
             values |= {f"low_limit_{i}": pair.input.low, f"high_limit_{i}": pair.input.high}
-        return values
+        return rounded_values(self.law, values, self.point)
 
     def _with(self, gains: Sequence[LoopGains]) -> Controller:
-        values = self._values(gains)
-        check_designed(self.law, values, self.method)
+        values = designed_values(self.law, self._values(gains), self.point, self.method)
         at_rest: dict[str, float] = {}
         for i, pair in enumerate(self.pairs, start=1):
             at_rest |= {f"setpoint_{i}": pair.resting_output, f"tracking_{i}": pair.resting_input}

@@ -12,7 +12,8 @@ from clepsydra.controllers.linear_quadratic_integral import FAMILY as LQI_FAMILY
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.state_feedback import FAMILY as FEEDBACK_FAMILY
 from clepsydra.controllers.state_feedback import state_feedback_law
-from clepsydra.design.applicability import NotApplicable, check_designed
+from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.designed_values import designed_values
 from clepsydra.design.sampled.sampled_loop import sampled_loop
 from clepsydra.design.sampled.sampled_process import NotSampled
 from clepsydra.design.states.estimation import Estimation
@@ -81,7 +82,7 @@ def lqi_controller(
         values |= {f"integral_gain_{i}_{j}": float(value) for j, value in enumerate(row, start=1)}
         if anti_windup == "back_calculation":
             values[f"tracking_time_{i}"] = float(tracking_times[i - 1])
-    check_designed(law, values, name)
+    values = designed_values(law, values, point, name)
     return Controller(
         name=name,
         family=LQI_FAMILY,
@@ -146,7 +147,7 @@ def state_feedback_controller(
     for i, row in enumerate(precompensator, start=1):
         values |= {f"precompensator_{i}_{j}": float(value) for j, value in enumerate(row, start=1)}
         values[f"fading_time_{i}"] = fading_time
-    check_designed(law, values, name)
+    values = designed_values(law, values, point, name)
     return Controller(
         name=name,
         family=FEEDBACK_FAMILY,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,9 +11,12 @@ from sympy import (
     Integer,
     Matrix,
     Poly,
+    Rational,
     denom,
     expand,
     limit,
+    re,
+    roots,
     simplify,
     solve,
     symbols,
@@ -39,12 +43,20 @@ from clepsydra.papers.averaging_tank.symbols import (
     x1,
     x2,
 )
-from clepsydra.papers.comparison import claimed, compared, compared_formula, stated
+from clepsydra.papers.comparison import (
+    claimed,
+    compared,
+    compared_formula,
+    damaged,
+    remark,
+    stated,
+)
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.row import Row
 
 _A = symbols("A")
 _ZERO = Integer(0)
+_STRUCTURE = "By the structure of Fig. 3, which adds T11 of one input to the other."
 _WHY = "(42) and (43) with the plant of the variant."
 
 
@@ -57,13 +69,14 @@ class _Section(NamedTuple):
     pi: tuple[str, str, str]
     pid: str
     gains: tuple[str, str]  # G_c of P and of PID
+    law: str
 
 
 _SECTIONS = (
     _Section("outflow", "(47)", ("(52)", "(53)", "(54)"), ("(56)", "(57)", "(58)"), "(60)",
-             ("(51)", "(59)")),
+             ("(51)", "(59)"), "(61)"),
     _Section("inflow", "(65)", ("(68)", "(70)", "(71)"), ("(73)", "(74)", "(75)"), "(77)",
-             ("(69)", "(76)")),
+             ("(69)", "(76)"), "(78)"),
 )  # fmt: skip
 
 
@@ -77,11 +90,10 @@ def run() -> Findings:
 
 def _pairing() -> list[Row]:
     rows = [
-        stated(
+        remark(
             "(37)", "K", "static gain matrix", "limit of G(s) for s → 0",
-            bool(plant("outflow").transfer[1, 0].subs(s, 0).is_finite),
-            "V integrates, so that G(0) is infinite; the relative gains are the limit of those "
-            "of G(s).",
+            reason="V integrates, so that G(0) is infinite; the relative gains (47) and (65) are "
+            "the limit of those of G(s).",
         )
     ]  # fmt: skip
     for section in _SECTIONS:
@@ -103,21 +115,20 @@ def _pairing() -> list[Row]:
 
 def _decoupler() -> list[Row]:
     G = plant("outflow").transfer
-    compensation = simplify(-G[0, 0] / G[0, 1])
+    first, second, wanted = symbols("G_p11 G_p12 T_11")
+    (solved,) = solve(wanted * second + first, wanted)
     printed = Matrix([[1, 0], [-(u3 - x1) / u1, 1]])
-    T = Matrix([[1, 0], [compensation, 1]])
-    rows = [
-        compared_formula("(49)", "T11", -(u3 - x1) / u1, compensation, reason="T11 G12 + G11 = 0.")
-    ]
-    rows += matrix_rows("(50)", "T", printed, T, "T11 from (49).")
+    T = Matrix([[1, 0], [simplify(solved.subs({first: G[0, 0], second: G[0, 1]})), 1]])
+    rows = [compared_formula("(49)", "T11", -first / second, solved, reason="T11 G12 + G11 = 0.")]
     at_rest = T.subs({u3: 5, x1: 5, u1: 0.2})
-    rows += matrix_rows("(50)", "T at rest ", Matrix([[1, 0], [0, 1]]), at_rest, "C_in0 = C0.")
-    rows.append(
-        compared_formula(
-            "(50)", "C by the first loop, decoupled", _ZERO, simplify((G * T)[0, 0]),
-            reason="The decoupler takes the effect of f_in on C away exactly, whatever C_in0 is.",
-        )
-    )  # fmt: skip
+    for name, text, found, why in (
+        ("T", printed, T, "T11(s) of (49)."),
+        ("T at rest ", Matrix([[1, 0], [0, 1]]), at_rest, "C_in0 = C0 in T11(s) of (49)."),
+    ):
+        rows += [
+            row if row.name.endswith("21") else dataclasses.replace(row, reason=_STRUCTURE)
+            for row in matrix_rows("(50)", name, text, found, why)
+        ]
     return rows
 
 
@@ -149,15 +160,24 @@ def _stable_for_positive(denominator: Expr) -> bool:
     return len(coefficients) <= 3 and signs == {True}
 
 
-def _stability(place: str, closed: Any, words: str, printed_is_positive: bool) -> Row:
+def _stability(place: str, closed: Any, words: str, sign: int = 1) -> Row:
+    """Judge "stable if", for positive parameters or for a K_p2 of the other sign."""
     parts = [expand(denom(together(closed[i, i]))) for i in range(2)]
-    stable = all(_stable_for_positive(part) for part in parts)
-    return claimed(
-        place, f"stability, {place}", words, stable == printed_is_positive,
-        "stable for positive parameters" if stable else "not stable for positive parameters",
-        reason="All coefficients of both denominators are positive exactly for positive "
-        f"parameters: {parts[0]} and {parts[1]}.",
-    )  # fmt: skip
+    if sign > 0:
+        stable = all(_stable_for_positive(part) for part in parts)
+        found, reason = "stable for positive parameters", (
+            "For positive parameters all coefficients of both denominators are positive: "
+            f"{parts[0]} and {parts[1]}."
+        )  # fmt: skip
+    else:
+        example = {K2: -1, Ti2: 1, Td2: Rational(1, 10)}
+        (right, *_) = sorted((re(r) for r in roots(Poly(parts[1].subs(example), s))), reverse=True)
+        stable = bool(right <= 0)
+        found, reason = f"pole at {float(right):.3g} for K_p2 = -1", (
+            f"The gain of -1 is in (69) already: the V loop has the denominator {parts[1]}, which "
+            "asks for K_p2 > 0; in the example any Ti is 1 s, and any Td 0.1 s."
+        )  # fmt: skip
+    return claimed(place, f"stability, {place}", words, stable, found, reason=reason)
 
 
 def _proportional(section: _Section) -> list[Row]:
@@ -166,12 +186,17 @@ def _proportional(section: _Section) -> list[Row]:
     first = K1 * u1 / (s * x2 + u1 * (1 + K1))
     if section.variant == "outflow":
         rows = _diagonal(places[0], "GCL", (first, K2 / (s + K2)), closed)
-        rows.append(_stability(places[0], closed, "stable if Kp1 > 0 and Kp2 > 0", True))
+        rows.append(_stability(places[0], closed, "stable if K_p1 > 0 and K_p2 > 0"))
     else:
         bare, _ = closed_loop("inflow", controller(K1, K2))
         # The -1 of f_out is left out here, to be found missing.
         (pole,) = solve(denom(together(bare[1, 1])), s)
-        rows = _diagonal(places[0], "GCL", (first, K2 / (-s + K2)), bare)
+        k1, k2, kx = symbols("kappa_p1 kappa_p2 kappa_20", positive=True)
+        printed = k1 * u1 / (s * kx + u1 * (1 + K1)), k2 / (-s + k2)
+        rows = [
+            damaged(row, "κ stands for K, and κ_20 for x_20.")
+            for row in _diagonal(places[0], "GCL", printed, bare)
+        ]
         rows.append(
             claimed(
                 places[0], "stability without the gain of -1", "stable only for Kp2 < 0",
@@ -179,9 +204,7 @@ def _proportional(section: _Section) -> list[Row]:
                 f"pole at s = {pole}", reason="The pole of the V loop of (68).",
             )
         )  # fmt: skip
-        rows.append(
-            _stability(section.gains[0], closed, "with the gain of -1 stable if -Kp2 > 0", False)
-        )
+        rows.append(_stability(section.gains[0], closed, "stable if K_p1 > 0 and -K_p2 > 0", -1))
     rows += _diagonal(
         places[1], "GE", ((s * x2 + u1) / (s * x2 + u1 * (1 + K1)), s / (s + K2)), error
     )
@@ -198,8 +221,14 @@ def _integral(section: _Section) -> list[Row]:
         second = K2 * (1 + Ti2 * s) / (s**2 * Ti2 * K2 + K2)
     else:
         second = K2 * (1 + Ti2 * s) / (s**2 * Ti2 + s * Ti2 * K2 + K2)
-    rows = _diagonal(places[0], "GCL", (first, second), closed)
-    rows.append(_stability(places[0], closed, "stable if all parameters are positive", True))
+    rows = [
+        damaged(
+            row, "The formula has lost its layout; (57) and, for the other variant, (73) have it "
+            "right.",
+        )
+        for row in _diagonal(places[0], "GCL", (first, second), closed)
+    ]  # fmt: skip
+    rows.append(_stability(places[0], closed, *_conditions(section, "T_i1 > 0 and T_i2 > 0")))
     below = s**2 * Ti1 * x2 + s * Ti1 * u1 * (1 + K1) + u1 * K1
     errors = (
         (Ti1 * x2 * s**2 + Ti1 * u1 * s) / below,
@@ -210,22 +239,47 @@ def _integral(section: _Section) -> list[Row]:
     return rows
 
 
+def _conditions(section: _Section, times: str) -> tuple[str, int]:
+    """Return the printed condition of stability, and the sign that it asks of K_p2."""
+    sign = "" if section.variant == "outflow" else "-"
+    return f"stable if K_p1 > 0, {sign}K_p2 > 0, {times}", -1 if sign else 1
+
+
+def _without_bars(row: Row) -> Row:
+    """Return a row of (77) with what the text has of it."""
+    lost = "The bars of the fractions are lost or misplaced, and one line stands there twice."
+    if row.name == "GCL11":
+        printed = f"{row.printed}, without its bar"
+        return damaged(stated(row.place, row.name, printed, str(row.computed), False, _WHY), lost)
+    return damaged(row, f"{lost} T_d1 K_p1 in the V loop is the misprint of (60) again.")
+
+
 def _derivative(section: _Section) -> list[Row]:
     first = K1 * (1 + 1 / (Ti1 * s) + Td1 * s)
     second = K2 * (1 + 1 / (Ti2 * s) + Td2 * s)
     closed, error = _loops(section, first, second)
     printed_first = K1 * (1 + 1 / (Ti1 * s) + Td2 * s)
-    printed = Matrix([[0, _with_sign(section, second)], [printed_first, 0]])
-    rows = matrix_rows(
-        section.gains[1], "Gc", printed, controller(first, _with_sign(section, second)),
-        "The controller of C differentiates with its own time, as its control law says.",
-    )  # fmt: skip
+    law = f"As {section.law} says."
+    why = f"The controller of C differentiates with its own time, as {section.law} says."
+    misread = {}
+    if section.variant == "inflow":
+        misread = dict(zip((Ti1, Ti2), symbols("T_l1 T_l2", positive=True), strict=True))
+        why = f"T_d2 is the misprint, as in (59). {why} T_l for T_i is probably damage of the text."
+    printed = Matrix([[0, _with_sign(section, second)], [printed_first, 0]]).subs(misread)
+    found = controller(first, _with_sign(section, second))
+    rows = [
+        row if row.name == "Gc21" else dataclasses.replace(row, reason=law)
+        for row in matrix_rows(section.gains[1], "Gc", printed, found, why)
+    ]
+    rows = [damaged(row, "An l looks like an i.") if row.name == "Gc12" else row for row in rows]
     above = K1 * u1 * (1 + Ti1 * s + Td1 * Ti1 * s**2)
     below = s**2 * Ti1 * (x2 + Td1 * K1 * u1) + s * Ti1 * u1 * (1 + K1) + u1 * K1
     volume = K2 * (1 + Ti2 * s + Td2 * Ti2 * s**2)
     under = s**2 * Ti2 * (1 + Td1 * K1) + s * Ti2 * K2 + K2
-    rows += _diagonal(section.pid, "GCL", (above / below, volume / under), closed)
-    rows.append(_stability(section.pid, closed, "stable if all parameters are positive", True))
+    loops = _diagonal(section.pid, "GCL", (above / below, volume / under), closed)
+    rows += loops if section.variant == "outflow" else [_without_bars(row) for row in loops]
+    words = "T_i1 > 0, T_i2 > 0, T_d1 > 0 and T_d2 > 0"
+    rows.append(_stability(section.pid, closed, *_conditions(section, words)))
     rest = error.applyfunc(lambda entry: limit(entry * _A, s, 0))
     rows.append(
         claimed(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from sympy import Derivative, Function, Matrix, Rational, symbols
 
 from clepsydra.linear.analysis import analyse
 from clepsydra.papers.averaging_tank.symbols import Variant, matrix_rows, plant, s, u1, u3, x1, x2
-from clepsydra.papers.comparison import claimed, compared, compared_formula, stated
+from clepsydra.papers.comparison import claimed, compared, compared_formula, damaged, stated
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.row import Row
 from clepsydra.process.process import Process
@@ -31,6 +33,18 @@ def tank(constant: Variant) -> Process:
     ['outflow', 'inflow.impurity']
     """
     return load_process(f"averaging-tank:{constant}-constant")
+
+
+def high_tank(constant: Variant) -> Process:
+    """Return the same process in a tank that holds the steps of `operating_range`.
+
+    Examples
+    --------
+    >>> high_tank("outflow").signal("volume").high
+    6.0
+    """
+    path = Path(__file__).with_name("high_tank.toml")
+    return load_process(path, f"{constant}-constant")
 
 
 def numbers(constant: Variant) -> tuple[np.ndarray, np.ndarray]:
@@ -58,17 +72,23 @@ def _balances() -> list[Row]:
     inflow, outflow, inlet = symbols("f_in f_out C_in")
     product = Derivative(V * C, t).doit()
     mixed = product.subs(Derivative(V, t), inflow - outflow)
-    printed_slope = C / t  # "dC/t" with the d of the differential lost below
+    d_volume, d_concentration = symbols("dV(t) dC(t)")
     volume_balance = inflow - outflow
     solved = (inflow * inlet - outflow * C - volume_balance * C) / V
     return [
-        compared_formula(
-            "(3)", "left side", V / t * C + V * Derivative(C, t), product,
-            reason="Derivative of V C by the product rule: dV/dt, not dV/t.",
+        damaged(
+            compared_formula(
+                "(3)", "left side", d_volume / t * C + V * Derivative(C, t), product,
+                reason="Derivative of V C by the product rule: dV/dt, not dV/t.",
+            ),
+            "One letter is lost.",
         ),
-        compared_formula(
-            "(4)", "left side", (inflow - outflow) * C + V * printed_slope, mixed,
-            reason="(3) with dV/dt from (1): dC/dt, not dC/t.",
+        damaged(
+            compared_formula(
+                "(4)", "left side", (inflow - outflow) * C + V * d_concentration / t, mixed,
+                reason="(3) with dV/dt from (1): dC/dt, not dC/t.",
+            ),
+            "One letter is lost.",
         ),
         compared_formula("(6)", "dC/dt", inflow / V * (inlet - C), solved, reason="(1) and (2)."),
         compared_formula("(10)", "f_V", inflow - outflow, volume_balance, reason="(1)."),
@@ -80,10 +100,11 @@ def _linear_model() -> list[Row]:
     time, gain = x2 / u1, 1 / u1
     outflow_constant, inflow_constant = plant("outflow"), plant("inflow")
     rows = [
-        compared_formula(
-            "(12)", "f_V at rest", outflow - outflow, inflow - outflow,
-            reason="(10) at the equilibrium is f_in0 - f_out0; as printed it says nothing, and "
-            "(13) could not follow from it.",
+        stated(
+            "(12)", "f_V at rest", "f_out0 - f_out0", str(inflow - outflow),
+            outflow - outflow == inflow - outflow,
+            "(10) at the equilibrium is f_in0 - f_out0; as printed it says nothing, and (13) "
+            "could not follow from it.",
         ),
         compared_formula(
             "(17)", "C by f_in", gain * (u3 - x1) / (time * s + 1),
@@ -93,15 +114,28 @@ def _linear_model() -> list[Row]:
             "(17)", "C by C_in", 1 / (time * s + 1), outflow_constant.transfer[0, 1],
             reason="Linear model of (6).",
         ),
-        compared_formula("(17)", "V by f_in", 1 / s, outflow_constant.transfer[1, 0]),
-        compared_formula("(17)", "V by f_out", -1 / s, inflow_constant.transfer[1, 0]),
+        compared_formula(
+            "(17)", "V by f_in", 1 / s, outflow_constant.transfer[1, 0],
+            reason="Linear model of (6).",
+        ),
+        compared_formula(
+            "(17)", "V by f_out", -1 / s, inflow_constant.transfer[1, 0],
+            reason="Linear model of (6).",
+        ),
     ]  # fmt: skip
     A = Matrix([[-u1 / x2, 0], [0, 0]])
     why = "Derivatives of (6)."
-    rows += matrix_rows("(32)", "A", A, outflow_constant.A, why)
-    rows += matrix_rows(
-        "(32)", "B", Matrix([[(u3 - x1) / x2, u1 / x2], [1, 0]]), outflow_constant.B, why
-    )
+    for name, text, matrix in (
+        ("A", "[-u10 0; x20 0; 0 0]", outflow_constant.A),
+        ("B", "[u30-x10 u10; x20 x20; 1 0]", outflow_constant.B),
+    ):
+        right = str(matrix.tolist())
+        rows.append(
+            damaged(
+                stated("(32)", name, text, right, text == right, "Derivatives of (6)."),
+                "The bars of the fractions are lost: 3 × 2 stands there for 2 × 2.",
+            )
+        )  # fmt: skip
     rows += matrix_rows("(34)", "A", A, inflow_constant.A, why)
     rows += matrix_rows("(34)", "B", Matrix([[0, u1 / x2], [-1, 0]]), inflow_constant.B, why)
     G = Matrix([[(u3 - x1) / (u1 + s * x2), u1 / (u1 + s * x2)], [1 / s, 0]])
@@ -142,13 +176,18 @@ def _matrices() -> list[Row]:
     rows.append(
         stated(
             "(88)", "M", "2 × 3", "2 × 2", (2, B.shape[1]) == (2, 3),
-            "M acts on the two inputs that are left, and stands below B in (88).",
+            "M is the lower half of (93) and (95), which have two columns, one for each input "
+            "that is left.",
         )
     )  # fmt: skip
     rows.append(
-        stated(
-            "(87)", "matrix before y_ref", "[0; 1]", "[0; I]", (len(whole), B.shape[1]) == (2, 1),
-            "The extended state has four entries and y_ref two, so that it is 4 × 2.",
+        damaged(
+            stated(
+                "(87)", "matrix before y_ref", "[0; 1]", "[0; I]",
+                (len(whole), B.shape[1]) == (2, 1),
+                "The extended state has four entries and y_ref two, so that it is 4 × 2.",
+            ),
+            "A bold I looks like a 1.",
         )
     )  # fmt: skip
     return rows
@@ -160,13 +199,26 @@ def _controllability() -> list[Row]:
     spread = (u3 - x1) / x2
     printed = Matrix([[spread, u1 / x2, -u1 * (u3 - x1) / x2**2, u1**2 / x2**2], [1, 0, 0, 0]])
     found = plant("outflow")
-    rows += matrix_rows(
-        "(94)", "M", printed, Matrix.hstack(found.B, found.A * found.B),
-        why + " The entry below it in (96), of the same A and b, has the minus sign.",
-    )  # fmt: skip
+    rows += [
+        damaged(row, "A minus sign is lost, which the same entry of (96) has.")
+        for row in matrix_rows(
+            "(94)", "M", printed, Matrix.hstack(found.B, found.A * found.B), why
+        )
+    ]  # fmt: skip
     printed = Matrix([[0, u1 / x2, 0, -(u1**2) / x2**2], [-1, 0, 0, 0]])
     found = plant("inflow")
     rows += matrix_rows("(96)", "M", printed, Matrix.hstack(found.B, found.A * found.B), why)
+    A, _ = numbers("outflow")
+    rank = int(np.linalg.matrix_rank(A))
+    extended = np.linalg.matrix_rank(
+        np.block([[A, np.zeros((2, 2))], [np.eye(2), np.zeros((2, 2))]])
+    )
+    flat = (
+        f"A of (32) and (34) has order {len(A)} and a row of zeros; the extended A of (92), of "
+        f"order 4, has rank {extended}",
+        not A[1].any() and bool(extended == 2),
+    )
+    rows.append(compared("(94), (96)", "rank of A", "2", float(rank), right_if=[flat]))
     for place, variant in (("(94)", "outflow"), ("(96)", "inflow")):
         A, B = numbers(variant)  # type: ignore[arg-type]
         rank = int(np.linalg.matrix_rank(np.hstack([B, A @ B])))

@@ -27,14 +27,14 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.papers.averaging_tank.lqi import COLUMNS, Weights
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, pi_controller
-from clepsydra.papers.averaging_tank.step_run import model_of
+from clepsydra.papers.averaging_tank.step_run import high_model_of
 from clepsydra.papers.averaging_tank.symbols import Variant
 
 #: The loops of the document, and what its conclusion asks for.
 _LAWS = ("PI", "LQI", "PI, scheduled", "LQI, scheduled", "LQI, recomputed")
 KINDS = tuple(f"{law}{ending}" for law in _LAWS for ending in ("", ", anti-windup"))
 #: Volumes of the schedule [m³].
-VOLUMES = (0.5, 1.0, 2.0, 3.0, 4.0)
+VOLUMES = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
 #: T = V/f_in at the equilibrium: in this time the recomputed model follows the inputs, ours [s].
 _FOLLOWS = 10.0
 _MEASURED = ("concentration", "volume")
@@ -52,7 +52,7 @@ def controller_of(constant: Variant, kind: str, period: float) -> Controller:
     """
     law = kind.removesuffix(", anti-windup")
     winding: AntiWindup = "back_calculation" if kind.endswith("anti-windup") else "none"
-    model = model_of(constant, period)
+    model = high_model_of(constant, period)
     if law.startswith("PI"):
         plain = pi_controller(BY_HAND[constant], model, PidForm(anti_windup=winding))
         if winding == "back_calculation":
@@ -104,7 +104,7 @@ class Bench:
 @cache
 def bench_of(constant: Variant, kind: str, period: float) -> Bench:
     """Return the bench of one of `KINDS` for a sampling period [s]."""
-    return Bench(controller_of(constant, kind, period), model_of(constant, period))
+    return Bench(controller_of(constant, kind, period), high_model_of(constant, period))
 
 
 @cache

@@ -34,8 +34,8 @@ def linear_errors(
     Without limits it is as large as the step: twice the step, twice the error.
 
     >>> from clepsydra.papers.averaging_tank.range_controllers import controller_of
-    >>> from clepsydra.papers.averaging_tank.step_run import model_of
-    >>> pair = controller_of("outflow", "LQI", 0.1), model_of("outflow", 0.1)
+    >>> from clepsydra.papers.averaging_tank.step_run import high_model_of
+    >>> pair = controller_of("outflow", "LQI", 0.1), high_model_of("outflow", 0.1)
     >>> small, large = (linear_errors(*pair, {"volume": size}, 20.0) for size in (0.01, 0.02))
     >>> round(large["volume"] / small["volume"], 9)
     2.0

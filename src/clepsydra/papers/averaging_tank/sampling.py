@@ -20,7 +20,7 @@ from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL, pi_controller
 from clepsydra.papers.averaging_tank.step_run import model_of
 from clepsydra.papers.averaging_tank.symbols import Variant
-from clepsydra.papers.comparison import claimed
+from clepsydra.papers.comparison import remark
 from clepsydra.papers.row import Row
 from clepsydra.process.reader import load_process
 
@@ -29,26 +29,20 @@ CYCLE = 0.01
 _LONGEST, _SHORTEST, _HALVINGS = 10.0, 1e-5, 16
 _VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
 _TUNINGS = ("by hand", "optimal")
+_LAWS = ("PI", "LQI")
 
 
 def sampling_rows() -> list[Row]:
-    """Return the rows on the sampling period, and on actuators and transport delay."""
-    rows = []
-    for constant in _VARIANTS:
-        for law in ("PI", "LQI"):
-            for tuned in _TUNINGS:
-                longest = longest_period(constant, law, tuned)
-                rows.append(
-                    claimed(
-                        "section 5", f"{law} {tuned}, f_{constant[:-4]} constant, sampling",
-                        "an average PLC is sufficient hardware", longest > CYCLE,
-                        f"stable up to {1e3 * longest:.3g} ms",
-                        reason="Longest sampling period at which the linear model under the "
-                        f"sampled law is stable, beside a usual cycle of {1e3 * CYCLE:g} ms. The "
-                        "document says of the hardware what it can compute, not how often.",
-                    )
-                )  # fmt: skip
-    for law in ("PI", "LQI"):
+    """Return the remarks on the sampling period, and on actuators and transport delay."""
+    periods = [
+        f"{law} {tuned}, f_{constant[:-4]} constant: "
+        f"{1e3 * longest_period(constant, law, tuned):.3g} ms"
+        for constant in _VARIANTS
+        for law in _LAWS
+        for tuned in _TUNINGS
+    ]
+    peaks = []
+    for law in _LAWS:
         controller = _controller("outflow", law, "by hand", CYCLE)
         without = peak(controller, model_of("outflow", CYCLE))
         renamed = tuple(
@@ -56,17 +50,21 @@ def sampling_rows() -> list[Row]:
             for name in controller.manipulated
         )
         found = peak(dataclasses.replace(controller, manipulated=renamed), with_actuators())
-        rows.append(
-            claimed(
-                "section 5", f"{law} by hand, actuators and transport delay",
-                "should be considered in the model", found > max(2.0, 1.5 * without),
-                f"largest |S| {_words(found)} after {_words(without)}",
-                reason="A pump of 0.5 s and a pipe of 0.5 s, both ours, sampled at "
-                f"{1e3 * CYCLE:g} ms, with f_out constant: a design that leaves them out has to "
-                "bear them. The optimal constants are unstable at this period without them too.",
-            )
-        )  # fmt: skip
-    return rows
+        peaks.append(f"{law}: largest |S| {_words(found)} after {_words(without)}")
+    return [
+        remark(
+            "section 5", "sampling", "an average PLC is sufficient hardware", "; ".join(periods),
+            reason="Longest sampling period at which the linear model under the sampled law is "
+            f"stable; a usual cycle is {1e3 * CYCLE:g} ms. The document says of the hardware what "
+            "it can compute, not how often.",
+        ),
+        remark(
+            "section 5", "actuators and transport delay", "should be considered in the model",
+            "; ".join(peaks),
+            reason="A pump of 0.5 s and a pipe of 0.5 s, both ours, constants by hand at "
+            f"{1e3 * CYCLE:g} ms with f_out constant.",
+        ),
+    ]  # fmt: skip
 
 
 @cache

@@ -14,8 +14,9 @@ from clepsydra.linear.linearise import linearise, operating_point_of
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario, Segment
-from clepsydra.papers.averaging_tank.model import KMOL, tank
+from clepsydra.papers.averaging_tank.model import KMOL, high_tank, tank
 from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.process.process import Process
 from clepsydra.scores.integral_errors import (
     integral_absolute_error,
     integral_error,
@@ -41,7 +42,17 @@ def model_of(constant: Variant, period: float = PERIOD) -> LinearModel:
     >>> model_of("outflow").outputs
     ('concentration', 'volume')
     """
-    process = dataclasses.replace(tank(constant), sampling_period=period)
+    return _model(tank(constant), period)
+
+
+@cache
+def high_model_of(constant: Variant, period: float) -> LinearModel:
+    """Return the same model of a tank that is high enough for large steps."""
+    return _model(high_tank(constant), period)
+
+
+def _model(process: Process, period: float) -> LinearModel:
+    process = dataclasses.replace(process, sampling_period=period)
     model = linearise(find_equilibrium(process))
     return model.select(outputs=["concentration", "volume"])
 

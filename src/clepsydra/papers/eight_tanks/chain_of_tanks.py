@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from clepsydra.linear.static_gain import static_gain
-from clepsydra.papers.comparison import compared, compared_formula, stated
+from clepsydra.papers.comparison import circular, compared, compared_formula, damaged, stated
 from clepsydra.papers.eight_tanks.six_designs import GAIN, MINUTE, TANKS, chain
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.row import Row
@@ -42,9 +42,12 @@ def _numbers() -> list[Row]:
                 ),
             ],
         ),
-        stated(
-            "section 2", "unit of K_g", "m² min", "min/m²", of_gain == {"m": 2, "min": 1},
-            "A level over an inflow, and the inverse of K1 in m²/min: min/m².",
+        damaged(
+            stated(
+                "section 2", "unit of K_g", "m² min", "min/m²", of_gain == {"m": 2, "min": 1},
+                "A level over an inflow, and the inverse of K1 in m²/min: min/m².",
+            ),
+            "One minus sign of m^-2 min is lost.",
         ),
     ]  # fmt: skip
 
@@ -59,12 +62,18 @@ def _transfer_function() -> list[Row]:
     gain = float(static_gain(chain().model)[0, 0]) / MINUTE
     # Eight equal poles come out as a ring; its middle is exact.
     time_constant = float(-1.0 / np.mean(_poles()).real) / MINUTE
-    why = "from the tanks' equations, linearised, of the process eight-tanks:paper"
-    return [
-        compared("(8)", "static gain", _GAIN, gain, "min/m²", why=why),
+    why = "Read back from that process, linearised."
+    by_tank = (
+        f"By the printed K1 it is {1.0 / float(_K1):.3f} min/m²: the misprint, and the damaged "
+        "unit, stand in the rows of K_g in section 2."
+    )
+    rows = [
+        compared("(8)", "static gain", _GAIN, gain, "min/m²", why=f"{why} {by_tank}"),
         compared("(8)", "time constant of a tank", _TIME, time_constant, "min", why=why),
         compared("(8)", "order", str(TANKS), float(len(_poles())), why=why),
     ]
+    taken = "The process eight-tanks:paper was made from (8), to be the document's chain."
+    return [circular(row, taken) for row in rows]
 
 
 def _formulas() -> list[Row]:

@@ -37,8 +37,6 @@ _TO_EQUATIONS = (
     ("section 3.2", "linear model obtained without hysteresis", 20, "model with numbers"),
     ("section 4", "second-order linear model", 20, "model with numbers"),
     ("section 5", "R from equation, with z = 1", 24, "second Diophantine equation"),
-    ("section 5", "obvious from, only d1 and d2", 28, "spectral factorisation"),
-    ("section 5", "polynomial that has the form (32)", 30, "polynomial of third order"),
 )  # fmt: skip
 _TO_FIGURES = (
     ("section 3.1", "minimum of the criterion is obvious from", 4, "criterion by the delay"),

@@ -9,7 +9,7 @@ import numpy as np
 from clepsydra.identify.arx import regressors
 from clepsydra.identify.delay_choice import DelayChoice, choose_delay
 from clepsydra.identify.simplex_refinement import refined_coefficients
-from clepsydra.papers.comparison import claimed, compared, stated
+from clepsydra.papers.comparison import claimed, compared, damaged, remark, stated
 from clepsydra.papers.eight_tanks.six_designs import (
     GAIN,
     PRINTED_D,
@@ -73,10 +73,14 @@ def _shapes() -> list[Row]:
             f"{F.shape[0]} × {F.shape[1]} for N = {_SAMPLES}, n = 2, d = 5",
             reason="counted in the matrix of (13) for all samples that have a past",
         ),
-        stated(
-            "(11)", "regression", "y = F e + e", "y = F Θ + e", parameters == errors,
-            f"F has {parameters} columns and e {errors} entries, so that F e does not exist; the "
-            "estimate that (12) gives is Θ.",
+        damaged(
+            stated(
+                "(11)", "regression", "y = F e + e", "y = F Θ + e", parameters == errors,
+                "F has 2n columns and e N−n−d entries, as the text below (11) says of F and y, "
+                f"here {parameters} and {errors}, so that F e does not exist; the estimate that "
+                "(12) gives is Θ.",
+            ),
+            "A bold Θ looks like an e.",
         ),
         compared(
             "(12)", "model order n", "8", len(_ESTIMATES) / 2.0,
@@ -99,7 +103,7 @@ def _delay() -> list[Row]:
     chosen = int(np.argmax(counts))
     return [
         compared(
-            "Fig. 3", "delay steps of the smallest J(d)", str(PRINTED_D),
+            "section 3.1", "delay steps of the smallest J(d)", str(PRINTED_D),
             float(chosen),
             unprinted=(
                 f"White noise held for a sampling period gives {chosen} in {counts[chosen]} of "
@@ -107,10 +111,9 @@ def _delay() -> list[Row]:
                 f"generator, on which it depends: with a faster one 5 is the smallest in {shares}."
             ),
         ),
-        claimed(
-            "section 3.1", "delay steps by the accuracy of the model",
-            "the criterion represents the accuracy; d = 5 is best", best == PRINTED_D,
-            f"d = {best} for the step response",
+        remark(
+            "section 3.1", "delay steps by the step response",
+            "the criterion J(d) represents the accuracy of identification", f"d = {best}",
             reason=(
                 "J(d) judges the prediction of one sample ahead. A model that runs by itself fits "
                 f"the step of section 3.2 best with d = {best}, all four coefficients free: its "

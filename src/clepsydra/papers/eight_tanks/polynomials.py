@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from functools import cache
 from typing import Any
 
@@ -15,7 +16,7 @@ from clepsydra.design.polynomial.two_degree_of_freedom import (
     assigned,
     two_degree_of_freedom,
 )
-from clepsydra.papers.comparison import claimed, compared, compared_formula
+from clepsydra.papers.comparison import claimed, compared, compared_formula, damaged, remark
 from clepsydra.papers.eight_tanks.six_designs import PENALTIES, POLES, SIX, printed_model
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.row import Row
@@ -75,9 +76,8 @@ def _feedforward() -> list[Row]:
     # S (1 − x) + B R = D at x = 1.
     left = (S * (1 - back) + B * R).subs(back, 1)
     (solution,) = _solved(left - D, R)
-    return [
-        compared_formula("(24)", "r0", D / B, solution, reason="(23) at z = 1, where D_w is zero")
-    ]
+    row = compared_formula("(24)", "r0", D / B, solution, reason="(23) at z = 1, where D_w is zero")
+    return [dataclasses.replace(row, printed="D(1)/B(1)", computed=f"{row.computed} at z = 1")]
 
 
 def _solved(expression: Any, unknown: Any) -> list[Any]:
@@ -112,7 +112,8 @@ def _poles() -> list[Row]:
                     f"0.9 the printed sign makes an unstable polynomial, with roots of magnitude "
                     f"{np.max(np.abs(wrong)):.2f}."
                 )
-            rows.append(compared_formula(place, name, formula, value, reason=reason))
+            row = compared_formula(place, name, formula, value, reason=reason)
+            rows.append(damaged(row, "A minus sign is lost."))
     return rows
 
 
@@ -120,9 +121,9 @@ def _criterion() -> list[Row]:
     """Return what (26) amounts to when the setpoint is not zero."""
     added = POLES[0].penalty / printed_model().static_gain ** 2
     return [
-        claimed(
-            "(26)", "the criterion that is minimised", "J is a sum that can be minimised",
-            added == 0.0, f"J grows by {added:.2f} in every further sample",
+        remark(
+            "(26)", "the criterion that is minimised", "a sum up to infinity",
+            f"J grows by {added:.2f} in every further sample",
             reason=(
                 "With w = 1 the inflow stays at w / K_g, so that every sample adds q_u u² for ever "
                 "(here with q_u = 10): J is infinite. Only its factorisation (27) is used."
@@ -173,9 +174,8 @@ def _factor() -> list[Row]:
                 "polynomial of fourth degree, found numerically, for q_u from 0.01 to 1000"
             ),
         ),
-        claimed(
+        remark(
             "(30), (31)", "two different real poles from (27)", "the first of two possibilities",
-            any(all(abs(p.imag) < 1e-12 for p in factor.poles) for factor in factors.values()),
             f"complex for every q_u above {real_below():.1e}",
             reason="None of the designs of section 6 reaches the branch with real poles.",
         ),

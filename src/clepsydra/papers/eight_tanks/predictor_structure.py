@@ -13,7 +13,7 @@ from clepsydra.design.polynomial.two_degree_of_freedom import (
     assigned,
     two_degree_of_freedom,
 )
-from clepsydra.papers.comparison import claimed
+from clepsydra.papers.comparison import claimed, remark
 from clepsydra.papers.eight_tanks.polynomials import controller as primary
 from clepsydra.papers.eight_tanks.six_designs import (
     POLES,
@@ -78,9 +78,9 @@ def _reading() -> Row:
     }
     unstable = [choice for choice, (_, full) in radii.items() if full >= 1.0]
     first = radii[POLES[0]]
-    return claimed(
+    return remark(
         "(22)", "B of (22) as printed, beside the predictor of Fig. 5",
-        "the six experiments are stable", not unstable,
+        "B in (22), B(1) in the predictor",
         f"largest root {first[1]:.4f} for {', '.join(choice.label for choice in unstable)}",
         reason=(
             "On the true chain. With B(1) z^-1 in (22), as the predictor has it, the largest root "
@@ -122,19 +122,17 @@ def _other_plants() -> list[Row]:
     unstable = closed_loop_radius(_placed(model), model, model)
     return [
         claimed(
-            "section 1", "Smith predictor on integrating processes", "not suitable",
-            abs(offset) > 1e-3, f"offset {offset:.3f} under a load of {_LOAD}",
+            "section 1", "integrating and unstable processes",
+            "the classical analog Smith predictor is not suitable for them",
+            abs(offset) > 1e-3 and unstable > 1.0,
+            f"integrating: offset {offset:.3f} under a load of {_LOAD}; unstable: largest root "
+            f"{unstable:.3f}",
             reason=(
-                f"Plain predictor with integral action on y(k) = y(k−1) + {_INTEGRATOR} u(k−6), "
-                "perfect model: the load moves the process away from its model for good."
-            ),
-        ),
-        claimed(
-            "section 1", "Smith predictor on unstable processes", "not suitable", unstable > 1.0,
-            f"largest root {unstable:.3f}",
-            reason=(
-                "A pole of 1.05 of process and model stays a root of the loop, whatever the "
-                "primary controller."
+                "Tested in its digital form: plain predictor with integral action on "
+                f"y(k) = y(k−1) + {_INTEGRATOR} u(k−6), "
+                "perfect model: the load moves the process away from its model for good. And a "
+                "pole of 1.05 of process and model stays a root of the loop, whatever the primary "
+                "controller."
             ),
         ),
     ]  # fmt: skip

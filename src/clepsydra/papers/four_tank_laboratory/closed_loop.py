@@ -20,9 +20,11 @@ from clepsydra.papers.four_tank_laboratory.controllers import (
 )
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     AREA,
+    DEVIATIONS,
     FULL_LEVEL,
     MINIMUM,
     Holes,
+    Noise,
     SetUp,
     Units,
     plant,
@@ -88,7 +90,11 @@ class Runs:
 
 @cache
 def runs(
-    set_up: SetUp, kind: Kind, units: Units, holes: Holes = "report", noisy: bool = True
+    set_up: SetUp,
+    kind: Kind,
+    units: Units,
+    holes: Holes = "report",
+    noise: Noise = "three deviations",
 ) -> Runs:
     """Run the simulator with a controller, all seeds in one batch.
 
@@ -103,7 +109,7 @@ def runs(
     each = round(stretch / period)
     samples = 3 * each
     loop = Loop(controller, linearise(find_equilibrium(process)))
-    noise = ["pump_1.noise", "pump_2.noise"]
+    noises = ["pump_1.noise", "pump_2.noise"]
     given: dict[str, np.ndarray] = {
         "level_1.setpoint": np.full(samples, TARGET * process.signal("level_1").high / 1.2),
         "level_2.setpoint": np.full(samples, TARGET * process.signal("level_2").high / 1.2),
@@ -112,15 +118,15 @@ def runs(
     for tank in (1, 2):
         given[f"pour_{tank}"] = np.zeros(samples)
         given[f"pour_{tank}"][tank * each : tank * each + second] = POURED
-    seeds = SEEDS if noisy else 1
+    seeds = 1 if noise == "none" else SEEDS
     drawn = np.random.default_rng(4).standard_normal((2, seeds, samples))
-    for name, column in zip(noise, drawn, strict=True):
-        given[name] = column * (process.noise[name] if noisy else 0.0)
+    for name, column in zip(noises, drawn, strict=True):
+        given[name] = column * (process.noise[name] * DEVIATIONS[noise])
     constant = {name: value for name, value in loop.at_rest().items() if name not in given}
     program = closed_loop(process, controller, substeps=1, constant=constant)
     state = loop.initial_state()
     empty = {entry.name: 0.0 for entry in process.motion.contents}
-    result = Kernel(program, individual=noise).run(
+    result = Kernel(program, individual=noises).run(
         samples, inputs=given, state=state | empty, parameters=loop.law_parameters(), every=every
     )
     levels = np.array([result.output(f"tank_{tank}.level") for tank in (1, 2)])

@@ -13,7 +13,13 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.loop import Loop
 from clepsydra.papers.four_tank_laboratory.controllers import at_the_simulator, decentralised
-from clepsydra.papers.four_tank_laboratory.set_ups import Holes, SetUp, plant
+from clepsydra.papers.four_tank_laboratory.set_ups import (
+    DEVIATIONS,
+    Holes,
+    Noise,
+    SetUp,
+    plant,
+)
 
 #: Seeds of the pumps' noise.
 SEEDS = 16
@@ -67,7 +73,7 @@ def by_hand(
     holes: Holes = "report",
     *,
     duration: float = 1000.0,
-    noisy: bool = True,
+    noise: Noise = "three deviations",
     plugged: bool = False,
     seeds: int = SEEDS,
     every: int = _EVERY,
@@ -82,12 +88,11 @@ def by_hand(
     # The law stands in manual.
     controller = at_the_simulator(decentralised(set_up), process)
     loop = Loop(controller, linearise(find_equilibrium(process)))
-    given = {f"pump_{number}.noise": np.zeros((1, samples)) for number in (1, 2)}
-    if noisy:
-        drawn = np.random.default_rng(7).standard_normal((2, seeds, samples))
-        given = {
-            name: process.noise[name] * column for name, column in zip(given, drawn, strict=True)
-        }
+    drawn = np.random.default_rng(7).standard_normal((2, 1 if noise == "none" else seeds, samples))
+    given = {
+        f"pump_{number}.noise": process.noise[f"pump_{number}.noise"] * DEVIATIONS[noise] * column
+        for number, column in zip((1, 2), drawn, strict=True)
+    }
     constant = {name: value for name, value in loop.at_rest().items() if name not in given}
     for number, value in enumerate(volts, start=1):
         constant |= {f"pump_{number}.mode": 0.0, f"pump_{number}.manual": value}

@@ -1,4 +1,7 @@
-"""The margins of the loops at the gain that was designed and at the simulator's three times it."""
+"""The margins of the loops at the gain that was designed and at the simulator's three times it.
+
+The report gives no margins, so that all but its guarantee is remarked.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from clepsydra.design.loop_shaping.precompensator import Precompensator, precomp
 from clepsydra.design.loop_shaping.robust_controller import robust_controller
 from clepsydra.design.loop_shaping.shaped_plant import shaped_plant
 from clepsydra.linear.static_gain import static_gain
-from clepsydra.papers.comparison import claimed
+from clepsydra.papers.comparison import claimed, remark
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_laboratory.closed_loop import Kind
@@ -41,6 +44,7 @@ from clepsydra.study.warnings.loop_response import LoopResponse, loop_response
 _UNITS: tuple[Units, ...] = ("volts", "percent")
 _KINDS: tuple[Kind, ...] = ("decentralised", "robust")
 _NAMES = {"decentralised": "PI", "robust": "Glover-McFarlane"}
+_PLACES = {"decentralised": "Exercise 4.1.1", "robust": "Exercise 4.2.1"}
 
 
 def run() -> Findings:
@@ -48,11 +52,10 @@ def run() -> Findings:
     rows = [_gain_of_the_units()]
     figures = []
     for set_up in SET_UPS:
-        rows += [_designed(set_up), _norm(set_up)]
+        rows.append(_designed(set_up))
         rows += [_three_times(set_up, kind) for kind in _KINDS]
-        rows.append(_more_robust(set_up))
         figures.append(_figure(set_up))
-    rows += [_worse(*of) for of in zip(_KINDS, ("Exercise 4.1.2", "Exercise 4.2.3"), strict=True)]
+    rows.append(_guarantee())
     return Findings(tuple(rows), tuple(figures))
 
 
@@ -67,10 +70,9 @@ def _gain_of_the_units() -> Row:
     volts = SENSOR_GAIN * FULL_LEVEL
     gains = {units: static_gain(course_model(MINIMUM, units))[0, 0] for units in _UNITS}
     found = gains["percent"] / gains["volts"]
-    return claimed(
+    return remark(
         "Exercises 4.1.1 and 4.2.1", "controllers used in the simulator",
-        "the previous designs, as they are", abs(found - 1.0) < 0.01,
-        f"{found:.3g} times their gain",
+        "“previous designed” controllers are used", f"{found:.3g} times their gain",
         reason=f"The simulator subtracts levels in percent of {FULL_LEVEL:g} cm, {volts:g} V, and "
         f"sends the result to the pumps in percent of {FULL_VOLTAGE:g} V: 1 V/V becomes "
         f"{FULL_VOLTAGE / volts:g} V/V. Figures: the static gain from pump 1 to level 1 in both "
@@ -92,19 +94,35 @@ def _designed(set_up: SetUp) -> Row:
         turned = np.angle(loop[place]) + share * (np.angle(loop[place + 1] / loop[place]))
         margins.append((math.degrees(math.pi + turned), float(angle) / shaped.period))
     wanted = math.degrees(PHASE_MARGIN), set_up.crossover
-    return claimed(
+    return remark(
         "Exercise 4.1.1", f"PI in volts, {set_up.phase}, each loop by itself",
-        f"{wanted[0]:.0f}° at {wanted[1]:g} rad/s",
-        all(abs(phase - wanted[0]) < 0.5 and abs(omega / wanted[1] - 1.0) < 0.01
-            for phase, omega in margins),
+        "the design is not printed",
         " and ".join(f"{phase:.1f}° at {omega:.3g} rad/s" for phase, omega in margins),
-        reason="Sampled loop at the course's levels; the numbers of the course's exercise, which "
-        "the report leaves out.",
+        reason="Sampled loop at the course's levels, designed for the numbers of the course's "
+        f"exercise, {wanted[0]:.0f}° at {wanted[1]:g} rad/s.",
     )  # fmt: skip
 
 
-def _norm(set_up: SetUp) -> Row:
-    """Ask whether the robust controller keeps the norm that it promises, by a sweep."""
+def _guarantee() -> Row:
+    """Ask whether the robust controllers keep the norm that they promise."""
+    found = {set_up: _norm(set_up) for set_up in SET_UPS}
+    return claimed(
+        "Exercise 4.2.2", "Glover-McFarlane in volts", "guarantees robust stabilisation",
+        all(smallest <= sweep <= gamma for smallest, sweep, gamma in found.values()),
+        "; ".join(
+            f"{set_up.phase}: γ_min = {smallest:.3f}, norm {sweep:.3f} below γ = {gamma:.3f}"
+            for set_up, (smallest, sweep, gamma) in found.items()
+        ),
+        reason="So "
+        + " and ".join(f"{100.0 / sweep:.0f} %" for _, sweep, _ in found.values())
+        + " of the normalised coprime factors of the shaped plant can be off. Norm by a sweep over "
+        "4000 frequencies. The report's controllers are not printed; ours are designed by the "
+        "rules of the course's exercise.",
+    )  # fmt: skip
+
+
+def _norm(set_up: SetUp) -> tuple[float, float, float]:
+    """Return γ_min, the norm by a sweep, and γ."""
     model = course_model(set_up)
     shaping: Precompensator = (
         precompensator_of(decentralised(set_up), model)
@@ -121,16 +139,7 @@ def _norm(set_up: SetUp) -> Row:
     inner = np.concatenate([np.broadcast_to(one, G.shape), G], axis=2)
     sweep = np.linalg.norm(np.concatenate([K, np.broadcast_to(one, K.shape)], axis=1)
                            @ sensitivity @ inner, 2, axis=(1, 2)).max()  # fmt: skip
-    closed_form = 1.0 / math.sqrt(1.0 - factors.hankel_singular_values[0] ** 2)
-    return claimed(
-        "Exercise 4.2.2", f"Glover-McFarlane in volts, {set_up.phase}",
-        "guarantees robust stabilisation",
-        bool(factors.smallest_gamma <= sweep <= controller.gamma),
-        f"γ_min = {factors.smallest_gamma:.3f} (by the Hankel norm {closed_form:.3f}), norm "
-        f"{sweep:.3f} below γ = {controller.gamma:.3f}",
-        reason=f"So {100.0 / sweep:.0f} % of the normalised coprime factors of the shaped plant "
-        "can be off. Norm by a sweep over 4000 frequencies.",
-    )  # fmt: skip
+    return factors.smallest_gamma, float(sweep), controller.gamma
 
 
 def _three_times(set_up: SetUp, kind: Kind) -> Row:
@@ -139,7 +148,6 @@ def _three_times(set_up: SetUp, kind: Kind) -> Row:
         response = _response(set_up, kind, units)
         peaks[units] = response.loop.maximum_sensitivity
         margins[units] = [response.channels[name].phase_margin for name in response.outputs]
-    least = {units: min(margin.value for margin in each) for units, each in margins.items()}
     words = {
         units: f"M_s = {peaks[units]:.2f}, "
         + " and ".join(
@@ -148,43 +156,13 @@ def _three_times(set_up: SetUp, kind: Kind) -> Row:
         )
         for units in peaks
     }
-    return claimed(
-        "section 4", f"{_NAMES[kind]}, {set_up.phase}, three times the gain",
-        "as robust as designed",
-        peaks["percent"] <= 1.05 * peaks["volts"] and least["percent"] >= 0.95 * least["volts"],
+    return remark(
+        _PLACES[kind], f"{_NAMES[kind]}, {set_up.phase}, margins",
+        "no margins are given",
         f"designed {words['volts']}; in the simulator {words['percent']}",
-        reason="Phase margin of each level with the other loop closed, M_s of both together, at "
-        "the course's levels.",
-    )  # fmt: skip
-
-
-def _peak(set_up: SetUp, kind: Kind, units: Units) -> float:
-    return _response(set_up, kind, units).loop.maximum_sensitivity
-
-
-def _more_robust(set_up: SetUp) -> Row:
-    peaks = {(kind, units): _peak(set_up, kind, units) for kind in _KINDS for units in _UNITS}
-    return claimed(
-        "Exercise 4.2.2", f"sensitivity peak, {set_up.phase}",
-        "Glover-McFarlane is the more robust",
-        all(peaks["robust", units] <= peaks["decentralised", units] + 5e-3
-            for units in _UNITS),
-        "; ".join(
-            f"in {units} PI {peaks['decentralised', units]:.2f}, Glover-McFarlane "
-            f"{peaks['robust', units]:.2f}"
-            for units in _UNITS
-        ),
-        reason="Largest singular value of the sensitivity over frequency.",
-    )  # fmt: skip
-
-
-def _worse(kind: Kind, place: str) -> Row:
-    peaks = {units: [_peak(set_up, kind, units) for set_up in SET_UPS] for units in _UNITS}
-    return claimed(
-        place, f"robustness, {_NAMES[kind]}", "worse in the non-minimum phase",
-        all(two > one for one, two in peaks.values()),
-        "; ".join(f"M_s in {units} {one:.2f} and {two:.2f}" for units, (one, two) in peaks.items()),
-        reason="Largest singular value of the sensitivity, minimum and non-minimum phase.",
+        reason="Phase margin of each level with the other loop closed, and M_s of both together. "
+        "The levels of the linear model, and the simulator's percent that make the gain three "
+        "times the designed one, are the course's and not in the report.",
     )  # fmt: skip
 
 

@@ -38,9 +38,13 @@ def _linear_model() -> list[Row]:
     state = rates.jacobian(sp.Matrix(h))
     inputs = rates.jacobian(sp.Matrix(u))
     rows = []
-    for i in range(4):
-        time = A[i] / a[i] * sp.sqrt(2 * h[i] / g)
-        rows.append(compared_formula("(10)", f"T{i + 1}", time, sp.simplify(-1 / state[i, i])))
+    printed_times = [A[i] / a[i] * sp.sqrt(2 * h[i] / g) for i in range(4)]
+    times = [sp.simplify(-1 / state[i, i]) for i in range(4)]
+    # One formula for four tanks: the row shows one that differs, if any does.
+    tank = next((i for i in range(4) if sp.simplify(printed_times[i] - times[i]) != 0), 0)
+    rows.append(
+        compared_formula("(10)", "T_i", printed_times[tank], times[tank], reason="Jacobian of (4)")
+    )
     in_times = {a[i]: A[i] / T[i] * sp.sqrt(2 * h[i] / g) for i in range(4)}
     state = sp.simplify(state.subs(in_times))
     printed_state = sp.Matrix(
@@ -134,16 +138,30 @@ def _array(G) -> list[Row]:  # type: ignore[no-untyped-def]
     at_rest = sp.factor(array[0, 0].subs(dict(zip(g, G, strict=True))).subs(s, 0))
     straight, across = g[0, 0] * g[1, 1] / determinant, -g[0, 1] * g[1, 0] / determinant
     rows = [
-        compared_formula("(15)", f"RGA, row {i + 1}, column {j + 1}", printed, array[i, j])
+        compared_formula(
+            "(15)",
+            f"RGA, row {i + 1}, column {j + 1}",
+            printed,
+            array[i, j],
+            reason="G times the transpose of its inverse, entry by entry",
+        )
         for (i, j), printed in zip(
             ((0, 0), (0, 1), (1, 0), (1, 1)), (straight, across, across, straight), strict=True
         )
     ]
     return [
         *rows,
-        compared_formula("(16)", "λ", first, array[0, 0]),
-        compared_formula("(17)", "RGA, entry beside λ", 1 - first, array[0, 1]),
-        compared_formula("(18)", "λ at s = 0", one * two / (one + two - 1), at_rest),
+        compared_formula("(16)", "λ", first, array[0, 0], reason="first entry of (15)"),
+        compared_formula(
+            "(17)", "RGA, entry beside λ", 1 - first, array[0, 1], reason="second entry of (15)"
+        ),
+        compared_formula(
+            "(18)",
+            "λ at s = 0",
+            one * two / (one + two - 1),
+            at_rest,
+            reason="(15) of the static gain of (11)",
+        ),
     ]
 
 
@@ -191,7 +209,9 @@ def _zeros() -> list[Row]:
             "Exercise 2.1.5", "the two set-ups", "γ = 0.625 is minimum phase, 0.375 is not",
             found["minimum phase"] < 0.0 < found["non-minimum phase"],
             ", ".join(f"{phase}: {value:+.4f} rad/s" for phase, value in found.items()),
-            reason="Rightmost transmission zero of the linear model at the course's levels.",
+            reason="Rightmost transmission zero of the linear model at levels of the course's "
+            "exercise, which the report does not print; its sign is that of 1 - γ1 - γ2 "
+            "at any levels.",
         ),
     ]  # fmt: skip
 

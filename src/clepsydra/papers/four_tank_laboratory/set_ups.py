@@ -16,6 +16,7 @@ from clepsydra.process.reader import load_process
 
 Units = Literal["percent", "volts"]
 Holes = Literal["report", "fitted"]
+Noise = Literal["none", "three deviations", "one deviation"]
 
 #: Level that counts as 100 %, and voltage of a pump that does.
 FULL_LEVEL, FULL_VOLTAGE = 25.0, 15.0  # cm, V
@@ -23,6 +24,9 @@ FULL_LEVEL, FULL_VOLTAGE = 25.0, 15.0  # cm, V
 AREA, GRAVITY = 15.5179, 981.0  # cm², cm/s²
 #: k_c [V/cm], k [cm³/(s V)].
 SENSOR_GAIN, PUMP_GAINS = 0.2, (4.32, 3.74)
+#: Standard deviation of the pumps' flow, in shares of that of the catalogue: there the simulator's
+#: 30 % are three of them.
+DEVIATIONS: dict[Noise, float] = {"none": 0.0, "three deviations": 1.0, "one deviation": 3.0}
 #: The phase margin of every decentralised loop [rad].
 PHASE_MARGIN = np.pi / 3.0
 

@@ -6,12 +6,20 @@ derivatives that the controller is made of, turned into SymPy.
 
 from __future__ import annotations
 
+import dataclasses
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.linear.lie_derivatives import lie_derivative
 from clepsydra.linear.relative_degree import VectorRelativeDegree, relative_degree
-from clepsydra.papers.comparison import claimed, compared, compared_formula, stated
+from clepsydra.papers.comparison import (
+    claimed,
+    compared,
+    compared_formula,
+    damaged,
+    remark,
+    stated,
+)
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.four_tank_variable_structure.rig import at_target
 from clepsydra.papers.four_tank_variable_structure.symbolic import to_sympy
@@ -22,6 +30,7 @@ if TYPE_CHECKING:
     from sympy import Expr, Matrix
 
 _BALANCE = "From the process that is simulated: what flows in less what flows out."
+_INPUTS = "u is [v1, v2] there."
 
 
 class Derived:
@@ -107,13 +116,15 @@ def _balances(s: Derived) -> list[Row]:
     of_tank_1 = (s.A[0] * s.rates[0]).expand().subs(q[0], q_out)
     entering = q[2] + g1 * k1 * v1
     rows = [
-        compared_formula(
-            "section 2",
-            "A dh/dt of a tank, read without a sign between its terms",
-            q_in * q_out,
-            (of_tank_1 - entering).expand() + q_in,
-            reason="The minus sign between q_in and q_out is lost; the four balances below have "
-            "it.",
+        damaged(
+            compared_formula(
+                "section 2",
+                "A dh/dt of a tank, read without a sign between its terms",
+                q_in * q_out,
+                (of_tank_1 - entering).expand() + q_in,
+                reason="The four balances below have it.",
+            ),
+            "There is a gap where the minus sign between q_in and q_out has to stand.",
         )
     ]
     printed = (
@@ -127,21 +138,25 @@ def _balances(s: Derived) -> list[Row]:
         rows.append(
             compared_formula("section 2", name, formula, s.A[j] * s.rates[j], reason=_BALANCE)
         )
-    rows.append(
-        compared_formula(
-            "section 3",
-            "dy1/dt, read without its second plus sign",
-            (-q[0] + q[2] * g1 * k1 * v1) / s.A[0],
-            s.rates[0],
-            reason="A plus sign and the index of h3 are lost; the balance of tank 1 has both.",
-        )
-    )
-    rows.append(
-        compared_formula(
-            "section 3", "dy2/dt", (-q[1] + q[3] + g2 * k2 * v2) / s.A[1], s.rates[1],
-            reason=_BALANCE,
-        )
-    )  # fmt: skip
+    inputs = dict(zip((v1, v2), symbols("u1 u2"), strict=True))
+    first, second = (-q[0] + q[2] * g1 * k1 * v1) / s.A[0], (-q[1] + q[3] + g2 * k2 * v2) / s.A[1]
+    rates = [
+        damaged(
+            compared_formula(
+                "section 3",
+                "dy1/dt, read without its second plus sign",
+                first,
+                s.rates[0],
+                reason=f"The balance of tank 1 has both. {_INPUTS}",
+            ),
+            "There is a gap where the index of h3 and a plus sign have to stand.",
+        ),
+        compared_formula("section 3", "dy2/dt", second, s.rates[1], reason=f"{_BALANCE} {_INPUTS}"),
+    ]
+    rows += [
+        dataclasses.replace(row, printed=str(formula.subs(inputs)))
+        for row, formula in zip(rates, (first, second), strict=True)
+    ]
     return rows
 
 
@@ -149,28 +164,31 @@ def _decoupling(s: Derived) -> list[Row]:
     from sympy import Integer, Matrix
 
     q, rows = s.out, []
-    for j in range(2):
-        rows.append(
-            compared(
-                "section 3",
-                f"relative degree r{j + 1}",
-                "1",
-                float(s.linearised.degrees[j]),
-                why="A pump acts on the first derivative of the level.",
-            )
+    assert s.linearised.degrees[0] == s.linearised.degrees[1]
+    rows.append(
+        compared(
+            "section 3",
+            "relative degrees r1 = r2",
+            "1",
+            float(s.linearised.degrees[0]),
+            why="A pump acts on the first derivative of its level.",
         )
+    )
     rows.append(
         compared_formula(
             "section 3", "L(x), first entry", (-q[0] + q[2]) / s.A[0], s.L[0], reason=_BALANCE
         )
     )
     rows.append(
-        compared_formula(
-            "section 3",
-            "L(x), second entry",
-            (q[1] + q[3]) / s.A[1],
-            s.L[1],
-            reason="The minus sign of a2 √(2 g h2) is lost; dy2/dt above it has it.",
+        damaged(
+            compared_formula(
+                "section 3",
+                "L(x), second entry",
+                (q[1] + q[3]) / s.A[1],
+                s.L[1],
+                reason="dy2/dt above it has it.",
+            ),
+            "The minus sign before a2 √(2 g h2) is lost.",
         )
     )
     zero = Integer(0)
@@ -181,27 +199,32 @@ def _decoupling(s: Derived) -> list[Row]:
     for j in range(2):
         for i in range(2):
             name = f"E(x), row {j + 1}, column {i + 1}"
-            rows.append(compared_formula("section 3", name, printed[j][i], s.E[j, i]))
+            rows.append(
+                compared_formula(
+                    "section 3", name, printed[j][i], s.E[j, i],
+                    reason="Lie derivatives of the process that is simulated.",
+                )
+            )  # fmt: skip
     determinant = s.E.det()
     regular = determinant != 0 and not determinant.has(*s.h)
     rows.append(
         claimed(
             "section 3",
             "determinant of E",
-            "E is non-singular",
+            "E is non-singular, so that the system can be decoupled",
             bool(regular),
             str(determinant),
-            reason="It depends on no level, so that E is regular at every one, empty tanks "
-            "included.",
+            reason="It depends on no level, so that E is regular at every one and each input of "
+            "(9) moves its own output alone. What the feedback hides is another matter, see the "
+            "last experiment.",
         )
     )
     needed = [h for h in s.h if any(entry.has(h) for entry in s.L)]
     rows.append(
-        claimed(
+        remark(
             "section 2",
             "levels that the law (9) needs",
             "tank 1 and tank 2 level can be measured",
-            needed == list(s.h[:2]),
             ", ".join(map(str, needed)),
             reason="L(x) contains √h3 and √h4, which nobody measures there; the law needs two "
             "more sensors, or an observer that runs the balances of the upper tanks.",
@@ -213,14 +236,18 @@ def _decoupling(s: Derived) -> list[Row]:
     squared = (Matrix([(Matrix([x1]).jacobian(state) * g)[0]]).jacobian(state) * g)[0]
     mixed = (Matrix([(Matrix([x1]).jacobian(state) * f)[0]]).jacobian(state) * g)[0]
     rows.append(
-        stated(
-            "section 3",
-            "derivative in which the input appears",
-            "y^(r) = L_f^n h + L_g^n h u",
-            "y^(r) = L_f^r h + L_g L_f^(r−1) h u",
-            bool(squared == mixed),
-            f"For d²y/dt² = u the input's factor is 1: L_g² h is {squared} and L_g L_f h is "
-            f"{mixed}; (8) has the right one.",
+        damaged(
+            stated(
+                "section 3",
+                "derivative in which the input appears",
+                "y^(r) = L_f^n h + L_g^n h u",
+                "y^(r) = L_f^r h + L_g L_f^(r−1) h u",
+                bool(squared == mixed),
+                f"For d²y/dt² = u the input's factor is 1: L_g² h is {squared} and L_g L_f h is "
+                f"{mixed}; (8) has the right one.",
+            ),
+            "n stands for r_j in all of this line, where y^(r) is d^n y/dt^n, as both look alike; "
+            "its terms may not be what was printed.",
         )
     )
     return rows
@@ -236,9 +263,10 @@ def _new_inputs(s: Derived) -> list[Row]:
         ("(9)", "Y under u = −E⁻¹ L + E⁻¹ ν", s.E.inv() * (nu - L), nu),
         ("(12)", "Y under (10)", s.E.inv() * (p * nu - L - M), p * nu - M),
     ):
-        for j in range(2):
-            found = simplify((L + s.E * u)[j])
-            rows.append(compared_formula(place, f"{name}, entry {j + 1}", printed[j], found))
+        found = [simplify(entry) for entry in L + s.E * u]
+        # One formula for both entries: the row shows one that differs, if any does.
+        j = next((j for j in range(2) if simplify(printed[j] - found[j]) != 0), 0)
+        rows.append(compared_formula(place, name, printed[j], found[j], reason="dy/dt = L + E u."))
     equations, chain = s.linearised.equations, s.linearised.derivatives[0][0]
     powers = [s.h[0]]
     for _ in range(3):
@@ -246,13 +274,16 @@ def _new_inputs(s: Derived) -> list[Row]:
         powers.append(s.sympy(chain)[0])
     upto = sum(weight * power for weight, power in zip(m, powers, strict=True))
     rows.append(
-        compared_formula(
-            "(11)",
-            "M1 as a sum up to n − 1",
-            upto,
-            m[0] * s.h[0],
-            reason="With r1 = 1 the sum ends at r1 − 1 = 0, as (13) has no derivative above "
-            "r − 1; n − 1 = 3 would bring in three further Lie derivatives.",
+        damaged(
+            compared_formula(
+                "(11)",
+                "M1 as a sum up to n − 1",
+                upto,
+                m[0] * s.h[0],
+                reason="With r1 = 1 the sum ends at r1 − 1 = 0, as (13) has no derivative above "
+                "r − 1; n − 1 = 3 would bring in three further Lie derivatives.",
+            ),
+            "n may be a misread r_i, as in section 3, and L_f^h beside it a misread L_f^k.",
         )
     )
     y, second = symbols("y m1")
@@ -262,18 +293,22 @@ def _new_inputs(s: Derived) -> list[Row]:
             "dy/dt for r = 1",
             p[0, 0] * nu[0] - m[0] * y,
             (p * nu - M)[0].subs({s.h[0]: y, second: 0}),
+            reason="(12) with (11) for r = 1.",
         )
     )
     K_P, K_I, alpha, excess = symbols("K_P K_I alpha excess", positive=True)
     eta_rate = -alpha * excess / K_I
     rows.append(
-        compared_formula(
-            "(14)",
-            "rate of K_I η while it saturates, with K_1 read as K_P",
-            K_I * (-alpha * excess / K_P),
-            K_I * eta_rate,
-            reason="α is said to be the speed at which u_n converges to its range, −α (u_n − u_s): "
-            "that needs K_I in the place of K_1, and K_I above zero.",
+        damaged(
+            compared_formula(
+                "(14)",
+                "rate of K_I η while it saturates, with K_1 read as K_P",
+                K_I * (-alpha * excess / K_P),
+                K_I * eta_rate,
+                reason="α is said to be the speed at which u_n converges to its range, "
+                "−α (u_n − u_s): that needs K_I in the place of K_1, and K_I above zero.",
+            ),
+            "The 1 of K_1 may be an I.",
         )
     )
     return rows

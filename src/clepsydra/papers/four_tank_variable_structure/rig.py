@@ -179,6 +179,7 @@ def fill(
     limits: float | np.ndarray = 10.0,
     target: tuple[float, float] = TARGET,
     parameters: Mapping[str, np.ndarray] | None = None,
+    start: Mapping[str, np.ndarray] | None = None,
 ) -> Filling:
     """Run from empty tanks and standing pumps to a target.
 
@@ -191,6 +192,8 @@ def fill(
         Lower levels [m].
     parameters : mapping, optional
         Parameters of the process or "controller." + of the law, [lanes].
+    start : mapping, optional
+        "controller." + states of the law, [lanes]; its integrals start at zero if left out.
     """
     loop = Loop(controller, at_target().model)
     setpoints = {f"level_{j}.setpoint": VOLTS_PER_METRE * h for j, h in enumerate(target, start=1)}
@@ -206,6 +209,7 @@ def fill(
         name: 0.0 if name.endswith(empty[0]) or name.startswith(empty[1:]) else value
         for name, value in loop.initial_state().items()
     }
+    state |= dict(start or {})
     given: dict[str, float | np.ndarray] = dict(loop.law_parameters())
     given |= {f"controller.high_limit_{i}": limits for i in (1, 2)}
     given |= dict(parameters or {})

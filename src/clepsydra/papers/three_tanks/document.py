@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from clepsydra.papers.experiment import Document, Experiment
 from clepsydra.papers.three_tanks import (
+    conclusion,
     linear_model,
     linear_quadratic,
     pid_design,
@@ -20,6 +21,7 @@ DOCUMENT = Document(
         Experiment("pid-design", "PID control by Ziegler and Nichols", pid_design.run),
         Experiment("state-feedback", "State feedback with a precompensator", state_feedback.run),
         Experiment("linear-quadratic", "Linear-quadratic control", linear_quadratic.run),
+        Experiment("conclusion", "The conclusion, on the linear model", conclusion.run),
         Experiment("servo-and-load", "Setpoint and load, with a real pump", servo_and_load.run),
     ),
 )

@@ -65,6 +65,28 @@ class FeedbackLoop:
         """20 log10 max\\|S\\| at the feed [dB]."""
         return 20.0 * math.log10(self.margins.sensitivity.peak)
 
+    @property
+    def sensitivity_at_phase_crossings(self) -> list[float]:
+        """20 log10 \\|S\\| where the phase of L is -180° at the feed [dB].
+
+        With S = O / C, open over closed polynomial, L is real where S is: a quadratic in ω².
+        """
+        opened, closed = (
+            [np.array([-each[1], each[3]]), np.array([-1.0, each[2]])]  # real part, imaginary / ω
+            for each in (np.poly(self.model.A), np.poly(self.closed))
+        )
+        crossed = np.polymul(opened[1], closed[0]) - np.polymul(opened[0], closed[1])
+        squares = np.sort([root.real for root in np.roots(crossed) if abs(root.imag) < 1e-9])
+        sizes = [np.polyval(opened[0], x) / np.polyval(closed[0], x) for x in squares if x > 0.0]
+        # L = 1/S - 1 is below zero where S is below zero or above one.
+        return [20.0 * math.log10(abs(size)) for size in sizes if not 0.0 <= size <= 1.0]
+
+    @property
+    def words_on_its_vector_margin(self) -> str:
+        """What (6) gives, which takes \\|S\\| where the phase is -180°."""
+        found = " and ".join(f"{size:.1f}" for size in self.sensitivity_at_phase_crossings)
+        return f"By (6), where the phase is -180°, 20 log10|S| is {found} dB."
+
     def step(self, size: float, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return deviations of the levels [n, 3] and of the feed [n] after a setpoint step."""
         from scipy.linalg import expm

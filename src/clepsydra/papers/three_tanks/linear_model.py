@@ -6,7 +6,7 @@ import numpy as np
 import pint
 
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.papers.comparison import claimed, compared, stated
+from clepsydra.papers.comparison import claimed, compared, damaged, remark, stated
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Row
@@ -37,51 +37,57 @@ def _units() -> list[Row]:
     registry: pint.UnitRegistry[float] = pint.UnitRegistry()
     speed = (registry("m^2/s") * registry("m")).dimensionality
     is_speed = speed == (registry("m/s") ** 2).dimensionality
-    in_centimetres = linear_model_at(np.array([0.5, 0.0045, 0.004])).A[0, 1]
-    reason = (
-        f"With centimetres the first rate of (2) is {in_centimetres:.4f} 1/s, "
-        f"with metres {printed_model().A[0, 1]:.4f}; 0.0322 is printed."
-    )
-    is_centimetre = abs(in_centimetres - 0.0322) < 5e-5
+    metres = printed_model().A
+    second = linear_model_at(np.array([0.5, 0.0045, 0.4])).A
+    third = linear_model_at(np.array([0.5, 0.45, 0.004])).A
     return [
-        stated(
-            "Table 1", "unit of g", "m²/s", "m/s²", is_speed,
-            "The root of 2 g h is a speed only where g is an acceleration.",
+        damaged(
+            stated(
+                "Table 1", "unit of g", "m²/s", "m/s²", is_speed,
+                "The root of 2 g h is a speed only where g is an acceleration.",
+            ),
+            "The exponent stands at the metre and not at the second: misprint or damage, it cannot "
+            "be told.",
         ),
-        *(
-            stated("Table 1", f"unit of {name}", "cm", "m", is_centimetre, reason)
-            for name in ("h2s", "h3s")
+        stated(
+            "Table 1", "unit of h2s", "cm", "m", abs(second[0, 1] - 0.0322) < 5e-5,
+            f"With h2s = 0.45 cm the first rate of (2) is {second[0, 1]:.4f} 1/s, "
+            f"with 0.45 m {metres[0, 1]:.4f}; 0.0322 is printed.",
+        ),
+        stated(
+            "Table 1", "unit of h3s", "cm", "m",
+            abs(third[1, 2] - 0.0257) < 5e-5 and abs(third[2, 2] + 0.0371) < 5e-5,
+            f"With h3s = 0.4 cm A23 and A33 of (2) are {third[1, 2]:.4f} and {third[2, 2]:.4f} 1/s,"
+            f" with 0.4 m {metres[1, 2]:.4f} and {metres[2, 2]:.4f}; "
+            "0.0257 and -0.0371 are printed.",
         ),
     ]  # fmt: skip
 
 
 def _rest() -> list[Row]:
     flows = 1e6 * flows_at(LEVELS)
-    names = ("q12", "q23", "q2")
-    rows = [
+    shown = ", ".join(f"{flow:.1f}" for flow in flows)
+    # Each flow is in proportion to its coefficient.
+    second, third = 0.8 * 50.0 / flows[1], 50.0 / flows[2]
+    levels = ", ".join(f"{level:.4f}" for level in find_equilibrium(three_tanks()).state)
+    return [
         compared(
-            "Table 1", f"{name} at the printed levels", "50", flow, "cm³/s",
-            why="From the orifice laws with the printed coefficients.",
-            unprinted="The printed levels and coefficients contradict each other; C2 = 1.0096 and "
-            "C3 = 0.35696 would make them agree, but (2) uses the printed ones.",
-        )
-        for name, flow in zip(names, flows.tolist(), strict=True)
+            "Table 1", "q2s at 0.40 m in tank 3", "50", float(flows[2]), "cm³/s",
+            unprinted="Table 1 prints 0.4 cm, which cannot be meant: (2) needs metres. Its levels, "
+            f"read in metres, and its coefficients contradict each other: q12, q23 and q2 come out "
+            f"as {shown} cm³/s. C2 = {second:.4f} and C3 = {third:.5f} would make the "
+            "last two 50 cm³/s, but (2) uses the printed ones.",
+        ),
+        remark(
+            "Table 1", "levels that 50 cm³/s keeps", "0.5, 0.45 and 0.4", levels, "m",
+            reason="At rest with the printed coefficients; the levels of Table 1 read in metres.",
+        ),
     ]  # fmt: skip
-    level_1, level_2, level_3 = find_equilibrium(three_tanks()).state.tolist()
-    rows.append(
-        claimed(
-            "Table 1", "rest", "50 cm³/s keeps 0.5, 0.45 and 0.4 m",
-            bool(np.allclose((level_1, level_2, level_3), LEVELS, atol=5e-3)),
-            f"{level_1:.4f}, {level_2:.4f}, {level_3:.4f} m",
-            reason="The levels at which the printed coefficients pass 50 cm³/s.",
-        )
-    )  # fmt: skip
-    return rows
 
 
 def _matrices() -> list[Row]:
     model = printed_model()
-    why = "Slope of the orifice laws at the printed levels."
+    why = "Slope of the orifice laws at the levels of Table 1, read in metres."
     rows = [
         compared("(2)", f"A{i + 1}{j + 1}", _A[i][j], float(model.A[i, j]), "1/s", why=why)
         for i in range(3)
@@ -108,15 +114,14 @@ def _transfer_function() -> list[Row]:
     polynomial = np.poly(model.A)
     numerator = float(model.B[0, 0] * model.A[1, 0] * model.A[2, 1])
     why = "From the exact constants of (2)."
-    cut = (
-        "(2) gives 0.1271, and so does the sum of its printed diagonal",
-        round(-float(np.trace(np.array(_A, dtype=float))), 4) == 0.1271,
-    )
+    # Where the rates are rounded first, their sum is another in the last digit.
+    trace = -float(np.trace(model.A.round(4)))
     rows = [
         compared("(3)", "numerator", "0.054", numerator, "1/(m² s²)", why=why),
         compared(
-            "(3)", "coefficient of s²", "0.1272", float(polynomial[1]), "1/s",
-            why=why, right_if=[cut],
+            "(3)", "coefficient of s²", "0.1272", trace, "1/s",
+            why="Sum of the three rates on the diagonal of (2), each rounded to its four decimals; "
+            f"unrounded it is {polynomial[1]:.6f} 1/s.",
         ),
         compared("(3)", "coefficient of s", "0.0035", float(polynomial[2]), "1/s²", why=why),
         compared("(3)", "constant coefficient", "9.4E-6", float(polynomial[3]), "1/s³", why=why),
@@ -124,7 +129,9 @@ def _transfer_function() -> list[Row]:
     # Of the companion form x1 = h3, x2 = dh3/dt, x3 = d²h3/dt² of (3).
     printed = ("-9.4E-6", "-0.0035", "-0.127")
     rows += [
-        compared("(4)", f"A3{j + 1}", printed[j], -float(DENOMINATOR[3 - j]), f"1/s^{3 - j}")
+        compared(
+            "(4)", f"A3{j + 1}", printed[j], -float(polynomial[3 - j]), f"1/s^{3 - j}", why=why
+        )
         for j in range(3)
     ]
     gain = NUMERATOR / DENOMINATOR[3]
@@ -168,7 +175,13 @@ def _controllability() -> list[Row]:
             round(squared[0], 2) == 0.13 and round(squared[1], 1) == -0.2,
         )
     ]
-    proof = {(0, 1): evidence, (0, 2): second}
+    # Both entries follow from one wrong rate, so that neither is a digit lost on the way to us.
+    other = -0.04 * 64.94, 0.04**2 * 64.94 + 0.0322 * by_print[1]
+    one_slip = (
+        "a first rate of -0.04 instead of the -0.0322 of (2) makes both entries as printed",
+        round(other[0], 1) == -2.6 and round(other[1], 2) == 0.17,
+    )
+    proof = {(0, 1): [*evidence, one_slip], (0, 2): [*second, one_slip]}
     rows = [
         compared(
             "controllability", f"Qc{i + 1}{j + 1}", _Q[i][j], float(matrix[i, j]),

@@ -43,7 +43,7 @@ def linear_model_at(levels: np.ndarray) -> LinearModel:
 
 @cache
 def printed_model() -> LinearModel:
-    """Return the linear model (2): at the printed levels, from the exact constants."""
+    """Return the linear model (2): at the levels of Table 1 in metres, from the exact constants."""
     return linear_model_at(LEVELS)
 
 

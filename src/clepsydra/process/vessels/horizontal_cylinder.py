@@ -97,7 +97,8 @@ class HorizontalCylinder(Vessel):
             VesselParameter("length", "m", self.length, "length"),
         )
 
-    def _rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
+    def rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
+        """Return the level of the rim [m]: the diameter."""
         return values["diameter"]
 
     def _area_within(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
@@ -107,21 +108,25 @@ class HorizontalCylinder(Vessel):
 
     def _volume_within(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
         diameter = values["diameter"]
-        share = ca.fmax(ca.fmin(level, diameter - level) * reciprocal(diameter), SMALLEST_SHARE)
+        lower = 2 * level <= diameter
+        # Not fmin, whose derivative at half full is the mean of both sides, zero.
+        depth = ca.if_else(lower, level, diameter - level)
+        share = ca.fmax(depth * reciprocal(diameter), SMALLEST_SHARE)
         half_angle = 2 * ca.asin(ca.sqrt(share))
         segment = half_angle - 2 * (1 - 2 * share) * ca.sqrt(share * (1 - share))
         smaller = 0.25 * diameter**2 * values["length"] * segment
         full = math.pi / 4 * diameter**2 * values["length"]
-        return ca.if_else(2 * level <= diameter, smaller, full - smaller)
+        return ca.if_else(lower, smaller, full - smaller)
 
     def _level_within(self, volume: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
         diameter = values["diameter"]
         full = math.pi / 4 * diameter**2 * values["length"]
-        smaller = ca.fmin(volume, full - volume)
+        lower = 2 * volume <= full
+        smaller = ca.if_else(lower, volume, full - volume)
         power = ca.fmax(2 * smaller * reciprocal(full), SMALLEST_SHARE) ** (2 / 3)
         point = 2 * power - 1
         series = _LEVEL_SERIES[-1]
         for coefficient in reversed(_LEVEL_SERIES[:-1]):
             series = series * point + coefficient
         filled = diameter * power * series
-        return ca.if_else(2 * volume <= full, filled, diameter - filled)
+        return ca.if_else(lower, filled, diameter - filled)

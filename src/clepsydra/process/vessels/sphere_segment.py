@@ -65,7 +65,8 @@ class SphereSegment(Vessel):
         """Return the diameter."""
         return (VesselParameter("diameter", "m", self.diameter, "diameter"),)
 
-    def _rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
+    def rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
+        """Return the level of the rim [m], which no diameter puts above the top."""
         return ca.fmin(self.height, values["diameter"])
 
     def _area_within(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
@@ -77,7 +78,9 @@ class SphereSegment(Vessel):
     def _level_within(self, volume: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
         diameter = values["diameter"]
         whole = self._volume_within(diameter, values)
-        smaller = ca.fmin(volume, whole - volume)
+        lower = 2 * volume <= whole
+        # Not fmin, whose derivative at half full is the mean of both sides, zero.
+        smaller = ca.if_else(lower, volume, whole - volume)
         share = ca.fmax(smaller * reciprocal(whole), SMALLEST_SHARE)
         root = ca.sqrt(share * (1 / 3))
         # The series of the inverse; its last coefficient is set so that it meets s = 1/2.
@@ -87,4 +90,4 @@ class SphereSegment(Vessel):
             slope = 6 * part * (1 - part)
             part = part - error * slope / (slope * slope - error * (3 - 6 * part))
         filled = diameter * part
-        return ca.if_else(2 * volume <= whole, filled, diameter - filled)
+        return ca.if_else(lower, filled, diameter - filled)

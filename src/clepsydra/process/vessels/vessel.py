@@ -107,7 +107,7 @@ class Vessel(ABC):
         """Return the value of each parameter by key, as constants of CasADi."""
         return {parameter.key: ca.SX(parameter.value) for parameter in self.parameters()}
 
-    def _rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
+    def rim(self, values: Mapping[str, ca.SX]) -> ca.SX:
         """Return the level of the rim [m]; a shape overrides it where it follows a parameter."""
         return ca.SX(self.height)
 
@@ -115,6 +115,24 @@ class Vessel(ABC):
     def capacity(self) -> float:
         """The volume at the rim [m³]."""
         return float(self.volume(ca.SX(self.height), self.values()))
+
+    @property
+    def closed(self) -> bool:
+        """Whether its rim is a point or a line, so that nothing can rise above it."""
+        values = self.values()
+        rim = float(self._area_within(self.rim(values), values))
+        return rim < _LEAST_AREA_SHARE * self.capacity / self.height
+
+    def full(self, values: Mapping[str, ca.SX]) -> ca.SX:
+        """Return the volume at the rim [m³].
+
+        Examples
+        --------
+        >>> from clepsydra.process.vessels.prism import Prism
+        >>> float(Prism(2.0, area=1.5).full({"area": ca.SX(1.5)}))
+        3.0
+        """
+        return self._volume_within(self.rim(values), values)
 
     def area(self, level: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
         """Return the area of the surface [m²] at a level [m].
@@ -128,7 +146,7 @@ class Vessel(ABC):
         >>> round(float(sphere.area(1.0, sphere.values())), 12)
         3.14159265359
         """
-        rim = self._rim(values)
+        rim = self.rim(values)
         below, above = self._areas_outside(values)
         within = self._area_within(ca.fmin(rim, ca.fmax(0.0, level)), values)
         return ca.if_else(level < 0.0, below, ca.if_else(level > rim, above, within))
@@ -143,7 +161,7 @@ class Vessel(ABC):
         >>> round(float(sphere.volume(1.0, sphere.values())), 12)
         2.094395102393
         """
-        rim = self._rim(values)
+        rim = self.rim(values)
         below, above = self._areas_outside(values)
         within = self._volume_within(ca.fmin(rim, ca.fmax(0.0, level)), values)
         return within + below * ca.fmin(level, 0.0) + above * ca.fmax(level - rim, 0.0)
@@ -163,7 +181,7 @@ class Vessel(ABC):
         >>> round(float(sphere.level(sphere.capacity / 2, sphere.values())), 12)
         1.0
         """
-        full = self._volume_within(self._rim(values), values)
+        full = self.full(values)
         below, above = self._areas_outside(values)
         within = self._level_within(ca.fmin(full, ca.fmax(0.0, volume)), values)
         above_rim = ca.fmax(volume - full, 0.0) * reciprocal(above)
@@ -171,8 +189,8 @@ class Vessel(ABC):
 
     def _areas_outside(self, values: Mapping[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
         """Return the areas [m²] below the floor and above the rim."""
-        rim = self._rim(values)
-        least = _LEAST_AREA_SHARE * self._volume_within(rim, values) / rim
+        rim = self.rim(values)
+        least = _LEAST_AREA_SHARE * self.full(values) / rim
         below = ca.fmax(self._area_within(ca.SX(0), values), least)
         return below, ca.fmax(self._area_within(rim, values), least)
 

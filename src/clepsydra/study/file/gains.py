@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
 
 from clepsydra.base.signal import Signal
-from clepsydra.base.units import convertible, from_si, split_quantity, to_si
-from clepsydra.design.gain_units import gain_from_percent, has_range
+from clepsydra.base.units import (
+    convertible,
+    from_si,
+    split_quantity,
+    to_si,
+    with_percent_hint,
+)
+from clepsydra.design.gain_units import has_range
 from clepsydra.process.table_reader import TableReader, shown_value
-
-#: What a gain has beside the units of its signals: nothing, 1/s (integral) or s (derivative).
-Time = Literal["1", "1/s", "s"]
-_PERCENT = "%/%"
+from clepsydra.study.file.joined_unit import Time, joined_unit, unit_of_gain
 
 
 def read_gain(
@@ -28,9 +30,9 @@ def read_gain(
 ) -> float:
     """Read a gain from one signal to another in SI units of both.
 
-    It may be in any unit of its kind, "2 %/cm", or in percent of the range of what is moved per
-    percent of the range of what is measured, "2 %/%", with a time behind it, "0.1 %/% /min". A
-    number without a unit is taken where both signals have the same unit.
+    Its unit is one of what is moved over one of what is measured, "0.3 V/cm", and percent are
+    those of each signal, "2 %/cm" or "2 %/%", with a time behind it, "0.1 %/% /min". A number
+    without a unit is taken where both signals have the same unit.
 
     Parameters
     ----------
@@ -58,21 +60,36 @@ def read_gain(
     """
     text = table.raw(key) if table.has(key) else None
     parts = split_quantity(text) if isinstance(text, str) else None
-    if parts is not None and parts[1].replace(" ", "").startswith(_PERCENT):
-        number = _of_ranges(table, key, parts, moved, measured, time)
-        if above is not None and not number > above:
-            raise table.refused(key, shown_value(text), f"{expected} above {above:g}", remedy)
-        return number
     unit = unit_of_gain(moved, measured, time)
+    if parts is None or not parts[1]:
+        words, example = _of_gain(expected, moved, measured, time)
+        check_unit(table, key, unit, words, example, remedy)
+        return table.quantity(key, unit, expected, remedy, above=above)
+    found = joined_unit(parts[1], moved, measured, time)
+    if found is None:
+        words, example = _of_gain(expected, moved, measured, time)
+        problem = (
+            f"{parts[1]!r} does not join {moved.name} in {moved.shown_unit} to {measured.name} in "
+            f"{measured.shown_unit}"
+        )
+        raise table.refused(key, table.written(key), words, f'{problem}: write as in "{example}"')
+    number = to_si(text, found.unit, table.place(key)) * found.factor
+    if above is not None and not number > above:
+        raise table.refused(key, shown_value(text), f"{expected} above {above:g}", remedy)
+    return number
+
+
+def _of_gain(expected: str, moved: Signal, measured: Signal, time: Time) -> tuple[str, str]:
+    """Return what a gain may be written in, and an example."""
     beside = {"1": "", "1/s": "/s", "s": " s"}[time]
-    ranges = ""
-    if has_range(moved) and has_range(measured):
-        ranges = f", or in %/%{beside} of the ranges of {moved.name} and {measured.name}"
     shown = unit_of_gain(_shown(moved), _shown(measured)) + beside
     shown = "a number" if shown == "1" else f"in {shown}"
-    example = f"1 %/%{beside}" if ranges else f"1 {unit}"
-    check_unit(table, key, unit, f"{expected}, {shown}{ranges}", example, remedy)
-    return table.quantity(key, unit, expected, remedy, above=above)
+    for signal in (moved, measured):
+        if not has_range(signal):
+            words = f"{expected}, {shown}, since {signal.name} has no finite range"
+            return words, f"1 {unit_of_gain(moved, measured, time)}"
+    words = f"{expected}, {shown}, or in %/%{beside} of {moved.name} and {measured.name}"
+    return words, f"1 %/%{beside}"
 
 
 def _shown(signal: Signal) -> Signal:
@@ -126,24 +143,6 @@ def check_unit(
     if written_unit and not convertible(written_unit, unit):
         problem = f"{shown_value(written_unit)!r} is no unit of it"
         raise table.refused(key, table.written(key), expected, f"{problem}: {write}")
-
-
-def unit_of_gain(moved: Signal, measured: Signal, time: Time = "1") -> str:
-    """Return the SI unit of a gain; "1" where the units of the signals cancel.
-
-    Examples
-    --------
-    >>> flow, strength = Signal("flow", "m^3/s"), Signal("strength", "mol/m^3")
-    >>> unit_of_gain(flow, strength), unit_of_gain(flow, flow, "1/s")
-    ('m^3/s/(mol/m^3)', '1/s')
-    """
-    below = measured.unit
-    unit = moved.unit
-    if below != "1":
-        unit = f"{unit}/({below})" if "/" in below else f"{unit}/{below}"
-    if convertible(unit, "1"):
-        return time
-    return {"1": unit, "1/s": f"{unit}/s", "s": f"{unit}*s"}[time]
 
 
 def read_value(
@@ -266,30 +265,5 @@ def check_in_range(table: TableReader, key: str, signal: Signal, value: float, w
         key,
         f"{asked}, to {found}{shown}" if key == "by" else asked,
         f"{what} from {low} to {high}{shown}, the range of {signal.name}",
-        "stay inside the range",
+        with_percent_hint("stay inside the range", table.raw(key), signal.unit),
     )
-
-
-def _of_ranges(
-    table: TableReader,
-    key: str,
-    parts: tuple[str, str],
-    moved: Signal,
-    measured: Signal,
-    time: Time,
-) -> float:
-    number, unit = parts
-    rest = unit.replace(" ", "")[len(_PERCENT) :]
-    for signal in (moved, measured):
-        if not has_range(signal):
-            raise table.refused(
-                key,
-                table.written(key),
-                f"a gain in {unit_of_gain(moved, measured, time)}, since {signal.name} has no "
-                "finite range",
-                "write it in engineering units",
-            )
-    rest = rest.lstrip("*·")
-    written = f"{number} 1{rest}" if rest.startswith("/") else f"{number} {rest}"
-    percent = to_si(written.strip(), time, table.place(key))
-    return gain_from_percent(percent, measured, moved)

@@ -6,10 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from clepsydra.base.signal import Signal
+from clepsydra.base.units import split_quantity
 from clepsydra.controllers.controller import Controller
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
-from clepsydra.study.file.gains import Time, read_gain, unit_of_gain
+from clepsydra.study.file.gains import read_gain
+from clepsydra.study.file.joined_unit import Time, has_units_of, unit_of_gain
 
 #: What a key of a loop is called among the parameters of a law, where it is not the same.
 LAW_NAMES = {
@@ -72,8 +74,17 @@ class LawParameters:
                         expected=expected, remedy=remedy, time=time,
                     )  # fmt: skip
         parameter = self.known[name]
-        # The law's "V/V" is a number.
+        # The law's "V/V" is a number, but not every number is in V/V.
         unit = unit_of_gain(parameter, Signal(""))
+        written = table.raw(key)
+        parts = split_quantity(written) if isinstance(written, str) else None
+        if parts is not None and parts[1] and not has_units_of(parts[1], parameter.unit):
+            raise table.refused(
+                key,
+                table.written(key),
+                f"{expected} in {parameter.unit}" if parameter.unit != "1" else expected,
+                f"{parts[1]!r} is no unit of it: {remedy}",
+            )
         return table.quantity(key, unit, expected, remedy)
 
 

@@ -6,9 +6,10 @@ from pathlib import Path
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
+from clepsydra.base.input_file import read_input
 from clepsydra.base.suggestion import suggestion
 from clepsydra.linear.analysis import analyse
-from clepsydra.process.document import kind_of, parse, read_bytes
+from clepsydra.process.document import kind_of, parse
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
 from clepsydra.scores.catalogue import SCORES
@@ -59,7 +60,7 @@ def read_study(path: str | Path, *, seed: int | None = None) -> StudyRequest:
     """
     require_type(path, (str, Path), "study", "the path of a study file", "give it as text or Path")
     path = Path(path)
-    document = parse(read_bytes(path, "study"), str(path), "study")
+    document = parse(_content(path), str(path), "study")
     if kind_of(document) == "process":
         raise InputError(
             str(path),
@@ -100,9 +101,13 @@ def is_study_file(text: str) -> bool:
     try:
         if not text.lower().endswith(".toml") or not path.is_file():
             return False
-        return kind_of(parse(read_bytes(path, "study"), text, "study")) == "study"
+        return kind_of(parse(_content(path), text, "study")) == "study"
     except (InputError, OSError, ValueError):
         return False
+
+
+def _content(path: Path) -> bytes:
+    return read_input(path, "a study file", inside="the .toml file")
 
 
 def _seed(general: TableReader) -> int:

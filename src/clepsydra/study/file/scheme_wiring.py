@@ -9,7 +9,8 @@ from typing import NamedTuple
 from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.process.table_reader import TableReader
-from clepsydra.study.file.gains import read_gain, unit_of_gain
+from clepsydra.study.file.gains import read_gain
+from clepsydra.study.file.joined_unit import unit_of_gain
 from clepsydra.study.file.pid_table import check_tracks
 from clepsydra.study.file.scheme_parts import Loop, Ratio, SchemeParts, Selector, Split
 

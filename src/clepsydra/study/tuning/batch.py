@@ -13,10 +13,12 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.closed_loop import closed_loop, controller_name
-from clepsydra.loop.lane_status import lane_status
+from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status
 from clepsydra.loop.loop import Loop
+from clepsydra.loop.refinement import LARGEST_REFINEMENT
 from clepsydra.loop.running_scores import RunningScores, split_score
 from clepsydra.loop.scenario import Scenario
+from clepsydra.loop.step_size import MOST_SUBSTEPS
 from clepsydra.program.program import Program
 from clepsydra.study.tuning.resting_states import resting_states
 
@@ -110,15 +112,36 @@ class BatchEvaluation:
             {name: value for name, value in inputs.items() if name not in constant}
             for inputs in given
         ]
-        self.program: Program = closed_loop(
-            self.loop.process,
-            controller,
-            substeps=self.loop.substeps,
-            constant=constant,
-            scores=self._scores,
-            statuses=True,
-        )
-        self._kernel = Kernel(self.program, record=False)
+        self._compile(constant)
+
+    def _compile(self, constant: Mapping[str, float]) -> None:
+        """Make the program, with steps that are not too long for the controller itself.
+
+        A candidate for which they are too long has that in its status.
+        """
+        process, count = self.loop.process, self.loop.substeps
+        most = min(LARGEST_REFINEMENT * count, MOST_SUBSTEPS)
+        while True:
+            self.program: Program = closed_loop(
+                process,
+                self.loop.controller,
+                substeps=count,
+                constant=constant,
+                scores=self._scores,
+                statuses=True,
+            )
+            self._kernel = Kernel(self.program, record=False)
+            if not self.run({}).status[0] & LaneStatus.STEP_TOO_LONG:
+                return
+            if 2 * count > most:
+                raise InputError(
+                    f"tuning, {self.loop.controller.name}, integration",
+                    f"{count} steps in a sampling period of {process.sampling_period:g} s",
+                    f"steps so short that no state is wrong by {100.0 * STEP_BOUND:g} % of its "
+                    "range at the start of the search",
+                    "start from a calmer controller, or shorten the sampling period",
+                )
+            count *= 2
 
     def run(self, values: Mapping[str, np.ndarray]) -> BatchScores:
         """Return the scores of every candidate.
@@ -147,7 +170,7 @@ class BatchEvaluation:
                 parameters=parameters,
                 state=state,
             )
-            happened = lane_status(result)
+            happened = lane_status(result, self.loop.process)
             status = happened if status is None else status | happened
             for name, score in self._scores.read(result).items():
                 found[name] = _together(name, found[name], score) if name in found else score

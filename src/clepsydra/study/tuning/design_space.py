@@ -36,6 +36,8 @@ class NumberDesign(Protocol):
     def values(self, numbers: Mapping[str, float]) -> dict[str, float]:
         """Return the law's parameters that these numbers make.
 
+        They are not rounded: a search takes differences of what they score.
+
         Raises
         ------
         NotApplicable
@@ -133,7 +135,5 @@ class DesignSpace:
                 made = self.design.values(numbers)
             except NotApplicable:
                 made = {}
-            if np.array_equal(point, self.start):
-                made = {name: self.controller.values[name] for name in made}
             self._made[key] = made
         return self._made[key]

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+import math
+import struct
 import time
 from pathlib import Path
+from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.files import whole_file
+from clepsydra.base.input_file import read_input
 
 #: A file is written no more often than this, and at the end [s].
 _PAUSE = 2.0
-_FORMAT = 1
+_FORMAT = 2
+#: Most bytes of a file; the longest search of thirty parameters leaves a tenth of it.
+_LARGEST = 200_000_000
+_WRITTEN = "what an interrupted tuning wrote"
+#: A status of a run is a whole number below.
+_STATUSES = 2**32
 
 
 class Memory:
@@ -22,22 +32,25 @@ class Memory:
 
     Parameters
     ----------
+    parameters : int
+        Numbers that make a point.
     width : int
-        Numbers kept of each candidate.
+        Numbers kept of each candidate, the last one the status of its run.
     digest : str
         Of the problem; a file of another problem is refused.
 
     Examples
     --------
-    >>> memory = Memory(1, "one tank")
-    >>> memory.rows[b"a point's bits"] = [3.2]
+    >>> memory = Memory(1, 2, "one tank")
+    >>> memory.rows[b"a point's bits"] = [3.2, 0.0]
     >>> len(memory.rows)
     1
     """
 
-    def __init__(self, width: int, digest: str) -> None:
+    def __init__(self, parameters: int, width: int, digest: str) -> None:
         self.rows: dict[bytes, list[float]] = {}
         self.sensitivities: dict[bytes, float] = {}
+        self._point = struct.Struct(f"{parameters}d")
         self._width, self._digest = width, digest
         self._written = 0.0
 
@@ -50,7 +63,7 @@ class Memory:
             "sensitivities": [[key.hex(), value] for key, value in self.sensitivities.items()],
         }
         with whole_file(path) as part:
-            part.write_text(json.dumps(said), encoding="utf-8")
+            part.write_text(json.dumps(said | {"seal": _seal(said)}), encoding="utf-8")
         self._written = time.monotonic()
 
     def save_now_and_then(self, path: Path) -> None:
@@ -64,29 +77,54 @@ class Memory:
         Raises
         ------
         InputError
-            The file cannot be read, is none of a tuning, or is of another problem.
+            The file cannot be read, is none of a tuning, was changed since, or is of another
+            problem.
         """
         if not path.exists():
             return
         place = f"tuning, {path}"
+        content = read_input(path, _WRITTEN, _LARGEST)
         try:
-            said = json.loads(path.read_text(encoding="utf-8"))
-            format_, digest = said["format"], said["problem"]
-            rows = {bytes.fromhex(key): list(map(float, row)) for key, row in said["candidates"]}
-            known = {bytes.fromhex(key): float(value) for key, value in said["sensitivities"]}
-            whole = all(len(row) == self._width for row in rows.values())
-        except OSError as error:
+            said = json.loads(content)
+            if said.pop("seal") != _seal(said):
+                raise ValueError
+            if (said["format"], said["problem"]) != (_FORMAT, self._digest):
+                raise InputError(
+                    place, "the state of another problem",
+                    "one of this process, controller, scenario, objective and bounds",
+                    "choose another file, or delete this one to begin again",
+                )  # fmt: skip
+            rows = {self._key(key): self._row(row) for key, row in said["candidates"]}
+            peaks = {self._key(key): _number(peak) for key, peak in said["sensitivities"]}
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError, struct.error):
             raise InputError(
-                place, error.strerror or "no access", "a file that can be read", "choose another"
-            ) from None
-        except (ValueError, TypeError, KeyError, AttributeError):
-            raise InputError(
-                place, "something else", "what an interrupted tuning wrote", "choose another file"
-            ) from None
-        if format_ != _FORMAT or digest != self._digest or not whole:
-            raise InputError(
-                place, "the state of another problem",
-                "one of this process, controller, scenario, objective and bounds",
+                place, "something else, or changed since", _WRITTEN,
                 "choose another file, or delete this one to begin again",
-            )  # fmt: skip
-        self.rows, self.sensitivities = rows, known
+            ) from None  # fmt: skip
+        self.rows, self.sensitivities = rows, peaks
+
+    def _key(self, written: str) -> bytes:
+        """Return the bits of a point, whose numbers are finite."""
+        bits = bytes.fromhex(written)
+        if not all(map(math.isfinite, self._point.unpack(bits))):
+            raise ValueError
+        return bits
+
+    def _row(self, written: list[Any]) -> list[float]:
+        """Return the scores of a candidate and the status of its run."""
+        row = [_number(value) for value in written]
+        if len(row) != self._width or not (row[-1].is_integer() and 0 <= row[-1] < _STATUSES):
+            raise ValueError
+        return row
+
+
+def _number(written: Any) -> float:
+    """Return a number as it was written; a score may be infinite or not-a-number."""
+    if not isinstance(written, float):
+        raise TypeError
+    return written
+
+
+def _seal(said: dict[str, Any]) -> str:
+    """Return what shows that a file is as it was written."""
+    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()

@@ -6,9 +6,11 @@ import dataclasses
 
 import numpy as np
 
+from clepsydra.design.designed_values import designed_values
+from clepsydra.linear.linearise import operating_point_of
 from clepsydra.study.tuning.parameter_words import limit_words
 from clepsydra.study.tuning.pareto import ParetoFront
-from clepsydra.study.tuning.problem import TuningProblem
+from clepsydra.study.tuning.problem import Judgement, TuningProblem
 from clepsydra.study.tuning.resting_states import resting_states
 from clepsydra.study.tuning.result import TuningResult
 from clepsydra.study.tuning.search_space import NumberWords
@@ -35,13 +37,12 @@ def why_none(problem: TuningProblem) -> str:
 
 
 def _binding(
-    problem: TuningProblem, point: np.ndarray, sensitivity: float, words: NumberWords
+    problem: TuningProblem, point: np.ndarray, judged: Judgement, words: NumberWords
 ) -> tuple[str, ...]:
-    found = problem.evaluate(point[None, :])
     said = []
-    if sensitivity >= problem.limits.maximum_sensitivity * (1.0 - _BINDS):
+    if judged.sensitivity >= problem.limits.maximum_sensitivity * (1.0 - _BINDS):
         said.append(f"max|S| at most {problem.limits.maximum_sensitivity:g}")
-    for (name, limit), margin in zip(problem.limited.items(), found.margins[0], strict=True):
+    for (name, limit), margin in zip(problem.limited.items(), judged.margins, strict=True):
         if margin <= _BINDS:
             said.append(limit_words(name, limit, problem.batch.loop.process))
     for parameter, share in zip(problem.space.parameters, point, strict=True):
@@ -77,17 +78,25 @@ def outcome(
     space = problem.space
     start = space.controller
     words = space.words(problem.batch.loop.process)
-    binding = _binding(problem, best.point, best.sensitivity, words)
-    scores = problem.scores_at(best.point)
-    start_objective = float(problem.start.objective[0])
-    values = space.controller_values(best.point)
-    numbers = {name: float(column[0]) for name, column in space.numbers_at(best.point).items()}
+    values = designed_values(
+        start.law,
+        space.controller_values(best.point),
+        operating_point_of(problem.batch.loop.model),
+        start.name,
+    )
+    judged = problem.judge(values)
+    binding = _binding(problem, best.point, judged, words)
+    numbers = {
+        # A parameter of the law itself is rounded, as it runs.
+        name: values.get(name, float(column[0]))
+        for name, column in space.numbers_at(best.point).items()
+    }
     said = ", ".join(
         f"{words.name(p.name)} = {words.value(p.name, numbers[p.name])}" for p in space.parameters
     )
     notes = [
-        f"Objective: {problem.objective.words}: {best.objective:.4g}, at the start "
-        f"{start_objective:.4g}.",
+        f"Objective: {problem.objective.words}: {judged.objective:.4g}, at the start "
+        f"{problem.start.objective:.4g}.",
         f"On its limit: {'; '.join(binding)}." if binding else "No limit binds.",
         f"{problem.evaluations} candidates simulated, seed {seed}"
         + (", stopped before the end." if interrupted else "."),
@@ -100,7 +109,7 @@ def outcome(
         name=f"{start.name}, tuned",
         design=(
             f"Tuned by simulation from {start.name} for {problem.objective.words}: {said}; "
-            f"sensitivity peak of all loops together {best.sensitivity:.2f}."
+            f"sensitivity peak of all loops together {judged.sensitivity:.2f}."
         ),
         values=values,
         initial_state={
@@ -108,18 +117,19 @@ def outcome(
             **{name: float(state[0]) for name, state in resting.items()},
         },
         notes=(*start.notes, *notes),
+        slowed=1.0,
     )
     return TuningResult(
         controller=controller,
-        objective=best.objective,
-        start_objective=start_objective,
-        scores=scores,
+        objective=judged.objective,
+        start_objective=problem.start.objective,
+        scores=judged.scores,
         start_scores=problem.start_scores,
-        maximum_sensitivity=best.sensitivity,
-        start_maximum_sensitivity=problem.sensitivity(space.start),
+        maximum_sensitivity=judged.sensitivity,
+        start_maximum_sensitivity=problem.start.sensitivity,
         binding=binding,
         evaluations=problem.evaluations,
-        history=np.array(problem.history),
+        history=np.array([*problem.history[:-1], (problem.history[-1][0], judged.objective)]),
         front=front,
         seed=seed,
         interrupted=interrupted,

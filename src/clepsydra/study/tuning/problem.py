@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import NamedTuple
 
@@ -15,6 +15,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.sampled.sampled_loop import SampledLoops
 from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.lane_status import LaneStatus
 from clepsydra.loop.running_scores import split_score
 from clepsydra.loop.scenario import Scenario
 from clepsydra.study.tuning.batch import BatchEvaluation
@@ -50,6 +51,31 @@ class Evaluation(NamedTuple):
     def violation(self) -> np.ndarray:
         """How far a candidate is beyond its worst limit [n], 0 where it keeps all."""
         return np.asarray(np.max(-self.margins, axis=1, initial=0.0))
+
+
+class Judgement(NamedTuple):
+    """What is known of a controller as it runs, its values rounded.
+
+    Parameters
+    ----------
+    scores : dict
+        "score[signal]" to value.
+    objective : float
+    margins : ndarray [limits]
+        As in `Evaluation`.
+    sensitivity : float
+        max|S| of all loops together; infinite if unstable.
+
+    Examples
+    --------
+    >>> Judgement({"iae[level]": 3.2}, 0.8, np.array([0.1]), 1.6).objective
+    0.8
+    """
+
+    scores: dict[str, float]
+    objective: float
+    margins: np.ndarray
+    sensitivity: float
 
 
 @dataclass(frozen=True)
@@ -124,7 +150,7 @@ class TuningProblem:
         self.names = tuple(dict.fromkeys([*names, *self.limited]))
         self.batch = BatchEvaluation(space.controller, model, scenarios, self.names)
         self._loops = SampledLoops(space.controller, model)
-        self.memory = Memory(len(self.names) + 1, self._digest(model, scenarios))
+        self.memory = Memory(len(space.start), len(self.names) + 1, self._digest(model, scenarios))
         self.best: BestSoFar | None = None
         self.history: list[tuple[int, float]] = []
         self.on_progress: Callable[[], None] = lambda: None
@@ -138,22 +164,34 @@ class TuningProblem:
         ------
         InputError
         """
-        row = self._rows(self.space.start[None, :])[0]
+        own = self.space.controller.values
+        row = self._run_with(own)[0]
         self.start_scores = dict(zip(self.names, row[:-1].tolist(), strict=True))
-        # What happens at the start in any case, an empty tank say, is no fault of a candidate.
-        self._usual = int(row[-1])
+        # What happens at the start in any case, an empty tank say, is no fault of a candidate;
+        # that a run means nothing is never usual.
+        meaningless = LaneStatus.NOT_A_NUMBER | LaneStatus.STEP_TOO_LONG
+        self._usual = int(row[-1]) & ~int(meaningless)
         self.objective.check_start(self.start_scores)
-        self.start = self.evaluate(self.space.start[None, :])
-        self.consider(self.space.start[None, :], self.start)
+        self.start = self.judge(own)
+        first = self.space.start[None, :]
+        self.consider(first, self.evaluate(first))
 
     @property
     def evaluations(self) -> int:
         """Number of different candidates asked for."""
         return len(self._asked)
 
-    def scores_at(self, point: np.ndarray) -> dict[str, float]:
-        """Return the scores of one candidate [p] by name."""
-        return dict(zip(self.names, self._rows(point[None, :])[0, :-1].tolist(), strict=True))
+    def judge(self, values: Mapping[str, float]) -> Judgement:
+        """Return what simulation says of the controller with all its values.
+
+        The search moves between numbers that are not rounded; its start and what it found are
+        controllers, whose numbers are.
+        """
+        rows = self._run_with(values)
+        found = self._evaluation(rows)
+        scores = dict(zip(self.names, rows[0, :-1].tolist(), strict=True))
+        peak = self._loops.at(values).maximum_sensitivity
+        return Judgement(scores, float(found.objective[0]), found.margins[0], peak)
 
     def evaluate(self, points: np.ndarray, proper: int | None = None) -> Evaluation:
         """Return what simulation says of candidates [n, p].
@@ -168,6 +206,9 @@ class TuningProblem:
         rows = self._rows(points)
         for point in points[:proper]:
             self.proper.setdefault(point.tobytes(), point.copy())
+        return self._evaluation(rows)
+
+    def _evaluation(self, rows: np.ndarray) -> Evaluation:
         scores = {name: rows[:, place] for place, name in enumerate(self.names)}
         parts = self.objective.parts(scores, self.start_scores)
         objective = self.objective.value(parts)
@@ -203,6 +244,11 @@ class TuningProblem:
         )
         scores = [np.where(usable, found.scores[name], np.inf) for name in self.names]
         return np.stack([*scores, found.status], axis=1)
+
+    def _run_with(self, values: Mapping[str, float]) -> np.ndarray:
+        """Return scores and status of the controller with all its values [1, scores + 1]."""
+        found = self.batch.run({name: np.array([value]) for name, value in values.items()})
+        return np.stack([*(found.scores[name] for name in self.names), found.status], axis=1)
 
     def sensitivity(self, point: np.ndarray) -> float:
         """Return max|S| of all loops together at one point [p]; infinite if unstable."""

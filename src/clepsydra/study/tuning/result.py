@@ -28,7 +28,8 @@ class TuningResult:
     evaluations : int
         Different candidates simulated, probes for derivatives included.
     history : ndarray [steps, 2]
-        Number of evaluations and the best objective by then, whenever it fell.
+        Number of evaluations and the best objective by then, whenever it fell; the last is that
+        of the controller, whose values are rounded.
     front : ParetoFront
         Objective against max|S|.
     seed : int

@@ -58,8 +58,7 @@ class SearchSpace(Protocol):
     def values_at(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """Return the law's parameters that change by name [n], at points [n, p].
 
-        At the start they are the controller's own, in every bit; not a number where there is
-        no controller.
+        They are not rounded. Not a number where there is no controller.
         """
 
     def controller_values(self, point: np.ndarray) -> dict[str, float]:

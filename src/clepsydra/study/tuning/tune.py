@@ -48,8 +48,8 @@ def tune(
     objective : Objective
         `objective.minimax` or `objective.weighted_sum`.
     limits : Limits, optional
-        None if omitted. A tank that runs empty or over, where it does not at the start, is never
-        let pass.
+        None if omitted. A tank that runs empty or over, a pump that runs dry and a trip are never
+        let pass, unless they happen at the start as well.
     generations : int
         Of the global search, at most; 0 for the local search alone.
     seed : int

@@ -9,7 +9,7 @@ _ERROR = 1e-6
 
 
 def accuracy_warnings(run: Run) -> list[str]:
-    """Return a warning where halving the integration step still changes a state noticeably.
+    """Return a warning where smaller integration steps might still change a state noticeably.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def accuracy_warnings(run: Run) -> list[str]:
     if run.error_estimate is None or run.error_estimate <= _ERROR:
         return []
     return [
-        f"Halving the integration step still changes a state by {run.error_estimate:.1e} of its "
-        f"range, more than the {_ERROR:.0e} aimed at: smaller differences between runs say "
+        f"Halving the integration step shows that a state may be wrong by {run.error_estimate:.1e} "
+        f"of its range, more than the {_ERROR:.0e} aimed at: smaller differences between runs say "
         "nothing; compare with the reference solver."
     ]

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 from clepsydra.loop.run import Run
 from clepsydra.study.warnings.accuracy import accuracy_warnings
-from clepsydra.study.warnings.happened import happened_warnings
+from clepsydra.study.warnings.emptied import emptied_warnings
+from clepsydra.study.warnings.harm import harms
 from clepsydra.study.warnings.inner_setpoint import inner_setpoint_warnings
-from clepsydra.study.warnings.levels import overflow_warnings
 from clepsydra.study.warnings.saturation import saturation_warnings
 from clepsydra.study.warnings.settling import settling_warnings
 from clepsydra.study.warnings.unfinished import unfinished_warnings
@@ -34,8 +34,8 @@ def run_warnings(run: Run) -> tuple[str, ...]:
     ()
     """
     return (
-        *overflow_warnings(run),
-        *happened_warnings(run),
+        *(harm.sentence for harm in harms(run)),
+        *emptied_warnings(run),
         *saturation_warnings(run),
         *inner_setpoint_warnings(run),
         *accuracy_warnings(run),

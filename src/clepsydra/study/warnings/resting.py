@@ -9,6 +9,7 @@ import numpy as np
 from clepsydra.controllers.controller import Controller
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.pade import at_rest
 from clepsydra.loop.scenario import Scenario, Segment
 
@@ -54,7 +55,9 @@ def resting_after(controller: Controller, model: LinearModel, scenario: Scenario
     Returns
     -------
     list of Rest
-        Without the steps that the manipulated variables cannot hold at any value.
+        Without the steps that the manipulated variables cannot hold at any value, and without
+        loads that are over, as water poured in is, before they drive a level out of its range
+        even if nothing is done against them: those need not be held.
 
     Examples
     --------
@@ -85,6 +88,8 @@ def resting_after(controller: Controller, model: LinearModel, scenario: Scenario
             continue
         sample = min(round(segment.start / scenario.sampling_period), scenario.samples - 1)
         loads = scenario.disturbances[sample] - point.disturbances
+        if segment.kind == "load" and _passes(resting, point, scenario, segment, loads):
+            continue
         wanted = np.concatenate([-resting.E @ loads, scenario.setpoints[sample, places] - start])
         shares = np.linalg.lstsq(matrix / rows[:, None], wanted / rows, rcond=None)[0]
         missed = np.max(np.abs(matrix @ shares - wanted) / rows)
@@ -94,3 +99,32 @@ def resting_after(controller: Controller, model: LinearModel, scenario: Scenario
                 Rest(segment, {name: float(at[name] + move) for name, move in moved.items()})
             )
     return found
+
+
+def _passes(
+    model: LinearModel,
+    point: OperatingPoint,
+    scenario: Scenario,
+    segment: Segment,
+    loads: np.ndarray,
+) -> bool:
+    """Return whether a load ends before a state leaves its range without any control."""
+    from scipy.linalg import expm
+
+    place = model.disturbances.index(segment.signal)
+    first = min(round(segment.start / scenario.sampling_period), scenario.samples - 1)
+    course = scenario.disturbances[first:, place]
+    over = np.flatnonzero(course != course[0])
+    if not over.size or course[over[0]] != point.disturbances[place]:
+        return False
+    # exp of the augmented matrix gives the integral of exp(A s) E d over its duration.
+    states = len(model.states)
+    augmented = np.zeros((states + 1, states + 1))
+    augmented[:states] = np.column_stack([model.A, model.E @ loads])
+    moved = expm(augmented * (over[0] * scenario.sampling_period))[:states, states]
+    signals = [point.process.signal(name) for name in model.states]
+    at = point.as_dict()
+    return all(
+        signal.low <= at[signal.name] + float(move) <= signal.high
+        for signal, move in zip(signals, moved, strict=True)
+    )

@@ -198,12 +198,12 @@ class _Loops:
 def _size(signal: Signal, unit: str) -> float:
     """Return one of these units in the unit of the law."""
     if unit == "percent":
-        return signal.span / 100.0
+        return signal.percent_span / 100.0
     return 1.0 if unit == "law" else to_si(f"1 {signal.shown_unit}", signal.unit, signal.name)
 
 
 def _named(signal: Signal, unit: str) -> str:
     if unit == "percent":
-        return f"% of the range of {signal.name}"
+        return f"% of {signal.name}"
     name = signal.unit if unit == "law" else signal.shown_unit
     return "unit (100 %)" if name == "1" else name

@@ -194,4 +194,4 @@ def _span(signal: Signal) -> float:
 
 
 def _middle(signal: Signal) -> float:
-    return signal.from_percent(50.0) if np.isfinite(signal.span) else signal.initial
+    return 0.5 * (signal.low + signal.high) if np.isfinite(signal.span) else signal.initial

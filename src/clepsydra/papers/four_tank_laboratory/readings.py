@@ -1,0 +1,81 @@
+"""What the report leaves open of the simulator, and claims that are judged by every reading of it.
+
+The simulator has a noise of 30 %. It may be three standard deviations of the pumps' flow, or one,
+as in a published copy that multiplies the flow by 1 + 0.3 times a standard normal number. And the
+holes are those that the report identified, or in the minimum phase those with which its manual
+control makes the levels that it prints. No verdict may hang on either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from clepsydra.papers.comparison import claimed, remark
+from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, Holes, Noise, SetUp
+from clepsydra.papers.row import Row
+
+#: Those that are noisy.
+NOISES: tuple[Noise, ...] = ("three deviations", "one deviation")
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One way to read what the report leaves open.
+
+    Examples
+    --------
+    >>> print(Reading("fitted", "one deviation"))
+    fitted holes, 30 % as one deviation
+    """
+
+    holes: Holes
+    noise: Noise
+
+    def __str__(self) -> str:
+        holes = "holes of the report" if self.holes == "report" else "fitted holes"
+        return f"{holes}, 30 % as {self.noise}"
+
+    def of(self, set_up: SetUp) -> Reading:
+        """Return the reading as a set-up has it: only the minimum phase has fitted holes."""
+        return self if set_up is MINIMUM else Reading("report", self.noise)
+
+
+READINGS = tuple(Reading(holes, noise) for holes in ("report", "fitted") for noise in NOISES)
+#: The one whose numbers stand in the column of computed ones.
+USUAL = READINGS[0]
+#: The controllers are not printed either: a claim about the tables is judged by the tables as well.
+PRINTED = "the printed numbers"
+
+
+def readings_of(set_up: SetUp) -> tuple[Reading, ...]:
+    """Return the readings that differ for a set-up."""
+    return tuple(dict.fromkeys(reading.of(set_up) for reading in READINGS))
+
+
+def claimed_in_all(
+    place: str, name: str, claim: str, holds: Mapping[Reading | str, bool], computed: str,
+    unit: str = "", *, reason: str,
+) -> Row:  # fmt: skip
+    """Judge a claim by every reading, and `PRINTED`; where they disagree it is but a remark.
+
+    Examples
+    --------
+    >>> both = {USUAL: True, PRINTED: True}
+    >>> claimed_in_all("Table 5", "rise", "slower", both, "38 s", reason="r").verdict
+    'claim holds'
+    >>> claimed_in_all("t", "n", "c", both | {USUAL: False}, "1", reason="r").verdict
+    'remark'
+    """
+    agreeing, against = (
+        [str(key) for key in holds if holds[key] is each] for each in (True, False)
+    )
+    if not agreeing or not against:
+        said = "The verdict is the same in all readings of the noise and the holes"
+        said += " and by the printed numbers." if PRINTED in holds else "."
+        return claimed(place, name, claim, not against, computed, unit, reason=f"{reason} {said}")
+    return remark(
+        place, name, claim, computed, unit,
+        reason=f"{reason} The report does not decide it: it holds by {'; '.join(agreeing)}, and "
+        f"fails by {'; '.join(against)}.",
+    )  # fmt: skip

@@ -1,0 +1,89 @@
+"""Readings of a filling: sensor, bias of the controllers and limit of the pumps are not printed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.papers.four_tank_variable_structure.rig import (
+    SETTINGS,
+    VOLTS_PER_METRE,
+    Filling,
+    fill,
+    in_volts,
+)
+
+#: Of Johansson's sensors, and of one that has twice as much [V/cm].
+_SENSORS = (VOLTS_PER_METRE / 100.0, VOLTS_PER_METRE / 50.0)
+#: Where the integrals start: at nothing, and near the voltage that holds the target [V].
+_BIASES = (0.0, 3.0)
+#: Upper limits of the pumps [V].
+_LIMITS = (6.0, 10.0, 20.0)
+
+
+class Reading(NamedTuple):
+    """One way to read what is not printed.
+
+    Parameters
+    ----------
+    sensor : float
+        [V/cm]
+    bias : float
+        Where the integrals start [V].
+    limit : float
+        Of the pumps [V].
+
+    Examples
+    --------
+    >>> print(USUAL)
+    0.5 V/cm, no bias, 10 V
+    """
+
+    sensor: float
+    bias: float
+    limit: float
+
+    def __str__(self) -> str:
+        bias = f"{self.bias:g} V bias" if self.bias else "no bias"
+        return f"{self.sensor:g} V/cm, {bias}, {self.limit:g} V"
+
+
+READINGS = tuple(
+    Reading(sensor, bias, limit) for sensor in _SENSORS for bias in _BIASES for limit in _LIMITS
+)
+#: The one whose numbers stand in the column of computed ones.
+USUAL = Reading(_SENSORS[0], 0.0, 10.0)
+
+
+@cache
+def filled(way: str) -> Filling:
+    """Fill the tanks under one of the `WAYS` in volts, a lane for each of the `READINGS`.
+
+    Examples
+    --------
+    >>> run = filled("none")
+    >>> round(run.overshoot(1, READINGS.index(USUAL)))
+    13
+    """
+    return filled_in(way, READINGS)
+
+
+def filled_in(
+    way: str, readings: Sequence[Reading], process: Mapping[str, np.ndarray] | None = None
+) -> Filling:
+    """Fill the tanks in some readings, a lane each, with parameters of the process in each lane.
+
+    A sensor with twice the volts is a controller with twice the gain.
+    """
+    parameters, start = dict(process or {}), {}
+    for loop, settings in enumerate(SETTINGS, start=1):
+        gains = np.array([settings.gain * each.sensor / _SENSORS[0] for each in readings])
+        parameters[f"controller.proportional_gain_{loop}"] = gains
+        start[f"controller.last_proportional_gain_{loop}"] = gains
+        biases = np.array([each.bias for each in readings])
+        start |= {f"controller.{name}_{loop}": biases for name in ("integral", "last_output")}
+    limits = np.array([each.limit for each in readings])
+    return fill(in_volts(way), limits, parameters=parameters, start=start)

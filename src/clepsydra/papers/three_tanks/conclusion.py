@@ -1,0 +1,161 @@
+"""What the document concludes of its controllers, on the linear model that they are made for."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.papers.comparison import claimed
+from clepsydra.papers.experiment import Findings
+from clepsydra.papers.row import Row
+from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
+from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop
+from clepsydra.papers.three_tanks.pid_design import (
+    DERIVATIVE_GAIN,
+    GAIN,
+    INTEGRAL_GAIN,
+    loop_model,
+)
+from clepsydra.papers.three_tanks.printed_model import AREA, printed_model
+from clepsydra.papers.three_tanks.state_feedback import STEP, placed_loop, settling
+
+#: What the design of the FSFB controller desires: overshoot [%] and settling time [s].
+OVERSHOOT, SETTLING = 3.0, 0.2
+#: Flow into tank 3 [m³/s], ours; only ratios of what it does are compared.
+LOAD = 1e-5
+#: Of a response.
+STEPS = 6000
+
+
+class Response(NamedTuple):
+    """What a setpoint step of 1 cm and a load do to level 3.
+
+    Parameters
+    ----------
+    overshoot : float
+        [%]
+    settling : float
+        To 2 % [s].
+    absolute, squared : float
+        IAE [cm s] and ISE [cm² s] of the setpoint step.
+    moved : float
+        Largest deviation after the load [cm].
+    """
+
+    overshoot: float
+    settling: float
+    absolute: float
+    squared: float
+    moved: float
+
+
+def run() -> Findings:
+    """Judge the conclusion's claims."""
+    placed = {distance: _of_feedback(placed_loop(distance), 3.0) for distance in (25, 10, 5)}
+    calm = {
+        weight: _of_feedback(quadratic_loop(weight), 12.0) for weight in ("0.1", "0.01", "0.001")
+    }
+    return Findings(tuple(_claims(placed, calm, _of_pid())))
+
+
+def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Response) -> list[Row]:
+    best = placed[25]
+    others = [*calm.values(), pid]
+    names = [*(f"LQC, R = {weight}" for weight in calm), "PID"]
+    on_model = "On the linear model (2), whose feed may be anything; poles -40 and -25 ± j25."
+    return [
+        claimed(
+            "conclusion", "settling time", "FSFB tracks the setpoint in the desired settling time",
+            best.settling <= SETTLING, f"{best.settling:.3f} s",
+            reason=f"0.2 s is desired; to within 2 %. {on_model}",
+        ),
+        claimed(
+            "conclusion", "overshoot", "FSFB overshoots less than PID",
+            best.overshoot < pid.overshoot, f"{best.overshoot:.1f} % against {pid.overshoot:.1f} %",
+            reason=on_model,
+        ),
+        claimed(
+            "conclusion", "desired specifications",
+            "FSFB comes closer to them than the other controllers",
+            _excess(best) == 0.0 < min(map(_excess, others)),
+            f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s; "
+            + "; ".join(f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
+                        for name, each in zip(names, others, strict=True)),
+            reason=f"An overshoot of less than 3 % and 0.2 s are desired. {on_model}",
+        ),
+        claimed(
+            "conclusion", "settling time, ISE and IAE", "FSFB is superior to PID",
+            all(one < other for one, other in zip(best[1:4], pid[1:4], strict=True)),
+            f"{best.settling:.2f} against {pid.settling:.0f} s, ISE {best.squared:.2g} against "
+            f"{pid.squared:.0f} cm² s, IAE {best.absolute:.2g} against {pid.absolute:.0f} cm s",
+            reason=f"Setpoint step of 1 cm. {on_model}",
+        ),
+        claimed(
+            "conclusion", "disturbance", "FSFB rejects it better than the other controllers",
+            max(each.moved for each in placed.values()) < min(each.moved for each in others),
+            f"FSFB {', '.join(f'{each.moved:.2g}' for each in placed.values())}; "
+            + "; ".join(f"{name} {each.moved:.2g}"
+                        for name, each in zip(names, others, strict=True)),
+            "cm",
+            reason="Largest deviation of level 3 after 10 cm³/s into tank 3, on the linear model. "
+            "Without an integral, what is left of it stays for ever.",
+        ),
+    ]  # fmt: skip
+
+
+def _excess(response: Response) -> float:
+    """Return by how much a response misses what is desired, as a share of it."""
+    return max(response.overshoot / OVERSHOOT - 1.0, response.settling / SETTLING - 1.0, 0.0)
+
+
+def _of_feedback(loop: FeedbackLoop, end: float) -> Response:
+    time = np.linspace(0.0, end, STEPS + 1)
+    level = loop.step(STEP, time)[0][:, 2]
+    return _response(time, level, _moved(loop.closed, end))
+
+
+@cache
+def _of_pid() -> Response:
+    """Return the response with PID control, derivative on the error as printed."""
+    from scipy.signal import StateSpace, step
+
+    loop = loop_model()
+    closed = StateSpace(loop.A - loop.B @ loop.C, loop.B, loop.C, loop.D)
+    time, level = step(closed, T=np.linspace(0.0, 2000.0, 20001))
+    # Of (2) with u = -Kp h3 - Ki ∫h3 - Kd dh3/dt; the load enters dh3/dt as well.
+    model = printed_model()
+    feed = -np.append(GAIN * np.eye(3)[2] + DERIVATIVE_GAIN * model.A[2], INTEGRAL_GAIN)
+    whole = np.zeros((4, 4))
+    whole[:3, :3], whole[3, 2] = model.A, 1.0
+    entry = np.append(model.B[:, 0], 0.0)
+    shock = -DERIVATIVE_GAIN / AREA * entry
+    return _response(time, STEP * level, _moved(whole + np.outer(entry, feed), 2000.0, shock))
+
+
+def _response(time: np.ndarray, level: np.ndarray, moved: float) -> Response:
+    error = 100.0 * np.abs(STEP - level)
+    return Response(
+        100.0 * (float(level.max()) / STEP - 1.0),
+        settling(time, level),
+        float(np.trapezoid(error, time)),
+        float(np.trapezoid(error**2, time)),
+        moved,
+    )
+
+
+def _moved(closed: np.ndarray, end: float, shock: np.ndarray | float = 0.0) -> float:
+    """Return the largest deviation of level 3 after the load [cm]."""
+    from scipy.linalg import expm
+
+    size = len(closed)
+    whole = np.zeros((size + 1, size + 1))
+    whole[:size, :size] = closed
+    whole[:size, size] = LOAD * (np.eye(size)[2] / AREA + shock)
+    move, state = expm(whole * end / STEPS), np.eye(size + 1)[size]
+    largest = 0.0
+    for _ in range(STEPS):
+        state = move @ state
+        largest = max(largest, abs(float(state[2])))
+    return 100.0 * largest

@@ -1,0 +1,53 @@
+"""A block to which nothing is wired does not look healthy, and neither does a forgotten wire."""
+
+import pytest
+from shell_rig import Scans, one_loop, shelled_loop
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.plant_shell.settings import PlantShell
+from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.controllers.plant_shell.status import read_status
+
+
+def unwired(**wired):
+    """The scans of a block with its own defaults but for what is wired."""
+    shelled = with_plant_shell(one_loop(), 1.0, PlantShell(fail_safe={"pump_1": 1.5}))
+    defaults = {signal.name: signal.initial for signal in shelled.law.inputs}
+    return Scans(shelled, defaults["time_step"], **defaults | wired)
+
+
+def told(outputs) -> set[str]:
+    return set(read_status(int(outputs["status_1"])))
+
+
+def test_nothing_wired_is_a_fault_and_the_fail_safe_value():
+    block = unwired()
+    for scan in range(8):
+        outputs = block.scan()
+        assert outputs["manipulated_1"] == 1.5
+        expected = {"sensor_fault", "invalid_time_step"}
+        assert expected <= told(outputs) and "automatic" not in told(outputs)
+        assert ("failed_safe" in told(outputs)) == (scan >= 4)
+    assert block.named["current_1"] < 3.6
+
+
+ALL = {"measurement_1": 5.0, "sensor_1": 1.0, "mode_1": 1.0, "time_step": 1.0}
+#: What is left unwired, and a bit that tells it.
+FORGOTTEN = {"measurement_1": "sensor_fault", "sensor_1": "sensor_fault",
+             "time_step": "invalid_time_step"}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FORGOTTEN)
+def test_one_forgotten_wire_is_told(name):
+    block = unwired(**{other: value for other, value in ALL.items() if other != name})
+    assert all(FORGOTTEN[name] in told(block.scan()) for _ in range(10))
+
+
+def test_with_all_wires_it_is_healthy():
+    assert told(unwired(**ALL).scan()) == {"automatic"}
+
+
+def test_a_sensor_without_a_range_is_not_good_all_the_same():
+    law = shelled_loop(1.0, level=Signal("level_1", "V")).controller.law
+    found = {signal.name: signal.initial for signal in law.inputs}
+    assert found["sensor_1"] == 0.0 and found["mode_1"] == 0.0

@@ -1,0 +1,35 @@
+"""Print the digests of exports as JSON: run by `test_digests_of_kernels.py` under each kernel."""
+
+import hashlib
+import json
+import sys
+
+from clepsydra.base.errors import ClepsydraError
+from clepsydra.deploy.export import export_c
+from clepsydra.deploy.exportable import exportable
+from clepsydra.deploy.printing.heading import digest
+from clepsydra.deploy.process_program import process_program
+from clepsydra.linear.analysis import analyse
+from clepsydra.loop.step_size import substeps_for
+from clepsydra.process.reader import load_process
+from clepsydra.study.designs import DESIGNS
+
+
+def digests(process, names=tuple(DESIGNS)):
+    """Return controller to digest and the printed C, or to why it does not apply."""
+    analysis = analyse(load_process(process))
+    point = analysis.operating_point
+    found = {"the process": digest(process_program(point, substeps_for(analysis.model)))}
+    for name in names:
+        try:
+            exported = export_c(exportable(DESIGNS[name](analysis), point))
+        except ClepsydraError as refusal:
+            found[name] = str(refusal)
+        else:
+            texts = b"".join(exported.files.values())
+            found[name] = [exported.facts["digest"], hashlib.sha256(texts).hexdigest()]
+    return found
+
+
+if __name__ == "__main__":
+    json.dump(digests(sys.argv[1], sys.argv[2:] or tuple(DESIGNS)), sys.stdout)

@@ -1,0 +1,131 @@
+"""The error estimate by step halving: never below the true error, and not far above it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from random_plants import random_plant
+
+import clepsydra as cl
+from clepsydra.base.errors import ClepsydraError
+from clepsydra.loop.open_loop import Simulation, simulate
+from clepsydra.loop.open_loop_plan import plan_simulation
+from clepsydra.loop.refinement import refined
+from clepsydra.loop.solver import Solver
+from clepsydra.loop.step_size import MOST_SUBSTEPS
+from clepsydra.process.process import Process
+from clepsydra.process.reader import load_process
+
+SAMPLES, HOLD = 160, 40
+#: Below this share of a range rounding decides, which no step shows.
+ROUNDING = 1e-12
+
+
+def furthest(process: Process, one: Simulation, other: Simulation) -> float:
+    """Return the largest difference of two runs, as a share of each state's range."""
+    return max(
+        float(np.max(np.abs(one.values[s.name] - other.values[s.name])) / s.span)
+        for s in process.state
+        if np.isfinite(s.span)
+    )
+
+
+def drawn_run(folder: Path, seed: int) -> Simulation | None:
+    """Return the checked run of a random plant that begins empty, whose pumps jump at random."""
+    path = folder / f"plant-{seed}.toml"
+    path.write_text(random_plant(seed))
+    process, random = load_process(path), np.random.default_rng(1_000_000 + seed)
+    times = [f" @ {k * HOLD * process.sampling_period:.9g} s" for k in range(SAMPLES // HOLD)]
+    words = {
+        signal.name: [
+            f"{random.choice([0.0, 100.0, *random.uniform(0.0, 100.0, 2)]):.6g} %{at}"
+            for at in ["", *times[1:]]
+        ]
+        for signal in process.inputs
+    }
+    duration = f"{SAMPLES * process.sampling_period:.9g} s"
+    try:
+        return cl.simulate(process, words, duration=duration, start="empty")
+    except ClepsydraError:  # no linear model with half-full tanks, from which the step comes
+        return None
+
+
+def again(run: Simulation, substeps: int, solver: Solver = "kernel") -> Simulation:
+    """Return the same run with another number of steps, or by the reference solver."""
+    process = run.process
+    outside = (*process.inputs, *process.disturbances)
+    profiles = {signal.name: run.values[signal.name][:-1] for signal in outside}
+    state = {signal.name: float(run.values[signal.name][0]) for signal in process.state}
+    point = plan_simulation(process, start="empty", duration="1 h").point
+    return simulate(point, profiles, substeps=substeps, state=state, solver=solver)
+
+
+def truth(run: Simulation) -> Simulation:
+    """Return the run with eight times as many steps, or with the most."""
+    return again(run, min(8, MOST_SUBSTEPS // run.substeps) * run.substeps)
+
+
+def ratio(run: Simulation) -> float:
+    """Return estimate / true error."""
+    error = furthest(run.process, run, truth(run))
+    return run.error_estimate / error if error > ROUNDING else np.inf
+
+
+@pytest.mark.thorough
+def test_the_estimate_covers_the_true_error_of_random_plants_with_corners(tmp_path):
+    runs = (drawn_run(tmp_path, seed) for seed in range(255))
+    ratios = [ratio(run) for run in runs if run is not None]
+    assert len(ratios) >= 200
+    assert min(ratios) > 1.0
+
+
+#: Of one or two tanks, with a weir, an outlet above the floor, a curve, a rate or a trip each.
+SMALL = (11, 14, 30, 35, 48, 118, 120, 121, 142, 157)
+
+
+@pytest.mark.parametrize("seed", SMALL)
+def test_the_estimate_covers_the_true_error_of_a_few(tmp_path, seed):
+    run = drawn_run(tmp_path, seed)
+    assert run is not None and ratio(run) > 1.0
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", SMALL)
+def test_the_truth_is_that_of_the_reference_solver(tmp_path, seed):
+    run = drawn_run(tmp_path, seed)
+    reference = again(run, run.substeps, "reference")
+    error = furthest(run.process, run, reference)
+    assert error < run.error_estimate
+    assert furthest(run.process, truth(run), reference) < 1e-9 + error / 4.0
+
+
+class Samples:
+    """A run of one tank of 1 m whose level is given."""
+
+    def __init__(self, level: np.ndarray) -> None:
+        self.values = {"tank_1.level": level}
+
+
+@pytest.mark.parametrize(("order", "above"), [(4, 15.0), (3, 63.0), (2, 39.0), (1, 15.0)])
+def test_the_estimate_of_an_error_of_known_order(order, above):
+    process = load_process(Path(__file__).parents[1] / "one-tank.toml")
+    span = process.state[0].span
+
+    def run(steps: int) -> Samples:
+        return Samples(
+            np.array([0.0, 0.1, 0.05]) + span * np.array([0.0, 1e-3, -2e-3]) / steps**order
+        )
+
+    estimate = refined(process, run, 1, 0.0, largest=4)[1]
+    assert estimate == pytest.approx(above * 2e-3 / 4**order, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["quadruple-tank", "three-tanks"])
+def test_the_estimate_of_a_smooth_run_is_at_most_thirty_times_its_error(name):
+    process = load_process(name)
+    words = {signal.name: f"{1.1 * signal.initial:.9g} {signal.unit}" for signal in process.inputs}
+    period = 20.0 * process.sampling_period
+    slow = replace(process, sampling_period=period)
+    run = cl.simulate(slow, words, duration=f"{60 * period:g} s")
+    assert 10.0 < ratio(run) < 30.0

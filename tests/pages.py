@@ -1,0 +1,114 @@
+"""The fenced blocks of README and docs, and how each kind of them is run.
+
+A comment before a block says what the text around it says to a reader:
+`<!-- file: NAME -->`, that it is to be saved, and `<!-- not run: REASON -->`.
+Blocks of a language that nothing here runs (c, iecst, csv, text) are no commands.
+"""
+
+import doctest
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+PAGES = [
+    path.relative_to(ROOT).as_posix()
+    for path in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
+]
+_BLOCK = re.compile(
+    r"^(?:<!-- (?P<mark>file|not run): (?P<said>[^>]*) -->\n)?(?P<indent> *)```(?P<language>\w*)\n"
+    r"(?P<text>.*?)^(?P=indent)```$",
+    re.MULTILINE | re.DOTALL,
+)
+
+
+@dataclass(frozen=True)
+class Block:
+    """One fenced block: its page and line, its text, the file it is, why it is not run."""
+
+    page: str
+    line: int
+    language: str
+    text: str
+    file: str
+    not_run: str
+
+    @property
+    def place(self) -> str:
+        return f"{self.page}:{self.line}"
+
+    @property
+    def table(self) -> dict:
+        """What a block of TOML says."""
+        return tomllib.loads(self.text)
+
+    @property
+    def kind(self) -> str:
+        """The verb that takes a whole file of TOML; empty for a part of one."""
+        if "process" in self.table:
+            return "study"
+        return "analyse" if "sampling_period" in self.table else ""
+
+    @property
+    def runs(self) -> bool:
+        if self.not_run or self.language not in ("sh", "python", "pycon", "toml"):
+            return False
+        return self.language != "toml" or bool(self.file or self.kind)
+
+    def run(self, folder: Path, names: dict) -> None:
+        """Do in a folder what the block says; its Python shares names with that before it."""
+        if self.language == "toml" or self.file:
+            file = folder / (self.file or f"block-{self.line}.toml")
+            file.write_text(self.text, encoding="utf-8")
+            if self.language == "toml" and self.kind:
+                shell(f"clepsydra {self.kind} {file.name}", folder, self.place)
+        elif self.language == "sh":
+            shell(self.text, folder, self.place)
+        elif self.language == "pycon":
+            examples(self, names)
+        else:
+            code = "\n" * self.line + self.text
+            exec(compile(code, self.page, "exec"), names)
+
+
+def blocks(page: str, *languages: str) -> list[Block]:
+    """Return the blocks of a page, of these languages or all, in its order."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    found = [
+        Block(
+            page,
+            text.count("\n", 0, match.start("language")) + 1,
+            match["language"],
+            match["text"],
+            match["said"] if match["mark"] == "file" else "",
+            match["said"] if match["mark"] == "not run" else "",
+        )
+        for match in _BLOCK.finditer(text)
+    ]
+    return [block for block in found if not languages or block.language in languages]
+
+
+def shell(text: str, folder: Path, place: str) -> None:
+    """Run lines in a shell that stops at the first failure, with our `clepsydra` on its path."""
+    path = os.pathsep.join((str(Path(sys.executable).parent), os.environ["PATH"]))
+    done = subprocess.run(
+        ["bash", "-euxo", "pipefail", "-c", text],
+        cwd=folder, env=os.environ | {"PATH": path}, stdin=subprocess.DEVNULL,
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, f"{place}\n{done.stdout[-2000:]}\n{done.stderr}"
+
+
+def examples(block: Block, names: dict) -> None:
+    """Run what stands behind >>> and compare what stands below it."""
+    test = doctest.DocTestParser().get_doctest(
+        block.text, {}, block.place, str(ROOT / block.page), block.line
+    )
+    test.globs = names
+    said: list[str] = []
+    doctest.DocTestRunner().run(test, out=said.append, clear_globs=False)
+    assert not said, "".join(said)

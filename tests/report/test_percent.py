@@ -1,0 +1,150 @@
+"""One percent for all that shows a signal: that of its sensor, whose reading the setpoint is."""
+
+import numpy as np
+import pytest
+
+from clepsydra.design.simc import design_simc
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.scenario import Scenario
+from clepsydra.loop.simulation import simulate
+from clepsydra.process.reader import load_process
+from clepsydra.report.analysis_tables import operating_point_grid
+from clepsydra.report.drawing import process_drawing
+from clepsydra.report.nyquist import nyquist_figure
+from clepsydra.report.panel_content import panel_content
+from clepsydra.report.panels import all_panels
+from clepsydra.report.quantities import percent_scale
+from clepsydra.report.recording import recording_of
+
+PLANT = """
+name = "brine"
+sampling_period = "2 s"
+controlled = ["salinity"]
+manipulated = ["brine"]
+[components.salt]
+range = ["2 g/l", "32 g/l"]
+[reservoirs.basin]
+[tanks.tank]
+area = "0.5 m^2"
+height = "1 m"
+[orifices.hole]
+source = "tank"
+destination = "basin"
+area = "10 cm^2"
+[flows.brine]
+destination = "tank"
+range = ["0 l/min", "200 l/min"]
+nominal = "100 l/min"
+concentration.salt = "26 g/l"
+[flows.water]
+destination = "tank"
+range = ["0 l/min", "200 l/min"]
+nominal = "84.61538461538461 l/min"
+concentration.salt = "2 g/l"
+{sensors}
+"""
+SALINITY = """
+[sensors.salinity]
+tank = "tank"
+component = "salt"
+range = ["0 g/l", "50 g/l"]
+lag = "5 s"
+"""
+#: 0 to 100 % are 10 to 60 cm, and it goes on to 120 %.
+LEVEL = """
+[sensors.level]
+tank = "tank"
+span = ["10 cm", "70 cm"]
+range = ["0 %", "120 %"]
+"""
+#: A level of 0.4825 m in percent of those 50 cm.
+AT_REST = (0.4825 - 0.1) / 0.5 * 100.0
+
+
+@pytest.fixture
+def plant(tmp_path):
+    path = tmp_path / "brine.toml"
+    path.write_text(PLANT.format(sensors=SALINITY + LEVEL), encoding="utf-8")
+    return load_process(path)
+
+
+def test_a_table_says_the_percent_of_the_sensor(plant):
+    """An analyser of 0 to 50 g/l in 15 g/l shows 30 %, whatever the range of the component."""
+    grid = operating_point_grid(analyse(plant).operating_point)
+    shown = {name: percent for name, _, percent in grid.rows}
+    for name in ("tank.salt", "salinity.lagged", "salinity"):
+        assert shown[name] == "30.0 %"
+    assert shown["tank.level"] == shown["level"] == f"{AT_REST:.1f} %"
+    assert shown["brine"] == "50.0 %"
+
+
+def test_an_axis_and_its_limits_are_those_of_the_sensor(plant):
+    run = simulate(plant, {"brine": "160 l/min @ 60 s"}, duration="6 min")
+    panels = {panel.signal.name: panel for panel in all_panels(run)}
+
+    def content(name):
+        return panel_content(panels[name], recording_of(run), run.time, "#0072B2")
+
+    for name in ("tank.salt", "salinity.lagged"):
+        assert content(name).percent == pytest.approx((0.0, 50.0))
+        assert content(name).beyond == ("top of range 50 g/l ↑",)
+    level = content("tank.level")
+    assert level.percent == pytest.approx((0.1, 0.6))  # [m]
+    assert level.beyond == ("rim 1 m ↑",)
+    low, high = level.percent
+    axis = 100.0 * (run.values["tank.level"] - low) / (high - low)
+    within = axis < 120.0
+    assert np.allclose(axis[within], 100.0 * run.values["level"][within])
+    assert np.all(run.values["level"][~within] == 1.2)
+
+
+def test_a_drawing_says_the_percent_of_the_sensor_and_fills_the_tank_to_its_level(plant):
+    svg = process_drawing(plant, find_equilibrium(plant))
+    assert f"tank: level 0.483 m of 1.00 m, {AT_REST:.1f} %" in svg
+
+
+def test_the_controlled_sensor_of_several_decides(tmp_path):
+    second = SALINITY.replace("salinity", "trace").replace("50 g/l", "20 g/l")
+    path = tmp_path / "brine.toml"
+    path.write_text(PLANT.format(sensors=second + SALINITY + LEVEL), encoding="utf-8")
+    assert percent_scale(load_process(path), "tank.salt") == pytest.approx((0.0, 50.0))
+
+
+def test_a_locus_is_in_the_percent_of_the_sensor(tmp_path):
+    """A range that goes on to 120 % is no other percent: the locus is the same."""
+    loci = []
+    for span, most in (("60 cm", "100 %"), ("70 cm", "120 %")):
+        level = LEVEL.replace("70 cm", span).replace("120 %", most)
+        path = tmp_path / "brine.toml"
+        text = PLANT.format(sensors=SALINITY + level).replace('["salinity"]', '["level"]')
+        path.write_text(text, encoding="utf-8")
+        (axes,) = nyquist_figure(analyse(load_process(path))).axes
+        assert axes.get_xlabel() == "real part [% per %]"
+        loci.append(max(axes.lines, key=lambda line: abs(line.get_xdata()[0])).get_xdata())
+    assert loci[0] == pytest.approx(loci[1])
+
+
+def test_a_picture_shows_a_manipulated_flow_as_it_runs(tmp_path):
+    """An outflow that is asked for and not there, since its tank is empty, reads nothing."""
+    path = tmp_path / "brine.toml"
+    more = """
+[flows.outflow]
+source = "tank"
+range = ["0 l/min", "300 l/min"]
+nominal = "20 l/min"
+"""
+    text = PLANT.format(sensors=SALINITY + LEVEL.replace("10 cm", "0 cm") + more)
+    path.write_text(text.replace('["salinity"]', '["level"]').replace('["brine"]', '["outflow"]'))
+    analysis = analyse(load_process(path))
+    model = analysis.model
+    controller = design_simc(model, analysis.pairing)
+    nothing = np.zeros((300, 2))
+    disturbances = np.tile(model.point.disturbances, (300, 1)) * np.linspace(1, 0, 300)[:, None]
+    setpoints = np.full((300, 1), 0.0)
+    run = Loop(controller, model).run(Scenario(2.0, setpoints, disturbances, nothing, (), 1))
+    draws = run.values["outflow.draws"] > 0.5
+    shown = recording_of(run).values["outflow"]
+    assert 0.0 < np.mean(draws) < 1.0 and np.any(run.values["outflow"][~draws] > 0.0)
+    assert np.array_equal(shown, np.where(draws, run.values["outflow"], 0.0))

@@ -1,0 +1,72 @@
+"""What README and docs print does what they say: each page in its order, in one folder."""
+
+import re
+import shlex
+
+import pytest
+import typer
+from pages import PAGES, ROOT, blocks
+from PIL import Image
+from tools import need, need_compiler
+
+import clepsydra as cl
+from clepsydra.cli.application import application
+
+LANGUAGES = {"sh", "python", "pycon", "toml", "c", "iecst", "csv", "text"}
+COMMANDS = [block for page in PAGES for block in blocks(page, "sh")]
+
+
+def lines(text: str) -> list[list[str]]:
+    """Return the commands of a block, each as its words."""
+    whole = re.sub(r"\\\n", " ", text)
+    return [words for line in whole.splitlines() if (words := shlex.split(line, comments=True))]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_block_has_a_language(page):
+    assert {block.language for block in blocks(page)} <= LANGUAGES
+    assert len(re.findall(r"^ *```", (ROOT / page).read_text(), re.MULTILINE)) == 2 * len(
+        blocks(page)
+    )
+
+
+def test_what_is_not_run_says_why():
+    left_out = [block for page in PAGES for block in blocks(page) if block.not_run]
+    assert all(len(block.not_run.split()) >= 3 for block in left_out)
+    assert [block.page for block in left_out] == ["README.md", "docs/study-files.md"]
+
+
+@pytest.mark.parametrize("block", COMMANDS, ids=lambda block: block.place)
+def test_verbs_and_options_are_those_of_the_command_line(block):
+    group = typer.main.get_command(application)
+    context = group.make_context("clepsydra", [], resilient_parsing=True)
+    for program, *words in lines(block.text):
+        if program == "clepsydra":
+            name, verb, rest = group.resolve_command(context, words)
+            assert verb.make_context(name, rest, parent=context).params
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_python_is_python(page):
+    for block in blocks(page, "python"):
+        compile(block.text, block.place, "exec")
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("page", [p for p in PAGES if any(b.runs for b in blocks(p))])
+def test_the_page_runs(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    todo = [block for block in blocks(page) if block.runs]
+    if any(re.search("clepsydra verify|--to fmu|^cc ", block.text, re.M) for block in todo):
+        need_compiler()
+        need("fmpy", "tree_sitter_iec61131_3_st")
+    names = {}
+    for block in todo:
+        block.run(tmp_path, names)
+
+
+@pytest.mark.thorough
+def test_the_picture_of_the_readme_shows_what_its_study_finds():
+    """Where it does not, .ci/report_picture.py makes it again."""
+    with Image.open(ROOT / "docs" / "report.png") as picture:
+        assert picture.text["Description"] == cl.run_study("quadruple-tank").verdict

@@ -1,0 +1,57 @@
+"""What some tests need beyond `.[test]`, and the reason that is printed where it is missing.
+
+A test without its tool is skipped; with CLEPSYDRA_REQUIRE_TOOLS=1 it fails instead, so that the
+checks cannot pass by skipping. What only some machines have is never required.
+"""
+
+import importlib.util
+import os
+import shutil
+
+import pytest
+
+REQUIRE = os.environ.get("CLEPSYDRA_REQUIRE_TOOLS") == "1"
+COMPILER = next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
+#: Optional packages by the extra that installs them.
+EXTRAS = {
+    "blark": "verify",
+    "fmpy": "verify",
+    "jax": "bench",
+    "libcosimpy": "interoperability",
+    "tree_sitter_iec61131_3_st": "verify",
+    "ziglang": "zig",
+}
+_REQUIRED_EXTRAS = ("verify", "interoperability")
+
+
+def missing(*packages: str, compiler: bool = False) -> str:
+    """Return why a test cannot run here; empty where it can."""
+    if compiler and COMPILER is None:
+        return "no C compiler (cc, gcc or clang) is installed"
+    for package in packages:
+        if importlib.util.find_spec(package) is None:
+            return f"{package} is not installed (pip install '.[{EXTRAS[package]}]')"
+    return ""
+
+
+def need(*packages: str) -> None:
+    """Skip a test without these packages, or fail where they are to be there."""
+    reason = missing(*packages)
+    if reason:
+        required = any(EXTRAS[package] in _REQUIRED_EXTRAS for package in packages)
+        (pytest.fail if REQUIRE and required else pytest.skip)(reason)
+
+
+def need_compiler() -> str:
+    """Return the C compiler, or skip or fail the test."""
+    if COMPILER is None:
+        (pytest.fail if REQUIRE else pytest.skip)(missing(compiler=True))
+    return COMPILER
+
+
+def need_grammar() -> None:
+    need("tree_sitter_iec61131_3_st")
+
+
+def need_importer() -> None:
+    need("fmpy")
