@@ -118,14 +118,8 @@ class ProcessBatch:
             return {}
         first = np.array([values[0] for values in self.given.values()])
         u, d = np.split(first, [len(self.process.inputs)])
-        memories = np.array([signal.initial for signal in motion.memories])
-        late = np.zeros((len(motion.delays), contents.shape[1]))
-        for lane in range(contents.shape[1]):
-            for _ in motion.delays:  # one delay may feed the next
-                entering = motion.rates(
-                    contents[:, lane], late[:, lane], memories, u, d, values[:, lane]
-                )[1]
-                late[:, lane] = np.array(entering).ravel()
+        lanes = zip(contents.T, values.T, strict=True)
+        late = np.transpose([motion.delayed_at_rest(c, u, d, p) for c, p in lanes])
         return {
             ring_name(delay.name, part): late[place]
             for place, delay in enumerate(motion.delays)

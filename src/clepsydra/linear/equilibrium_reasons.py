@@ -76,12 +76,9 @@ def reasons_of_harm(
     motion, p = process.motion, process.parameter_values
     if not any(event.harm for event in motion.events):
         return ()
-    contents = motion.to_contents(state, p)
-    memories = [signal.initial for signal in motion.memories]
-    delayed = np.zeros(len(motion.delays))
-    for _ in motion.delays:  # one delay may feed the next
-        delayed = motion.rates(contents, delayed, memories, inputs, disturbances, p)[1]
-    guards = motion.guards(contents, delayed, memories, inputs, disturbances, p)
+    contents, outside = motion.to_contents(state, p), (inputs, disturbances, p)
+    delayed = motion.delayed_at_rest(contents, *outside)
+    guards = motion.guards(contents, delayed, motion.first_memories, *outside)
     return tuple(
         f"nothing would rest there, since {event.words}"
         for event, guard in zip(motion.events, np.array(guards).ravel(), strict=True)

@@ -95,13 +95,10 @@ def _with_delays(
     """
     process, motion = point.process, point.process.motion
     parameters = process.parameter_values
-    memories = np.array([signal.initial for signal in motion.memories])
     contents, slopes = _values(motion.to_contents, 0, [point.state, parameters])
-    z = np.zeros(len(motion.delays))
-    for _ in motion.delays:  # one delay may feed the next
-        held = [contents, z, memories, point.inputs, point.disturbances, parameters]
-        z = np.array(motion.rates(*held)[1]).ravel()
-    held = [contents, z, memories, point.inputs, point.disturbances, parameters]
+    outside = [point.inputs, point.disturbances, parameters]
+    z = motion.delayed_at_rest(contents, *outside)
+    held = [contents, z, motion.first_memories, *outside]
     back = np.linalg.inv(slopes)
     rates = {name: back @ _values(motion.rates, place, held, 0)[1] for name, place in _CAUSES}
     sent = {name: _values(motion.rates, place, held, 1)[1] for name, place in _CAUSES}

@@ -10,7 +10,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.loop.inner_setpoints import inner_setpoints
-from clepsydra.loop.motion_block import MotionBlock, spilt_totals
+from clepsydra.loop.motion_block import MotionBlock
 from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.step_size import check_substeps
 from clepsydra.process.process import Process
@@ -246,7 +246,7 @@ class _Join:
             process.motion,
             process.sampling_period,
             substeps,
-            spilt_totals(process),
+            tuple(process.spilt.values()),
             process if statuses else None,
         )
         self.state = (

@@ -24,7 +24,7 @@ from clepsydra.loop.closed_loop import (
     loop_inputs,
 )
 from clepsydra.loop.inner_setpoints import inner_setpoints
-from clepsydra.loop.motion_block import motion_at_rest, recorded_signals, spilt_totals
+from clepsydra.loop.motion_block import motion_at_rest, recorded_signals
 from clepsydra.loop.python_loop import naming_sample, python_loop
 from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.refinement import LARGEST_REFINEMENT, TOLERANCE, refined
@@ -199,7 +199,7 @@ class Loop:
         given = self.inputs_of(scenario)
         at_rest = self.at_rest()
         parameters = process.parameter_values
-        motion = ReferenceMotion(self.point, substeps, spilt_totals(process))
+        motion = ReferenceMotion(self.point, substeps, tuple(process.spilt.values()))
         evaluation = LawEvaluation(
             law,
             np.array([controller.values[p.name] for p in law.parameters]),

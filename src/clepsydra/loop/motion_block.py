@@ -208,11 +208,7 @@ def motion_at_rest(point: OperatingPoint) -> dict[str, float]:
     process, motion = point.process, point.process.motion
     p = process.parameter_values
     c = np.array(motion.to_contents(point.state, p)).ravel()
-    m = np.array([signal.initial for signal in motion.memories])
-    z = np.zeros(len(motion.delays))
-    for _ in motion.delays:  # one delay may feed the next
-        w = motion.rates(c, z, m, point.inputs, point.disturbances, p)[1]
-        z = np.array(w).ravel()
+    z = motion.delayed_at_rest(c, point.inputs, point.disturbances, p)
     rings = {
         ring_name(delay.name, part): float(value)
         for delay, value in zip(motion.delays, z, strict=True)
@@ -235,20 +231,8 @@ def recorded_signals(process: Process) -> tuple[Signal, ...]:
     ()
     """
     motion = process.motion
-    block = MotionBlock(motion, 1.0, 1, spilt_totals(process))
+    block = MotionBlock(motion, 1.0, 1, tuple(process.spilt.values()))
     return block.state[len(motion.contents) :]
-
-
-def spilt_totals(process: Process) -> tuple[str, ...]:
-    """Return the totals that every run integrates: volumes spilt.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> spilt_totals(load_process("quadruple-tank"))
-    ()
-    """
-    return tuple(total.name for total in process.motion.totals if total.name.endswith(".spilt"))
 
 
 def ring_name(delay: str, part: str) -> str:

@@ -126,6 +126,11 @@ class Element(ABC):
         """Return each state from the integrated contents."""
         return {signal.name: symbols[signal.name] for signal in self.states()}
 
+    @property
+    def spilt(self) -> str:
+        """The total of what it spills; empty where it spills nothing."""
+        return ""
+
     def totals(self) -> tuple[Signal, ...]:
         """Return integrals that nothing depends on, such as a volume spilt."""
         return ()

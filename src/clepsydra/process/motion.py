@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import casadi as ca
+import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.process.hybrid import Delay
@@ -113,6 +114,24 @@ class Motion:
     stored_names: tuple[str, ...]
     flows: ca.Function
     flow_paths: tuple[FlowPath, ...]
+
+    @property
+    def first_memories(self) -> np.ndarray:
+        """What the memories are at first [memories]."""
+        return np.array([signal.initial for signal in self.memories])
+
+    def delayed_at_rest(
+        self, contents: np.ndarray, inputs: np.ndarray, disturbances: np.ndarray, p: np.ndarray
+    ) -> np.ndarray:
+        """Return what leaves the delays where it has entered them for ever [delays].
+
+        Every memory is as it is at first.
+        """
+        z = np.zeros(len(self.delays))
+        for _ in self.delays:  # one delay may feed the next
+            held = [contents, z, self.first_memories, inputs, disturbances, p]
+            z = np.array(self.rates(*held)[1]).ravel()
+        return z
 
     @property
     def plain(self) -> bool:

@@ -145,6 +145,11 @@ class Process:
         return tuple(signal.name for signal in self.state if signal.name.endswith(".level"))
 
     @property
+    def spilt(self) -> dict[str, str]:
+        """Element to the total of what it spills, "tank_1" → "tank_1.spilt"; every run has it."""
+        return {element.name: element.spilt for element in self.elements if element.spilt}
+
+    @property
     def parameter_values(self) -> np.ndarray:
         """The parameters' values [l], SI."""
         return np.array([parameter.initial for parameter in self.parameters])

@@ -179,11 +179,16 @@ class Tank(Element):
             for c in self.components
         }
 
+    @property
+    def spilt(self) -> str:
+        """The volume spilt where it has a weir."""
+        return f"{self.name}.spilt" if self.weir else ""
+
     def totals(self) -> tuple[Signal, ...]:
         """Return the volume spilt where it has a weir."""
-        if not self.weir:
+        if not self.spilt:
             return ()
-        return (Signal(self._spilt, "m^3", description=f"volume spilt over {self.name}"),)
+        return (Signal(self.spilt, "m^3", description=f"volume spilt over {self.name}"),)
 
     def parameters(self) -> tuple[Signal, ...]:
         """Return the sizes of the vessel, the weir and the evaporation."""
@@ -251,7 +256,7 @@ class Tank(Element):
                     carried += sign * (flow.fluxes or {})[component.name]
             rates[self._amount(component.name)] = carried
         if self.weir:
-            rates[self._spilt] = symbols[f"{self.name}.weir.flow"]
+            rates[self.spilt] = symbols[f"{self.name}.weir.flow"]
         return rates
 
     def memories(self) -> tuple[Signal, ...]:
@@ -298,10 +303,6 @@ class Tank(Element):
     @property
     def _volume(self) -> str:
         return f"{self.name}.volume"
-
-    @property
-    def _spilt(self) -> str:
-        return f"{self.name}.spilt"
 
     def _amount(self, component: str) -> str:
         return f"{self.name}.{component}_amount"

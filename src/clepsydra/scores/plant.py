@@ -111,7 +111,6 @@ def plant_trajectories(
     tanks = {element.name: element for element in process.elements if isinstance(element, Tank)}
     sensors = {element.name: element for element in process.elements if isinstance(element, Sensor)}
     pumped = {pump.name: _sum(flows, time, element=pump.name) for pump in pumps}
-    spilt = [s.name for s in process.motion.totals if s.name.endswith(".spilt")]
     return PlantTrajectories(
         pumped=pumped,
         running={pump.name: _running(pump, values, time) for pump in pumps},
@@ -120,7 +119,7 @@ def plant_trajectories(
             for pump in pumps
             if pump.curve is not None
         },
-        spilt={name.removesuffix(".spilt"): values[name] for name in spilt if name in values},
+        spilt={name: values[total] for name, total in process.spilt.items() if total in values},
         buffers={
             name: _buffer(tanks[sensors[name].tank], flows, values, time, parameters)
             for name in process.averaging

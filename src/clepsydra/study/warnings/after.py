@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 from clepsydra.loop.run import Run
 from clepsydra.study.warnings.accuracy import accuracy_warnings
-from clepsydra.study.warnings.emptied import emptied_warnings
-from clepsydra.study.warnings.harm import harms
+from clepsydra.study.warnings.harm import emptied, harms
 from clepsydra.study.warnings.inner_setpoint import inner_setpoint_warnings
 from clepsydra.study.warnings.saturation import saturation_warnings
 from clepsydra.study.warnings.settling import settling_warnings
@@ -34,8 +33,7 @@ def run_warnings(run: Run) -> tuple[str, ...]:
     ()
     """
     return (
-        *(harm.sentence for harm in harms(run)),
-        *emptied_warnings(run),
+        *(each.sentence for each in (*harms(run), *emptied(run))),
         *saturation_warnings(run),
         *inner_setpoint_warnings(run),
         *accuracy_warnings(run),

@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.words import time_text
 from clepsydra.loop.happenings import happenings
+from clepsydra.loop.lane_status import EMPTY_SHARE
 from clepsydra.loop.run import Run
 from clepsydra.study.warnings.words import shown
 
-#: What it means that a tank is empty.
-BREAKS_OFF = "what is drawn from it breaks off"
+#: What a state does, and what that means.
+_EMPTY = ("runs empty", "what is drawn from it breaks off")
+_DIVERGED = (
+    "is not a number",
+    "the loop has diverged, and nothing after that counts; lower the gains",
+)
+_SPILT = "it spills; make the step smaller or the gain larger"
+_HIGHER = (
+    "the model spills nothing, since it has no weir, and the rest of the run holds for a higher "
+    "tank only"
+)
 
 
 @dataclass(frozen=True)
@@ -77,18 +87,24 @@ def harms(run: Run) -> tuple[Harm, ...]:
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> harms(Loop(controller, analysis.model).run(default_scenario(analysis.model)))
-    ()
+    See `clepsydra.study.warnings.after.run_warnings` for a run.
     """
-    found = [*_of_levels(run), *_of_events(run)]
+    found = [*_of_states(run), *_of_events(run)]
     return tuple(sorted(found, key=lambda harm: harm.time))
+
+
+def emptied(run: Run) -> list[Harm]:
+    """Return which levels came down to the floor, and when; one below it is a harm of its own.
+
+    By itself it harms nothing where nothing is pumped.
+    """
+    found = []
+    for x in run.process.state:
+        values = run.values[x.name]
+        if x.name in run.process.levels and not np.any(values < x.low):
+            empty = values <= x.low + EMPTY_SHARE * (x.high - x.low)
+            found += [replace(each, times=1) for each in _seen(run, x, empty, *_EMPTY)]
+    return found
 
 
 def _of_events(run: Run) -> list[Harm]:
@@ -102,34 +118,24 @@ def _of_events(run: Run) -> list[Harm]:
     return found
 
 
-def _of_levels(run: Run) -> list[Harm]:
+def _of_states(run: Run) -> list[Harm]:
     found = []
+    spilling = {x.name for e in run.process.elements if e.spilt for x in e.states()}
     for x in run.process.state:
         values = run.values[x.name]
-        cases = [
-            (
-                ~np.isfinite(values),
-                "is not a number",
-                "the loop has diverged, and nothing after that counts; lower the gains",
-            )
-        ]
+        found += _seen(run, x, ~np.isfinite(values), *_DIVERGED)
         if x.name in run.process.levels:
-            cases.append((values > x.high, "rises above its rim", _lost_above(run, x)))
-            cases.append((values < x.low, "runs empty", BREAKS_OFF))
-        for where, what, consequence in cases:
-            if np.any(where):
-                first = float(run.time[int(np.argmax(where))])
-                times = int(np.sum(np.diff(where.astype(int), prepend=0) > 0))
-                remark = f"range {shown(x.low, x)} to {shown(x.high, x)}"
-                found.append(Harm(first, f"{x.name} {what}", consequence, times, remark))
+            lost = _SPILT if x.name in spilling else _HIGHER
+            found += _seen(run, x, values > x.high, "rises above its rim", lost)
+            found += _seen(run, x, values < x.low, *_EMPTY)
     return found
 
 
-def _lost_above(run: Run, level: Signal) -> str:
-    spilt = f"{level.name.removesuffix('level')}spilt"
-    if any(total.name == spilt for total in run.process.motion.totals):
-        return "it spills; make the step smaller or the gain larger"
-    return (
-        "the model spills nothing, since it has no weir, and the rest of the run "
-        "holds for a higher tank only"
-    )
+def _seen(run: Run, x: Signal, where: np.ndarray, what: str, consequence: str) -> list[Harm]:
+    """Return what a state shows at some samples, if at any."""
+    if not np.any(where):
+        return []
+    first = float(run.time[int(np.argmax(where))])
+    times = int(np.sum(np.diff(where.astype(int), prepend=0) > 0))
+    remark = f"range {shown(x.low, x)} to {shown(x.high, x)}"
+    return [Harm(first, f"{x.name} {what}", consequence, times, remark)]
