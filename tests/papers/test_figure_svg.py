@@ -1,6 +1,7 @@
 """Figures keep within their picture, whatever they show."""
 
 import re
+from itertools import combinations
 from xml.etree import ElementTree
 
 import numpy as np
@@ -10,28 +11,50 @@ from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.figure_svg import figure_svg
 
 TIME = np.linspace(0.0, 10.0, 400)
+SVG = "{http://www.w3.org/2000/svg}"
 
 
 def _svg(*panels):
     return figure_svg(Figure("Fig. 1", "a < b", tuple(panels)), "p")
 
 
+def _words(picture):
+    """Return each text with the room that it takes (left, top, right, bottom) [pt]."""
+    for word in picture.iter(f"{SVG}text"):
+        x, y, half = float(word.attrib["x"]), float(word.attrib["y"]), 2.0 * len(word.text)
+        shift = {"start": half, "middle": 0.0, "end": -half}[word.get("text-anchor", "start")]
+        if "transform" in word.attrib:  # turned by a quarter to the left
+            yield word.text, (x - 5.5, y - half, x + 1.5, y + half)
+        else:
+            yield word.text, (x + shift - half, y - 5.5, x + shift + half, y + 1.5)
+
+
+def _axes(picture):
+    """Return the box of each panel, from the line down its left side and along its floor."""
+    for path in picture.iter(f"{SVG}path"):
+        ends = re.fullmatch(r"M([\d.]+) ([\d.]+)V([\d.]+)H([\d.]+)", path.attrib["d"])
+        if ends:
+            left, top, bottom, right = map(float, ends.groups())
+            yield f"axes at {left}, {top}", (left, top, right, bottom)
+
+
 @pytest.mark.parametrize("number", [1, 2, 3, 4])
-def test_panels_stand_apart_and_inside(number):
-    curves = (Curve("level", TIME, np.sin(TIME)), Curve("setpoint", TIME, 0 * TIME, "dashed"))
+def test_panels_and_all_their_words_stand_apart_and_inside(number):
+    names = ["level", "setpoint", "what the document shows", "what is found with its numbers"]
+    curves = tuple(Curve(name, TIME, np.sin(TIME)) for name in names)
     text = _svg(*[Panel(f"panel {i}", "level [m]", curves) for i in range(number)])
     picture = ElementTree.fromstring(text)
     width, height = map(float, picture.attrib["viewBox"].split()[2:])
-    assert text.count("level [m]") == number
-    words = [e for e in picture.iter() if e.tag.endswith("text") and e.text]
-    for word in words:
-        assert 0.0 <= float(word.attrib["x"]) <= width
-        assert 0.0 <= float(word.attrib["y"]) <= height
-    places = {e.attrib["y"]: [] for e in words}
-    for word in words:
-        places[word.attrib["y"]].append(word.text)
-    titles = [word.text for word in words if (word.text or "").startswith("panel")]
-    assert titles == [f"panel {i}" for i in range(number)]
+    words, boxes = list(_words(picture)), list(_axes(picture))
+    assert len(boxes) == number
+    for each in (*(f"panel {i}" for i in range(number)), "level [m]", *names, "time [s]"):
+        expected = 1 if each.startswith("panel") else number
+        assert [word for word, _ in words].count(each) == expected
+    for thing, (left, top, right, bottom) in words + boxes:
+        assert 0.0 <= left < right <= width and 0.0 <= top < bottom <= height, thing
+    for (thing, one), (other, two) in combinations(words + boxes, 2):
+        apart = one[2] <= two[0] or two[2] <= one[0] or one[3] <= two[1] or two[3] <= one[1]
+        assert apart, (thing, other)
 
 
 def test_one_label_has_one_colour_in_all_panels():
