@@ -102,12 +102,16 @@ def test_integrating_tank_is_allowed(tmp_path: Path) -> None:
     assert float(rate[0]) > 0.0
 
 
-def test_outlets_and_pumps_add_up(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("line", "gravity"),
+    [("9.81 m/s^2", 9.81), ("162 cm/s^2", 1.62), ("9.83 N/kg", 9.83)],
+)
+def test_outlets_and_pumps_add_up(tmp_path: Path, line: str, gravity: float) -> None:
     """The file's own numbers, by hand: tank 2 falls through outlet 2 into tank 1."""
-    process = read(tmp_path)
+    process = read(tmp_path, ("9.81 m/s^2", line))
     h1, h2, v, d = 0.08, 0.05, 4.0, 1e-6
-    out_1 = 0.071e-4 * (2 * 9.81 * h1) ** 0.5
-    out_2 = 0.9 * 0.057e-4 * (2 * 9.81 * h2) ** 0.5
+    out_1 = 0.071e-4 * (2 * gravity * h1) ** 0.5
+    out_2 = 0.9 * 0.057e-4 * (2 * gravity * h2) ** 0.5
     pumped = 3.33e-6 * v
     rate = process.dynamics([h1, h2], [v], [d], process.parameter_values)
     assert float(rate[0]) == pytest.approx((out_2 + 0.7 * pumped - out_1) / 28e-4, rel=1e-13)

@@ -168,32 +168,6 @@ def test_the_parallel_form_has_gains_of_its_own(study):
     assert values["tracking_time_1"] == pytest.approx(math.sqrt(200.0 * 90.0), rel=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("lines", "parameters"),
-    [
-        ('gain = "2 %/%"\nintegral_time = "1 h"\nerror = "gap"\ngap = "5 %"\ngap_gain = 0.1',
-         {"gap_1": 0.05, "gap_gain_1": 0.1}),
-        ('gain = "2 %/%"\nintegral_time = "1 h"\nerror = "squared"\nsquared_error_scale = "10 %"',
-         {"squared_error_scale_1": 0.1}),
-        ('gain = "2 %/%"\nintegral_time = "1 h"\nsetpoint_ramp = "6 %/h"',
-         {"setpoint_ramp_1": 0.06 / 3600.0}),
-        ('gain = "2 %/%"\nintegral_time = "1 h"\nalgorithm = "velocity"',
-         {"integral_time_1": 3600.0}),
-        ('gain = "2 %/%"\nintegral_time = "1 h"\nremote_setpoint = true',
-         {"integral_time_1": 3600.0}),
-    ],
-)  # fmt: skip
-def test_forms_of_a_loop_are_at_rest_and_run(study, lines, parameters):
-    found = study(f"{BASIN}{lines}\n")
-    controller, model = made(found)
-    for name, value in parameters.items():
-        assert controller.values[name] == pytest.approx(value, rel=1e-14)
-    assert not any("does not begin at rest" in note for note in controller.notes)
-    run = Loop(controller, model).run(found.scenario)
-    assert run.values["outflow"][0] == pytest.approx(0.614, rel=1e-12)
-    assert np.all(np.isfinite(run.values["basin.level"]))
-
-
 def test_an_output_may_have_limits_and_a_rate_limit(study):
     text = f'{BASIN}gain = "2 %/%"\nintegral_time = "1 h"\n[controllers.a.outputs.outflow]\n'
     found = study(f'{text}low = "20 %"\nhigh = "90 %"\nrate_limit = "3 %/min"\n')
