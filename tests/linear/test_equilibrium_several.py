@@ -62,17 +62,22 @@ def test_a_level_left_open_is_one_point(make_process):
     assert found[0].state[0] == pytest.approx(0.3)
 
 
-@pytest.mark.parametrize("share", [0.05, 0.9])
-def test_pseudo_transient_ends_where_the_motion_does(make_process, share):
-    process = make_process(lambda x, u, d: [u[0] / 5.0 - wavy(x[0])], 1, 1)
+@pytest.mark.parametrize("share", np.linspace(0.03, 0.97, 24).round(3).tolist())
+@pytest.mark.parametrize("law", ["wavy", "cubic"])
+def test_pseudo_transient_ends_where_the_motion_does(make_process, three_rests, law, share):
+    """Between rests that attract it does not stay at the one that repels, nor jump over it."""
+    wave = make_process(lambda x, u, d: [u[0] / 5.0 - wavy(x[0])], 1, 1)
+    process, rate = {
+        "wavy": (wave, lambda x: 1.0 - wavy_number(x)),
+        "cubic": (three_rests, lambda x: -(x - 0.2) * (x - 0.5) * (x - 0.85)),
+    }[law]
     search = EquilibriumSearch(process, read_request(process, None, None, None))
-    found = by_pseudo_transient(search, share)
-    state, _ = search.values(found.unknowns)
+    state, _ = search.values(by_pseudo_transient(search, share).unknowns)
     # The motion of one state never turns: it ends at the first root on its way.
-    grid = np.linspace(share, 1.0 if wavy_number(share) < 1.0 else 0.0, 4000)
-    signs = np.sign(1.0 - wavy_number(grid))
+    grid = np.linspace(share, 1.0 if rate(share) > 0.0 else 0.0, 4000)
+    signs = np.sign(rate(grid))
     change = int(np.flatnonzero(signs[1:] != signs[:-1])[0])
-    expected = brentq(lambda x: 1.0 - wavy_number(x), *sorted(grid[change : change + 2]))
+    expected = brentq(rate, *sorted(grid[change : change + 2]))
     assert state[0] == pytest.approx(expected, rel=1e-9)
 
 

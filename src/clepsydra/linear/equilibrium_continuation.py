@@ -14,8 +14,10 @@ _SHORTEST = 1e-12
 _GROWTH = 2.0
 # A level is not brought nearer to its floor than this share of its range on the way.
 _FLOOR = 1e-9
-# A step of continuation moves a state by no more than this share of its range.
+# At first no state moves by more than this share of its range.
 _FAR = 0.1
+# A time step is at most this share of the time in which a growing mode grows by e.
+_OF_GROWTH = 0.5
 # Beyond this many ranges it comes to rest nowhere.
 _AWAY = 100.0
 _SMALLEST_ADVANCE = 1e-4
@@ -66,19 +68,14 @@ def by_pseudo_transient(search: EquilibriumSearch, share: float | None) -> Itera
         size = float(np.linalg.norm(local.rates / search.spans[:n]))
         if size == 0.0:
             break
-        # At first no state moves by more than a tenth of its range.
         growth = min(_GROWTH, before / size)
         step = _FAR / size if step is None else step * growth
+        growing = float(np.linalg.eigvals(local.rates_by_state).real.max())
+        if growing > 0.0:  # a longer step would turn round, to where the mode grows from
+            step = min(step, _OF_GROWTH / growing)
         if step < _SHORTEST:
             return None
-        try:
-            moved = np.linalg.solve(np.eye(n) / step - local.rates_by_state, local.rates)
-        except np.linalg.LinAlgError:  # 1/Δt is an eigenvalue: a growing mode
-            step /= 3.0
-            continue
-        largest = float(np.abs(moved / search.spans[:n]).max())
-        if largest > _FAR and size * step > _FAR:
-            moved, step = moved * _FAR / largest, step * _FAR / largest
+        moved = np.linalg.solve(np.eye(n) / step - local.rates_by_state, local.rates)
         following = np.maximum(state + moved, np.where(search.floored[:n], floors, -np.inf))
         still = np.all(np.abs(following - state) <= 1e-9 * search.spans[:n])
         state, before = following, size
