@@ -15,12 +15,15 @@ MISPRINTS = {
     ("section 3.3", "union"),
     ("Table 8", "IAE of C"),
 }
-#: Table 8 prints 8.80E-02 for IAE of C, above 0.019 of Table 7; Table 6 is lower in five cells.
-FAILED = {
-    ("section 4", "indices, fuzzy against LQI"),
-    ("section 4", "indices, fuzzy against all"),
+#: Table 6 is lower in four cells.
+FAILED = {("section 4", "indices, fuzzy against all")}
+REMARKS = {
+    ("(103c)", "throughput at rest"),
+    ("section 5", "steady-state error, fuzzy"),
+    # By settling and by first arrival; by a period and a threshold that are not printed.
+    ("section 4", "C, fuzzy against the others"),
+    ("section 4", "change rates, fuzzy"),
 }
-REMARKS = {("(103c)", "throughput at rest"), ("section 5", "steady-state error, fuzzy")}
 
 
 @pytest.fixture(scope="module")
@@ -41,11 +44,12 @@ def test_the_verdicts_are_those_of_the_reference(findings):
 
 
 @pytest.mark.thorough
-def test_the_printed_tables_are_compared_as_they_are_printed(findings):
+def test_a_misprint_of_table_8_is_counted_once(findings):
+    """IAE of C is 8.80E-02 by the print; claims about the table take the exponent as mended."""
     rows = {row.name: row for row in findings.rows}
-    assert rows["indices, fuzzy against LQI"].computed == "7 of 8 cells as printed; not IAE of C"
+    assert rows["indices, fuzzy against LQI"].computed == "8 of 8 cells"
     assert rows["indices, fuzzy against all"].computed == (
-        "Table 6 is lower in IAE of C, ISE of C, ISE of V, IE of C, IE of V"
+        "Table 6 is lower in ISE of C, ISE of V, IE of C, IE of V"
     )
 
 
@@ -53,9 +57,11 @@ def test_the_printed_tables_are_compared_as_they_are_printed(findings):
 def test_pi_control_arrives_sooner_than_it_settles(findings):
     """First arrival of (81) with C_in free: C' = 0.2/V (C_in - C), near 5.25 within 9 ms."""
     (row,) = (row for row in findings.rows if row.name == "C, fuzzy against the others")
-    assert "Settled to within 2 % of the step for good" in row.reason
     assert "C_in to 25 kmol/m³ 9.2" in row.computed
-    assert "first arrival PI (81) is sooner, 0.00" in row.reason and "or 0.027 s" in row.reason
+    assert (
+        "first arrival: PI (81) takes 0.00" in row.reason
+        and "with the limit, 0.027 s" in row.reason
+    )
 
 
 @pytest.mark.thorough

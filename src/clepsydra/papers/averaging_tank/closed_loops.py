@@ -173,9 +173,12 @@ def _stability(place: str, closed: Any, words: str, sign: int = 1) -> Row:
         example = {K2: -1, Ti2: 1, Td2: Rational(1, 10)}
         (right, *_) = sorted((re(r) for r in roots(Poly(parts[1].subs(example), s))), reverse=True)
         stable = bool(right <= 0)
+        given = {Ti2: "T_i2 = 1 s", Td2: "T_d2 = 0.1 s"}
+        used = [words for symbol, words in given.items() if parts[1].has(symbol)]
+        times = f" The example has {' and '.join(used)}." if used else ""
         found, reason = f"pole at {float(right):.3g} for K_p2 = -1", (
             f"The gain of -1 is in (69) already: the V loop has the denominator {parts[1]}, which "
-            "asks for K_p2 > 0; in the example any Ti is 1 s, and any Td 0.1 s."
+            f"asks for K_p2 > 0.{times}"
         )  # fmt: skip
     return claimed(place, f"stability, {place}", words, stable, found, reason=reason)
 
@@ -277,7 +280,14 @@ def _derivative(section: _Section) -> list[Row]:
     volume = K2 * (1 + Ti2 * s + Td2 * Ti2 * s**2)
     under = s**2 * Ti2 * (1 + Td1 * K1) + s * Ti2 * K2 + K2
     loops = _diagonal(section.pid, "GCL", (above / below, volume / under), closed)
-    rows += loops if section.variant == "outflow" else [_without_bars(row) for row in loops]
+    if section.variant == "outflow":
+        wrong = f"T_d1 K_p1 stands in the V loop, which has T_d2 K_p2. {_WHY}"
+        rows += [
+            dataclasses.replace(row, reason=wrong) if row.verdict == "misprint" else row
+            for row in loops
+        ]
+    else:
+        rows += [_without_bars(row) for row in loops]
     words = "T_i1 > 0, T_i2 > 0, T_d1 > 0 and T_d2 > 0"
     rows.append(_stability(section.pid, closed, *_conditions(section, words)))
     rest = error.applyfunc(lambda entry: limit(entry * _A, s, 0))

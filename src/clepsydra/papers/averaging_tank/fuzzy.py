@@ -25,12 +25,12 @@ from clepsydra.papers.averaging_tank.continuous_pi import continuous_run
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL
 from clepsydra.papers.averaging_tank.printed_tables import (
+    IAE_OF_C,
     TABLE_8,
     fuzzy_indices,
     lqi_indices,
     pi_indices,
 )
-from clepsydra.papers.averaging_tank.sampling import CYCLE
 from clepsydra.papers.averaging_tank.step_run import (
     MEASURED,
     PERIOD,
@@ -89,10 +89,10 @@ def run() -> Findings:
 
 
 @cache
-def _model() -> LinearModel:
-    """Return the linear model with three inputs at the document's period."""
+def _model(period: float) -> LinearModel:
+    """Return the linear model with three inputs, sampled with a period [s]."""
     process = load_process("averaging-tank:all-inputs")
-    return linearise(find_equilibrium(dataclasses.replace(process, sampling_period=PERIOD)))
+    return linearise(find_equilibrium(dataclasses.replace(process, sampling_period=period)))
 
 
 @cache
@@ -116,6 +116,7 @@ def fuzzy_run(
     reading: Reading,
     sizes: tuple[float, float] = (STEPS["C"], STEPS["V"]),
     horizon: float = _HORIZON,
+    period: float = PERIOD,
 ) -> Run:
     """Return steps of C [kmol/m³] and V [m³] at the first sample, from the equilibrium.
 
@@ -126,7 +127,7 @@ def fuzzy_run(
     >>> round(float(fuzzy_run(LITERAL).values["inflow"][-1]), 3)
     0.345
     """
-    model = _model()
+    model = _model(period)
     point = operating_point_of(model)
     controller = WiredFuzzy(fuzzy_file(reading), point.process).controller(point, "fuzzy")
     times = {
@@ -139,6 +140,11 @@ def fuzzy_run(
         initial_state=controller.initial_state | offsets,
     )
     return step_run(controller, model, sizes, horizon)
+
+
+def _rate(found: Run, name: str) -> float:
+    """Return the largest change of an input from sample to sample [its unit/s]."""
+    return float(np.abs(np.diff(found.values[name])).max() / (found.time[1] - found.time[0]))
 
 
 def _overshoot(found: Run, output: str) -> float:
@@ -244,15 +250,17 @@ def _shoulders_reach_one(system: FuzzySystem) -> bool:
 
 def _table_8() -> list[Row]:
     literal, filtered = indices(fuzzy_run(LITERAL)), indices(fuzzy_run(FILTERED))
-    near = abs(filtered["IAE", "C"] / float(TABLE_8["IE", "C"]) - 1.0) < 0.05
+    near = abs(IAE_OF_C / float(TABLE_8["IE", "C"]) - 1.0) < 0.01
     iae, ise = float(TABLE_8["IAE", "C"]), float(TABLE_8["ISE", "C"])
     evidence = [
-        ("IAE is |IE| where nothing overshoots, and IE of C is printed as 8.82E-03", near),
-        (
-            "an error that falls from 0.25 as an exponential has ISE = IAE · 0.25/2: the printed "
-            f"ISE of C asks for {ise / 0.125:.1e}", ise / 0.125 < 0.2 * iae,
-        ),
-    ]  # fmt: skip
+        ("IAE is |IE| where nothing overshoots", near),
+        ("an exponential has ISE = IAE · 0.25/2", ise / 0.125 < 0.2 * iae),
+    ]
+    exponent = (
+        "The exponent: 8.80E-03 is IE of C, 8.82E-03, to 0.2 %, as where nothing overshoots; and "
+        "an error that falls from 0.25 as an exponential has ISE = IAE · 0.25/2: the printed ISE "
+        f"of C asks for {ise / 0.125:.1e}."
+    )
     rows = []
     for key, text in TABLE_8.items():
         index, output = key
@@ -267,6 +275,8 @@ def _table_8() -> list[Row]:
             tolerance=spread, why=why, right_if=evidence if key == ("IAE", "C") else (),
             unprinted=why,
         )  # fmt: skip
+        if row.verdict == "misprint":
+            row = dataclasses.replace(row, reason=exponent)
         rows.append(
             circular(
                 row, "The filter and the horizon of 2 s were chosen by the cells of this table."
@@ -281,7 +291,7 @@ def claims(reading: Reading) -> list[Row]:
 
 
 def _behaviour(reading: Reading) -> list[Row]:
-    found = fuzzy_run(reading)
+    found, finer = fuzzy_run(reading), fuzzy_run(reading, period=0.5 * PERIOD)
     free, limited = (continuous_run(OPTIMAL["outflow"], free=each) for each in (True, False))
     others: dict[str, Callable[[str], float]] = {
         "PI by hand": continuous_run(BY_HAND["outflow"]).settling,
@@ -291,9 +301,8 @@ def _behaviour(reading: Reading) -> list[Row]:
     }
     times = {o: settling(found, o) for o in ("C", "V")}
     slower = {who: {o: settles(o) for o in ("C", "V")} for who, settles in others.items()}
-    over = {o: _overshoot(found, o) for o in ("C", "V")}
+    over, less = ({o: _overshoot(each, o) for o in ("C", "V")} for each in (found, finer))
     peaks = {n: float(found.values[n].max()) for n in ("inflow", "outflow", "inflow.impurity")}
-    rates = {n: float(np.abs(np.diff(found.values[n])).max()) / PERIOD for n in peaks}
     printed, of_lqi = fuzzy_indices(), lqi_indices()
     above_lqi = [f"{i} of {o}" for (i, o), v in of_lqi.items() if printed[i, o] >= v]
     above_pi = [f"{i} of {o}" for (i, o), v in pi_indices().items() if printed[i, o] > v]
@@ -302,23 +311,23 @@ def _behaviour(reading: Reading) -> list[Row]:
         claimed(
             "section 4", "overshoot, fuzzy", "overshoot did not occur",
             max(over.values()) < 0.1, f"C {over['C']:.2g} %, V {over['V']:.2g} %",
-            reason="Largest excess over the reference, of the step.",
+            reason="Largest excess over the reference, of the step, at 0.2 ms; it comes from the "
+            f"sampling, and is {less['C']:.1g} and {less['V']:.1g} % at 0.1 ms.",
         ),
-        claimed(
+        remark(
             "section 4", "C, fuzzy against the others", "C achieves the reference value faster",
-            all(times["C"] < each["C"] for each in slower.values()),
             f"{times['C']:.3f} s; {told}",
-            reason="Settled to within 2 % of the step for good, f_out constant for the others. On "
-            f"first arrival PI (81) is sooner, {free.arrival('C'):.3f} s or "
-            f"{limited.arrival('C'):.3f} s with the limit, and overshoots by "
-            f"{free.overshoot('C'):.0f} or {limited.overshoot('C'):.0f} %.",
+            reason="It holds of settling to within 2 %, as here, f_out constant for the others. It "
+            f"fails of first arrival: PI (81) takes {free.arrival('C'):.3f} s or, with the limit, "
+            f"{limited.arrival('C'):.3f} s, and overshoots by {free.overshoot('C'):.0f} or "
+            f"{limited.overshoot('C'):.0f} %.",
         ),
         claimed(
             "section 4", "settling times, fuzzy against LQI",
             "significantly shorter for both outputs",
-            all(times[o] < 0.8 * slower["LQI"][o] for o in times),
+            all(times[o] < 0.5 * slower["LQI"][o] for o in times),
             ", ".join(f"{o} {times[o]:.3f} s after {slower['LQI'][o]:.3f} s" for o in times),
-            reason="To within 2 %; a fifth less counts as significantly.",
+            reason="To within 2 %: less than half, f_out constant, LQI optimal.",
         ),
         claimed(
             "section 4", "control values, fuzzy", "did not reach their limits",
@@ -328,28 +337,27 @@ def _behaviour(reading: Reading) -> list[Row]:
             reason="The centroid of a set never reaches the end of the range, so it could not be "
             "otherwise.",
         ),
-        claimed(
+        remark(
             "section 4", "change rates, fuzzy", "very high",
-            rates["inflow"] > 1.0 / CYCLE,
-            f"f_in {rates['inflow']:.0f} m³/s², C_in {rates['inflow.impurity'] / KMOL:.0f} "
-            "kmol/(m³ s)",
-            reason="No threshold is printed; judged as f_in crossing its range in less than 10 ms, "
-            "a usual cycle. Largest change over one step of 0.2 ms with a filter of 2 ms, both "
-            "chosen by us; more without the filter.",
+            f"f_in {_rate(found, 'inflow'):.0f} m³/s², C_in "
+            f"{_rate(found, 'inflow.impurity') / KMOL:.0f} kmol/(m³ s)",
+            reason="Neither threshold nor sampling period is printed, and f_in jumps from sample "
+            "to sample: this is at 0.2 ms, and the shorter the period the more, "
+            f"{_rate(finer, 'inflow'):.0f} m³/s² at 0.1 ms.",
         ),
         claimed(
             "section 4", "indices, fuzzy against LQI", "smaller than for IC",
             not above_lqi,
-            f"{len(of_lqi) - len(above_lqi)} of {len(of_lqi)} cells as printed; not "
-            + ", ".join(above_lqi),
-            reason="Printed Table 8 against Table 7, f_out constant, optimal. With IAE of C read "
-            "as 8.80E-03 it holds in all cells, though then IAE is below IE, 8.82E-03.",
+            f"{len(of_lqi) - len(above_lqi)} of {len(of_lqi)} cells",
+            reason="Printed Table 8 against Table 7, f_out constant, optimal. IAE of C is taken as "
+            "8.80E-03, since its misprint is judged in its own row; as printed it is larger.",
         ),
         claimed(
-            "section 4", "indices, fuzzy against all", "fuzzy control is best by Tables 6 to 8",
+            "section 4", "indices, fuzzy against all",
+            "best performance according to Figs. 7–9 and the values of Tabs. 6–8",
             not above_pi, f"Table 6 is lower in {', '.join(above_pi)}" if above_pi else "all lower",
-            reason="Printed cells with f_out constant, of IE the size; IAE of C by the misprint of "
-            "Table 8 alone. Three inputs are moved against two.",
+            reason="The values of the tables, f_out constant, of IE the size, IAE of C in Table 8 "
+            "as 8.80E-03.",
         ),
     ]  # fmt: skip
 

@@ -177,7 +177,7 @@ def _matrices() -> list[Row]:
         stated(
             "(88)", "M", "2 × 3", "2 × 2", (2, B.shape[1]) == (2, 3),
             "M is the lower half of (93) and (95), which have two columns, one for each input "
-            "that is left.",
+            "that is left, as (90) has two rows.",
         )
     )  # fmt: skip
     rows.append(
@@ -195,7 +195,7 @@ def _matrices() -> list[Row]:
 
 def _controllability() -> list[Row]:
     rows: list[Row] = []
-    why = "[B AB] of (32) and (34)."
+    why = "[B AB] of (32)."
     spread = (u3 - x1) / x2
     printed = Matrix([[spread, u1 / x2, -u1 * (u3 - x1) / x2**2, u1**2 / x2**2], [1, 0, 0, 0]])
     found = plant("outflow")
@@ -207,6 +207,7 @@ def _controllability() -> list[Row]:
     ]  # fmt: skip
     printed = Matrix([[0, u1 / x2, 0, -(u1**2) / x2**2], [-1, 0, 0, 0]])
     found = plant("inflow")
+    why = "[B AB] of (34)."
     rows += matrix_rows("(96)", "M", printed, Matrix.hstack(found.B, found.A * found.B), why)
     A, _ = numbers("outflow")
     rank = int(np.linalg.matrix_rank(A))

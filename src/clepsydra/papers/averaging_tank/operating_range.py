@@ -180,8 +180,8 @@ def _remedies() -> list[Row]:
             "cyclic calculation of the parameters would resolve the decline",
             all(after < 0.5 * before for before, after, _ in cyclic),
             "; ".join(words for _, _, words in cyclic),
-            reason="Worst of the nine large steps; resolved would be less than half of the "
-            "excess. LQI with the document's weights, computed anew in every sample.",
+            reason="Worst of the nine large steps, in the same tank; resolved would be less than "
+            "half of the excess. LQI with the document's weights, computed anew in every sample.",
         ),
     ]  # fmt: skip
 
