@@ -32,10 +32,11 @@ def runs(name: str) -> set[str]:
 
 if __name__ == "__main__":
     wide = " avx512f " in Path("/proc/cpuinfo").read_text(encoding="utf-8")
-    own, found = runs(""), []
+    own, found = runs(""), {}
     for name in NAMED:
-        if (wide or name != "SkylakeX") and runs(name) not in (own, *map(runs, found)):
-            found.append(name)
+        kernels = runs(name) if wide or name != "SkylakeX" else own
+        if kernels not in (own, *found.values()):
+            found[name] = kernels
     if not found:
         sys.exit(f"no other kernel than {own or 'none'} is taken: is NumPy's library OpenBLAS?")
     print(*found)

@@ -167,7 +167,7 @@ def csv_numbers(
     return np.array(
         [
             [
-                float(_number_text(cell, f"{file}, line {line}, column '{name}'", gap))
+                _number(cell, f"{file}, line {line}, column '{name}'", gap)
                 for name, cell in zip(names, cells, strict=True)
             ]
             for line, cells in rows
@@ -175,8 +175,8 @@ def csv_numbers(
     )
 
 
-def _number_text(cell: str, place: str, gap: str) -> str:
-    """Return the number in a cell as text.
+def _number(cell: str, place: str, gap: str) -> float:
+    """Return the number in a cell.
 
     Parameters
     ----------
@@ -193,8 +193,8 @@ def _number_text(cell: str, place: str, gap: str) -> str:
 
     Examples
     --------
-    >>> _number_text(" 3.50", "pump.csv, line 2, column 'pump_1'", "fill the gap")
-    '3.50'
+    >>> _number(" 3.50", "pump.csv, line 2, column 'pump_1'", "fill the gap")
+    3.5
     """
     parts = split_quantity(cell)
     if not cell.strip():
@@ -206,6 +206,7 @@ def _number_text(cell: str, place: str, gap: str) -> str:
     if parts is None or parts[1]:
         remedy = "the unit stands in the head only" if parts else "correct the cell"
         raise InputError(place, cell.strip()[:40], "a number", remedy)
-    if not math.isfinite(float(parts[0])):
+    number = float(parts[0])
+    if not math.isfinite(number):
         raise InputError(place, cell.strip(), "a finite number", "replace it by a measured value")
-    return parts[0]
+    return number

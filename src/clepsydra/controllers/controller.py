@@ -17,20 +17,6 @@ from clepsydra.program.reader import program_of
 from clepsydra.program.step_law import StepLaw
 
 
-def slowed_words(factor: float) -> str:
-    """Return what follows the name of a method that was slowed down; empty where it was not.
-
-    Examples
-    --------
-    >>> slowed_words(1.0), slowed_words(7.512), slowed_words(1.0004)
-    ('', ', slowed 7.51 times', ', slowed 1.0004 times')
-    """
-    if factor == 1.0:
-        return ""
-    shown = f"{factor:.3g}"
-    return f", slowed {f'{factor:.7g}' if shown == '1' else shown} times"
-
-
 def plain_name(title: str) -> str:
     """Return the name that a title begins with.
 
@@ -140,14 +126,22 @@ class Controller:
 
         Examples
         --------
+        >>> import dataclasses
         >>> from clepsydra.design.ziegler_nichols import design_ziegler_nichols
         >>> from clepsydra.linear.analysis import analyse
         >>> from clepsydra.process.reader import load_process
         >>> analysis = analyse(load_process("three-tanks"))
-        >>> design_ziegler_nichols(analysis.model, analysis.pairing).title
+        >>> controller = design_ziegler_nichols(analysis.model, analysis.pairing)
+        >>> controller.title
         'PI, Ziegler-Nichols, slowed 1.98 times'
+        >>> dataclasses.replace(controller, slowed=1.0004).title
+        'PI, Ziegler-Nichols, slowed 1.0004 times'
         """
-        return self.name + slowed_words(self.slowed)
+        if self.slowed == 1.0:
+            return self.name
+        shown = f"{self.slowed:.3g}"
+        # One that is hardly slower is so by the digits in which it differs.
+        return f"{self.name}, slowed {f'{self.slowed:.7g}' if shown == '1' else shown} times"
 
     @property
     def input_wires(self) -> dict[str, str]:

@@ -107,21 +107,24 @@ def rounded_values(
         if isinstance(block, PidBlock) and has_range(block.measurement) and has_range(block.moved)
         for gain in _GAINS
     }
-    found = dict(values) | rounded_numbers(law.parameters, values, point)
-    given = _given(point)
-    for parameter in law.parameters:
-        value = values[parameter.name]
-        ends = loops.get(parameter.name.partition("_at_")[0])
-        if ends is not None and value not in given:
-            percent = rounded(percent_gain(value, *ends), parameter.digits)
-            found[parameter.name] = gain_from_percent(percent, *ends)
-    return found
+    return rounded_numbers(law.parameters, values, point, loops)
 
 
 def rounded_numbers(
-    entries: Sequence[Signal], numbers: Mapping[str, float], point: OperatingPoint
+    entries: Sequence[Signal],
+    numbers: Mapping[str, float],
+    point: OperatingPoint,
+    loops: Mapping[str, tuple[Signal, Signal]] | None = None,
 ) -> dict[str, float]:
     """Return the numbers of parameters or states, rounded as `designed_values` does.
+
+    Parameters
+    ----------
+    entries : sequence of Signal
+    numbers : mapping
+    point : OperatingPoint
+    loops : mapping, optional
+        Gain to the measurement and the moved signal of whose percent it has its digits.
 
     Examples
     --------
@@ -139,8 +142,14 @@ def rounded_numbers(
         share = abs(numbers[entry.name]) / units.get(entry.unit, 1.0)
         largest[_kind(entry)] = max(largest.get(_kind(entry), 0.0), share)
     for entry in designed:
-        size = largest[_kind(entry)] * units.get(entry.unit, 1.0)
-        found[entry.name] = rounded(float(numbers[entry.name]), entry.digits, size)
+        number = float(numbers[entry.name])
+        ends = (loops or {}).get(entry.name.partition("_at_")[0])
+        if ends is not None:
+            percent = rounded(percent_gain(number, *ends), entry.digits)
+            found[entry.name] = gain_from_percent(percent, *ends)
+        else:
+            size = largest[_kind(entry)] * units.get(entry.unit, 1.0)
+            found[entry.name] = rounded(number, entry.digits, size)
     return found
 
 

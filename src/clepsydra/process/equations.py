@@ -268,8 +268,10 @@ class _Join:
             if delay.conserves:
                 name = f"{DELAYED}.{delay.conserves}"
                 rates[name] += sent[delay.name] - symbols[delay.name]
-        for ended in self._truths("ended", symbols).values():
-            rates = {name: ca.if_else(ended, 0, rate) for name, rate in rates.items()}
+        for element in self.elements:
+            ended = element.ended(symbols)
+            if ended is not None:
+                rates = {name: ca.if_else(ended, 0, rate) for name, rate in rates.items()}
         return _Evaluated(
             ca.cse(_stacked(self.contents, rates)),
             _stacked(self.delays, sent),
@@ -311,23 +313,21 @@ class _Join:
         flows.sort(key=lambda flow: bool(ca.depends_on(ca.SX(flow.driver), x)))
         return flows, sent
 
-    def _truths(self, what: str, symbols: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
-        """Return what a method of the elements says, for those that say something."""
-        found = ((e.name, getattr(e, what)(symbols)) for e in self.elements)
-        return {name: truth for name, truth in found if truth is not None}
-
     def _refusing(self, symbols: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
         """Return the truth that nothing can flow into an element, for those that may refuse.
 
         What passes on refuses where any of those that it feeds does.
         """
-        refusing = self._truths("refuses", symbols)
+        refusing = {
+            element.name: truth
+            for element in self.elements
+            if (truth := element.refuses(symbols)) is not None
+        }
         for element in reversed(self.order):
             if element.passes_on:
-                fed = [refusing[c.name] for c in element.connections() if c.name in refusing]
-                for truth in fed:
+                for fed in (c.name for c in element.connections() if c.name in refusing):
                     before = refusing.get(element.name, ca.SX(0))
-                    refusing[element.name] = ca.logic_or(before, truth)
+                    refusing[element.name] = ca.logic_or(before, refusing[fed])
         return refusing
 
     def _held_by(self, name: str, symbols: Mapping[str, ca.SX]) -> Mapping[str, ca.SX]:

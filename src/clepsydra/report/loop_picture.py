@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.process.process import Process
 from clepsydra.report.axes_box import draw_box, draw_legend
 from clepsydra.report.chart import LETTER, SIZE, Chart, Scale, thinned
 from clepsydra.report.colours import INK, MUTED, signal_colours
 from clepsydra.report.quantities import short_text
-from clepsydra.study.ranking import ROBUST
 from clepsydra.study.warnings.loop_response import LoopResponse
 
 _HEIGHT = 232.0
@@ -61,7 +61,7 @@ def _draw_plane(chart: Chart, response: LoopResponse, process: Process) -> None:
     x, y = Scale(_LEFT, _RIGHT, *_PLANE), Scale(_LOW, _HIGH, _FLOOR, _TOP)
     unit = x.place(1.0) - x.place(0.0)
     box = chart.clip(_PLANE, (_TOP, _FLOOR))
-    chart.circle(x.place(-1.0), y.place(0.0), unit / ROBUST, "#e4e8ed")
+    chart.circle(x.place(-1.0), y.place(0.0), unit / SENSITIVITY_LIMIT, "#e4e8ed")
     draw_box(chart, x, y, x_label="real part of L", y_label="imaginary part of L", ticks=(5, 5))
     turn = np.linspace(0.0, 2.0 * np.pi, 120)
     chart.curve(
@@ -108,8 +108,9 @@ def _draw_sensitivity(chart: Chart, response: LoopResponse) -> None:
     x = Scale(float(frequencies[0]), float(frequencies[-1]), *_BAND, logarithmic=True)
     y = Scale(0.05, highest, _FLOOR, _TOP, logarithmic=True)
     draw_box(chart, x, y, x_label="frequency [rad/s]", y_label="largest singular value of S")
-    chart.line(_BAND, (y.place(ROBUST),) * 2, _LIMIT, 0.8)
-    chart.text(_BAND[0] + 3.0, y.place(ROBUST) - 2.5, short_text(ROBUST), colour=_LIMIT)
+    chart.line(_BAND, (y.place(SENSITIVITY_LIMIT),) * 2, _LIMIT, 0.8)
+    words = short_text(SENSITIVITY_LIMIT)
+    chart.text(_BAND[0] + 3.0, y.place(SENSITIVITY_LIMIT) - 2.5, words, colour=_LIMIT)
     chart.line(_BAND, (y.place(1.0),) * 2, MUTED, 0.5)
     for size, dash in zip(sizes, ("", _DASH), strict=True):
         box = chart.clip(_BAND, (_TOP, _FLOOR))

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.report.axes_box import draw_box
 from clepsydra.report.chart import WIDTH, Chart, Scale
 from clepsydra.report.colours import MUTED
 from clepsydra.report.quantities import short_text
-from clepsydra.study.ranking import ROBUST
 from clepsydra.study.result import Standing, StudyResult
 
 _HEIGHT = 190.0
@@ -71,11 +71,11 @@ def map_svg(result: StudyResult, title: str, prefix: str) -> str:
     chart = Chart(_HEIGHT, title, prefix)
     x = Scale(0.95, max(2.3, 1.12 * max(peaks)), *_BOX_X, logarithmic=True)
     y = Scale(0.8 * least, max(1.35 * max(errors), 2.2 * least), *_BOX_Y, logarithmic=True)
-    chart.box((x.place(ROBUST), x.end), _BOX_Y, "#f6f0ec")
+    chart.box((x.place(SENSITIVITY_LIMIT), x.end), _BOX_Y, "#f6f0ec")
     draw_box(chart, x, y, x_label="max|S| (smaller is more robust)", y_label="mean error, × best")
-    chart.line((x.place(ROBUST),) * 2, _BOX_Y, _LIMIT, 0.8)
-    words = f"limit {short_text(ROBUST)}"
-    chart.text(x.place(ROBUST), _BOX_Y[1] - 4.0, words, anchor="middle", colour=_LIMIT)
+    chart.line((x.place(SENSITIVITY_LIMIT),) * 2, _BOX_Y, _LIMIT, 0.8)
+    words = f"limit {short_text(SENSITIVITY_LIMIT)}"
+    chart.text(x.place(SENSITIVITY_LIMIT), _BOX_Y[1] - 4.0, words, anchor="middle", colour=_LIMIT)
     points = [(x.place(p), y.place(e)) for p, e in zip(peaks, errors, strict=True)]
     labels: list[tuple[float, float]] = []
     for point in points:

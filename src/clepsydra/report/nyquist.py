@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from clepsydra.design.gain_units import has_range
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.response import frequency_response
 from clepsydra.report.colours import INK, MUTED, signal_colours
@@ -49,7 +50,7 @@ def nyquist_figure(analysis: Analysis) -> Figure:
     """
     model, process = analysis.model, analysis.operating_point.process
     signals = [process.signal(name) for name in (*model.outputs, *model.inputs)]
-    percent = all(0.0 < signal.percent_span < np.inf for signal in signals)
+    percent = all(map(has_range, signals))
     colours = signal_colours(process)
     omegas = shown_frequencies(analysis)
 

@@ -50,8 +50,6 @@ _TIES = (
 )
 RULE = _GROUPS + _USUAL + _TIES
 
-#: Largest max|S| of a robust controller.
-ROBUST = 2.0
 #: Largest noise movement of a quiet controller, share of the input's range.
 QUIET = 0.05
 #: What is smaller is rounding, and no reason to call a controller many times worse than another:

@@ -14,6 +14,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
 from clepsydra.design.applicability import NotApplicable
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
@@ -41,7 +42,6 @@ _START, _AVERAGING_START, _TUNED = "PI, SIMC", "PI, arrest time", "{}, tuned"
 #: A tuned controller may have this many times the total variation of its start, or as much as
 #: leaves this share of the noise movement of a quiet one: noise makes most of the moves.
 _WEAR, _OF_QUIET = 2.0, 0.9
-_LARGEST_PEAK = 2.0
 #: The global search of a tuning that nobody asked for simulates about so many samples of each
 #: candidate in all, but has at least so many generations.
 _SIMULATED, _FEWEST = 400_000, 8
@@ -257,7 +257,7 @@ class _Study:
             name: more * start.scores[f"total_variation[{name}]"]
             for name in start.controller.manipulated
         }
-        limits = Limits(_LARGEST_PEAK, total_variation=wear)
+        limits = Limits(SENSITIVITY_LIMIT, total_variation=wear)
         if not self.process.averaging:
             return start.controller, None, limits
         limits = replace(limits, levels=levels_used(start.run, self.process.averaging))

@@ -37,17 +37,6 @@ def scan_parameters(sampling_period: float, tolerance: float) -> list[Signal]:
     ]
 
 
-def unwired_time_step() -> dict[str, float]:
-    """Return what the time step is until somebody wires it: none, which has a status bit.
-
-    Examples
-    --------
-    >>> unwired_time_step()
-    {'time_step': 0.0}
-    """
-    return {"time_step": 0.0}
-
-
 def scan_time_off(symbols: Symbols, anew: ca.SX) -> ca.SX:
     """Return whether the measured time step differs from the sampling period by too much.
 

@@ -18,7 +18,7 @@ from clepsydra.controllers.plant_shell.fail_safe import (
 )
 from clepsydra.controllers.plant_shell.members import Members, members_of
 from clepsydra.controllers.plant_shell.output_limits import rate_limit_parameter
-from clepsydra.controllers.plant_shell.scan_time import scan_parameters, unwired_time_step
+from clepsydra.controllers.plant_shell.scan_time import scan_parameters
 from clepsydra.controllers.plant_shell.sensor_diagnosis import MonitoredSensor
 from clepsydra.controllers.plant_shell.setpoint_ramp import RampedSetpoint
 from clepsydra.controllers.plant_shell.settings import PlantShell
@@ -191,7 +191,7 @@ def _shelled(
     _check_clashes(bare, [start_input(), acknowledge_input(), *parameters, *state, watchdog])
     initial = {**bare.initial_state, **{signal.name: signal.initial for signal in state}}
     # An input that nobody wires is to be seen: no sensor, manual, and no time between two scans.
-    unwired = unwired_time_step()
+    unwired = {"time_step": 0.0}
     for sensor in members.sensors:
         unwired |= sensor.unwired()
     for output in members.outputs:

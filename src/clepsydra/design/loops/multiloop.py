@@ -15,7 +15,7 @@ from clepsydra.controllers.multiloop_pid import Decoupling, family, multiloop_pi
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.design.applicability import NotApplicable
 from clepsydra.design.decoupling import inverted_decoupler
-from clepsydra.design.designed_values import designed_values, rounded_values
+from clepsydra.design.designed_values import applicable_values, designed_values, rounded_values
 from clepsydra.design.loops.control_authority import check_ranges, largest_proportional_gain
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT, Detuned
 from clepsydra.design.loops.law_settings import law_settings
@@ -144,7 +144,7 @@ class MultiloopPid:
         NotApplicable
             A setting is outside of what a controller takes.
         """
-        values = designed_values(self._law, self._values(found.settings), self.point, self.method)
+        values = applicable_values(self._law, self._values(found.settings), self.method)
         return dataclasses.replace(
             self._without_settings,
             design=(

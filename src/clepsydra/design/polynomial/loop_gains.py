@@ -10,7 +10,7 @@ from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.polynomial_controller import PolynomialShape
 from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.designed_values import designed_values, rounded_values
+from clepsydra.design.designed_values import applicable_values, rounded_values
 from clepsydra.design.gain_units import percent_gain
 from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.design.polynomial.paired_models import ModelledPair
@@ -168,7 +168,7 @@ class PairedDesign(NamedTuple):
         return rounded_values(self.law, values, self.point)
 
     def _with(self, gains: Sequence[LoopGains]) -> Controller:
-        values = designed_values(self.law, self._values(gains), self.point, self.method)
+        values = applicable_values(self.law, self._values(gains), self.method)
         at_rest: dict[str, float] = {}
         for i, pair in enumerate(self.pairs, start=1):
             at_rest |= {f"setpoint_{i}": pair.resting_output, f"tracking_{i}": pair.resting_input}

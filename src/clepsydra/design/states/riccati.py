@@ -8,8 +8,8 @@ import numpy as np
 
 from clepsydra.design.applicability import NotApplicable
 
-#: A solution with a larger residual, as a share of its largest term, is none.
 _REFINEMENTS = 2
+#: A solution with a larger residual, as a share of its largest term, is none.
 LARGEST_RESIDUAL = 1e-9
 
 

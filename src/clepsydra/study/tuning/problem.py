@@ -165,14 +165,14 @@ class TuningProblem:
         InputError
         """
         own = self.space.controller.values
-        row = self._run_with(own)[0]
-        self.start_scores = dict(zip(self.names, row[:-1].tolist(), strict=True))
+        rows = self._run_with(own)
+        self.start_scores = self._named(rows)
         # What happens at the start in any case, an empty tank say, is no fault of a candidate;
         # that a run means nothing is never usual.
         meaningless = LaneStatus.NOT_A_NUMBER | LaneStatus.STEP_TOO_LONG
-        self._usual = int(row[-1]) & ~int(meaningless)
+        self._usual = int(rows[0, -1]) & ~int(meaningless)
         self.objective.check_start(self.start_scores)
-        self.start = self.judge(own)
+        self.start = self._judged(own, rows)
         first = self.space.start[None, :]
         self.consider(first, self.evaluate(first))
 
@@ -187,11 +187,15 @@ class TuningProblem:
         The search moves between numbers that are not rounded; its start and what it found are
         controllers, whose numbers are.
         """
-        rows = self._run_with(values)
+        return self._judged(values, self._run_with(values))
+
+    def _judged(self, values: Mapping[str, float], rows: np.ndarray) -> Judgement:
         found = self._evaluation(rows)
-        scores = dict(zip(self.names, rows[0, :-1].tolist(), strict=True))
         peak = self._loops.at(values).maximum_sensitivity
-        return Judgement(scores, float(found.objective[0]), found.margins[0], peak)
+        return Judgement(self._named(rows), float(found.objective[0]), found.margins[0], peak)
+
+    def _named(self, rows: np.ndarray) -> dict[str, float]:
+        return dict(zip(self.names, rows[0, :-1].tolist(), strict=True))
 
     def evaluate(self, points: np.ndarray, proper: int | None = None) -> Evaluation:
         """Return what simulation says of candidates [n, p].

@@ -6,14 +6,15 @@ import math
 
 import numpy as np
 
+from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.linear.disk_margin import DiskMargin
 from clepsydra.linear.structured_norm import structured_norm
 from clepsydra.study.warnings.channel import Channel
 from clepsydra.study.warnings.loop_response import LoopResponse
 
-#: What the ranking calls robust: 2, and what six digits of a gain leave open of a design that ends
-#: there.
-LARGEST_PEAK = 2.0 * (1.0 + 3e-5)
+#: What the ranking calls robust: the limit of the designs, and what six digits of a gain leave
+#: open of a design that ends there.
+LARGEST_PEAK = SENSITIVITY_LIMIT * (1.0 + 3e-5)
 _GAIN = 2.0
 _PHASE = math.radians(30.0)
 #: A peak of 2 leaves 2 asin(1/4) = 29°, which is no second warning.

@@ -19,8 +19,8 @@ from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.poles import origin_radius
 from clepsydra.linear.roots import roots_of
 from clepsydra.study.warnings.loop_response import LoopResponse, loop_response
+from clepsydra.study.warnings.margins import LARGEST_PEAK
 
-_LARGEST_PEAK = 2.0
 _FASTEST_TURN = 0.5
 #: A gain of so many times the largest that the room of the input allows is too large.
 _TOO_LARGE = 3.0
@@ -143,7 +143,7 @@ class _Loops:
         return found
 
     def is_calm(self, response: LoopResponse) -> bool:
-        return response.loop.maximum_sensitivity <= _LARGEST_PEAK * (1.0 + 1e-6)
+        return response.loop.maximum_sensitivity <= LARGEST_PEAK
 
     def conversions(self, numbers: list[int]) -> Iterator[tuple[Units, dict[int, float]]]:
         """Yield the units that gains may be in, and the factor of each loop to those of the law.
