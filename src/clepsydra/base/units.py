@@ -60,8 +60,8 @@ _LONGEST_TEXT = 120
 _LONGEST_UNIT = 60
 
 
-def split_quantity(text: str) -> tuple[str, str] | None:
-    """Split text into its number and its unit; None where it does not begin with a number.
+def split_quantity(text: object) -> tuple[str, str] | None:
+    """Split text into its number and its unit; None for what is none or begins with no number.
 
     Examples
     --------
@@ -70,7 +70,7 @@ def split_quantity(text: str) -> tuple[str, str] | None:
     >>> split_quantity("50%")
     ('50', '%')
     """
-    if len(text) > _LONGEST_TEXT:
+    if not isinstance(text, str) or len(text) > _LONGEST_TEXT:
         return None
     match = _NUMBER.fullmatch(text)
     return (match[1], match[2]) if match else None

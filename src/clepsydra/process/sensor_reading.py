@@ -191,8 +191,7 @@ def read_share(
     >>> read_share(table, "noise", SensorScale("A", 0.004, 0.02))
     8e-05
     """
-    written = table.raw(key)
-    parts = split_quantity(written) if isinstance(written, str) else None
+    parts = split_quantity(table.raw(key))
     above = 0.0 if at_least is None else None
     remedy = "give it in % of the range, or in the unit of the range"
     what = f"a {key}"

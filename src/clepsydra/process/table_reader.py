@@ -277,7 +277,7 @@ class TableReader:
         for key in keys:
             value = self._content.get(key)
             last = value[-1] if isinstance(value, list) and value else value
-            parts = split_quantity(last) if isinstance(last, str) else None
+            parts = split_quantity(last)
             if parts is not None and parts[1]:
                 units[key] = parts[1]
         return units

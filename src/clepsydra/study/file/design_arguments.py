@@ -165,8 +165,7 @@ def _per_hour(table: TableReader, key: str, process: Process) -> float:
 def _angle(table: TableReader, key: str, process: Process) -> float:
     """Read an angle above zero and below half a turn [rad]."""
     remedy = 'write as in "60 deg"'
-    written = table.raw(key)
-    parts = split_quantity(written) if isinstance(written, str) else None
+    parts = split_quantity(table.raw(key))
     # Any share would be taken for radians: 60 % of them are 34 deg.
     if parts is None or parts[1] not in _ANGLES:
         raise table.refused(key, table.written(key), "an angle in deg or rad", remedy)
@@ -179,8 +178,7 @@ def _angle(table: TableReader, key: str, process: Process) -> float:
 def _rate(table: TableReader, key: str, process: Process) -> float:
     """Read an angular frequency above zero [rad/s]."""
     remedy = 'write as in "0.01 rad/s"'
-    written = table.raw(key)
-    parts = split_quantity(written) if isinstance(written, str) else None
+    parts = split_quantity(table.raw(key))
     # Units of an angle are numbers, so that a hertz would be taken for one radian a second.
     if parts is not None and re.search("hz|hertz", parts[1], re.IGNORECASE):
         raise table.refused(

@@ -59,7 +59,7 @@ def read_gain(
     [2.0, 4.0]
     """
     text = table.raw(key) if table.has(key) else None
-    parts = split_quantity(text) if isinstance(text, str) else None
+    parts = split_quantity(text)
     unit = unit_of_gain(moved, measured, time)
     if parts is None or not parts[1]:
         words, example = _of_gain(expected, moved, measured, time)
@@ -134,7 +134,7 @@ def check_unit(
         raise table.refused(key, f"no {key}", expected, f"{remedy}: {write}")
     written = table.raw(key)
     number = isinstance(written, (int, float)) and not isinstance(written, bool)
-    parts = split_quantity(written) if isinstance(written, str) else None
+    parts = split_quantity(written)
     if not number and parts is None:
         raise table.refused(key, table.written(key), expected, write)
     written_unit = parts[1] if parts else ""
@@ -180,7 +180,7 @@ def read_value(
     [0.012, 0.012]
     """
     text = table.raw(key) if table.has(key) else None
-    parts = split_quantity(text) if isinstance(text, str) else None
+    parts = split_quantity(text)
     if parts is not None and parts[1] == "%" and signal.unit != "1" and math.isfinite(signal.span):
         percent = 100.0 * to_si(text, "1", table.place(key))
         value = signal.from_percent(percent)
@@ -226,7 +226,7 @@ def read_rate(table: TableReader, key: str, signal: Signal, expected: str, remed
     [1e-05, 2.6667e-05]
     """
     text = table.raw(key) if table.has(key) else None
-    parts = split_quantity(text) if isinstance(text, str) else None
+    parts = split_quantity(text)
     unit = "1/s" if signal.unit == "1" else f"{signal.unit}/s"
     finite = signal.unit != "1" and math.isfinite(signal.span)
     if parts is not None and parts[1].startswith("%/") and finite:

@@ -9,6 +9,7 @@ from typing import Literal
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import convertible
+from clepsydra.controllers.signals import ratio_of_units
 from clepsydra.design.gain_units import has_range
 
 #: What a gain has beside the units of its signals: nothing, 1/s (integral) or s (derivative).
@@ -98,10 +99,7 @@ def unit_of_gain(moved: Signal, measured: Signal, time: Time = "1") -> str:
     >>> unit_of_gain(flow, strength), unit_of_gain(flow, flow, "1/s")
     ('m^3/s/(mol/m^3)', '1/s')
     """
-    below = measured.unit
-    unit = moved.unit
-    if below != "1":
-        unit = f"{unit}/({below})" if "/" in below else f"{unit}/{below}"
+    unit = ratio_of_units(moved.unit, measured.unit)
     return times("1" if convertible(unit, "1") else unit, time)
 
 

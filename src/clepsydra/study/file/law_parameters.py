@@ -76,8 +76,7 @@ class LawParameters:
         parameter = self.known[name]
         # The law's "V/V" is a number, but not every number is in V/V.
         unit = unit_of_gain(parameter, Signal(""))
-        written = table.raw(key)
-        parts = split_quantity(written) if isinstance(written, str) else None
+        parts = split_quantity(table.raw(key))
         if parts is not None and parts[1] and not has_units_of(parts[1], parameter.unit):
             raise table.refused(
                 key,
