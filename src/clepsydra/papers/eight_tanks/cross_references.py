@@ -14,7 +14,7 @@ EQUATIONS = {
     21: "model with numbers",
     22: "first Diophantine equation",
     23: "second Diophantine equation",
-    24: "r0",
+    24: "feedforward gain r0",
     26: "quadratic criterion",
     27: "spectral factorisation",
     28: "polynomial of second order",

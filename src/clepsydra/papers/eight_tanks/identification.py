@@ -71,7 +71,7 @@ def _shapes() -> list[Row]:
             "(11)", "dimension of F", "F is (N−n−d) × 2n, y has N−n−d entries",
             F.shape == expected and len(y) == expected[0],
             f"{F.shape[0]} × {F.shape[1]} for N = {_SAMPLES}, n = 2, d = 5",
-            reason="counted in the matrix of (13) for all samples that have a past",
+            reason="Counted in the matrix of (13) for all samples that have a past.",
         ),
         damaged(
             stated(
@@ -134,17 +134,22 @@ def _simulation_cost(delay: int) -> float:
 
 
 def _gain() -> Row:
-    gains = [choice.fits[PRINTED_D].model.static_gain for choice in _records(1)]
-    mean = float(np.mean(gains))
+    mean, *others = (
+        float(np.mean([choice.fits[PRINTED_D].model.static_gain for choice in _records(faster)]))
+        for faster in _FASTER
+    )
     printed = printed_model().static_gain
     return claimed(
         "section 3.2", "least squares against fminsearch, by the gain (20)",
-        "better identification quality by fminsearch", abs(printed - GAIN) < abs(mean - GAIN),
+        "better identification quality by fminsearch",
+        all(abs(printed - GAIN) < abs(each - GAIN) for each in (mean, *others)),
         f"gain {mean:.2f} by least squares at d = 5, {printed:.3f} of (21), {GAIN} of (8)",
         "min/m²",
         reason=(
-            f"mean of {_RECORDS} records: what a model of too low an order leaves over is no white "
-            "noise, so that least squares puts the poles elsewhere and misses the gain"
+            f"Mean of {_RECORDS} records of white noise held for a sampling period; noise 2, 5 and "
+            f"10 times as fast gives {', '.join(f'{each:.2f}' for each in others)}. What a model "
+            "of too low an order leaves over is no white noise, so that least squares misses the "
+            "gain."
         ),
     )  # fmt: skip
 

@@ -157,7 +157,7 @@ def _robust() -> list[Row]:
             "section 7", "robustness of Figs. 7 to 12", "very good robustness", not weak,
             f"max|S| {', '.join(f'{design.peak:.2f}' for design in _six())}",
             reason=(
-                f"On the true chain; a robust loop has max|S| up to {_ROBUST:g}, which "
+                f"On the true chain; the usual bound of max|S| is {_ROBUST:g}, which "
                 f"{len(weak)} of {len(SIX)} do not keep. They become unstable when the chain's "
                 f"gain is {', '.join(f'{each:.0f}' for each in bears)} % larger than in (8)."
             ),
@@ -165,7 +165,8 @@ def _robust() -> list[Row]:
         remark(
             "section 7", "robustness beside a plain PID", "no other controller is compared",
             f"PID by AMIGO: {pid.in_words()}",
-            reason="Plain sampled PID on the same chain, as robust as none of the six is.",
+            reason="By a first-order model with delay, sampled as the six are, on the same chain. "
+            "None of them is as robust.",
         ),
     ]  # fmt: skip
 
