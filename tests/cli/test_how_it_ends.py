@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and devices of POSIX")
-COMMAND = [sys.executable, "-c", "from clepsydra.cli import main; main()"]
+COMMAND = "from clepsydra.cli import main; main()"
 PATHS = os.pathsep.join(str(Path(path).resolve()) for path in sys.path if path)
 FULL = Path("/dev/full")
 
 
-def start(folder: Path, *arguments: str, **options) -> subprocess.Popen:
+def start(folder: Path, *arguments: str, code: str = COMMAND, **options) -> subprocess.Popen:
     return subprocess.Popen(
-        [*COMMAND, *arguments],
+        [sys.executable, "-c", code, *arguments],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": PATHS},
         stderr=subprocess.PIPE,
@@ -56,14 +56,7 @@ def test_a_signal_ends_it_with_its_status_and_leaves_nothing(tmp_path, number, s
         "import clepsydra.process.reader as reader; reader.load_process = writes\n"
         "main()\n"
     )
-    process = subprocess.Popen(
-        [sys.executable, "-c", code, "analyse", "quadruple-tank"],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": PATHS},
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=in_the_foreground,
-    )
+    process = start(tmp_path, "analyse", "quadruple-tank", code=code, preexec_fn=in_the_foreground)
     while not any(path.read_text() for path in tmp_path.glob("*.part")):
         assert process.poll() is None, process.communicate()
         time.sleep(0.02)

@@ -1,16 +1,15 @@
 """Printed Structured Text made to run by matiec, the compiler of OpenPLC and Beremiz."""
 
 import ctypes
-import math
 import os
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
+from scanned_library import ScannedLibrary
 
 from clepsydra.deploy.printing.entries import is_ring, signal_of
-from clepsydra.deploy.proof.instance import Instance
 from clepsydra.deploy.structured_text.printer import print_structured_text
 
 _CTYPES = {"LREAL": "double", "REAL": "float", "DINT": "int32_t", "BOOL": "uint8_t"}
@@ -79,12 +78,11 @@ void scan(const double *given, double *found)
 )
 
 
-class CompiledByMatiec(Instance):
+class CompiledByMatiec(ScannedLibrary):
     """A function block of matiec's C as a shared library, one instance of its state."""
 
     def __init__(self, program, folder: Path, precision="double") -> None:
         super().__init__(program)
-        self._signals = (*program.inputs, *program.parameters)
         matiec = Matiec()
         text = print_structured_text(program, precision=precision, dialect="matiec")
         matiec.translate(text, folder)
@@ -101,21 +99,5 @@ class CompiledByMatiec(Instance):
         source = BLOCK.format(
             block=program.name.upper(), writes="\n".join(writes), reads="\n".join(reads)
         )
-        self._library = matiec.build(source, folder, program.name)
-        self._given = (ctypes.c_double * max(1, len(self._signals)))()
-        self._found = (ctypes.c_double * max(1, len(shown)))()
-        self._count = len(shown)
+        self._take(matiec.build(source, folder, program.name), len(shown))
         self._library.start()
-
-    def __call__(self, inputs):
-        """Run one scan and return the outputs in order."""
-        for place, signal in enumerate(self._signals):
-            value = inputs.get(signal.name, math.nan)
-            printed = math.isnan(value) and place >= len(self.program.inputs)
-            self._given[place] = signal.initial if printed else value
-        self._library.scan(self._given, self._found)
-        return self._found[: len(self.program.outputs)]
-
-    def state(self):
-        """The state after the last scan."""
-        return self._found[len(self.program.outputs) : self._count]

@@ -1,16 +1,15 @@
 """Printed Structured Text made to run by STruC++, the newer compiler of OpenPLC."""
 
 import ctypes
-import math
 import os
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
+from scanned_library import ScannedLibrary
 
 from clepsydra.deploy.printing.entries import is_ring, signal_of
-from clepsydra.deploy.proof.instance import Instance
 from clepsydra.deploy.structured_text.printer import print_structured_text
 
 BLOCK = """#include "printed.cpp"
@@ -56,12 +55,11 @@ class Strucpp:
         return ctypes.CDLL(str(target))
 
 
-class CompiledByStrucpp(Instance):
+class CompiledByStrucpp(ScannedLibrary):
     """A function block of STruC++'s C++ as a shared library, one instance of its state."""
 
     def __init__(self, program, folder: Path, dialect: str = "matiec") -> None:
         super().__init__(program)
-        self._signals = (*program.inputs, *program.parameters)
         compiler = Strucpp()
         compiler.translate(print_structured_text(program, dialect=dialect), folder)
         kinds = {"real": "double", "integer": "int32_t", "boolean": "bool"}
@@ -82,20 +80,4 @@ class CompiledByStrucpp(Instance):
         source = BLOCK.format(
             block=program.name.upper(), writes="\n".join(writes), reads="\n".join(reads)
         )
-        self._library = compiler.build(source, folder)
-        self._given = (ctypes.c_double * max(1, len(self._signals)))()
-        self._found = (ctypes.c_double * max(1, len(shown)))()
-        self._count = len(shown)
-
-    def __call__(self, inputs):
-        """Run one scan and return the outputs in order."""
-        for place, signal in enumerate(self._signals):
-            value = inputs.get(signal.name, math.nan)
-            printed = math.isnan(value) and place >= len(self.program.inputs)
-            self._given[place] = signal.initial if printed else value
-        self._library.scan(self._given, self._found)
-        return self._found[: len(self.program.outputs)]
-
-    def state(self):
-        """The state after the last scan."""
-        return self._found[len(self.program.outputs) : self._count]
+        self._take(compiler.build(source, folder), len(shown))

@@ -93,9 +93,13 @@ def left_by_fit(values):
 
 def written_out(residuals, jacobian, moved):
     """Return the probability of the F test of two nested regressions, by their sums of squares."""
-    lags = np.unique(np.rint(np.geomspace(1, len(residuals) // 8, 6)).astype(int))
-    late = np.stack([np.concatenate([np.zeros(k), moved[:-k]]) for k in lags], axis=1)
-    return nested(residuals, jacobian, late)
+    return nested(residuals, jacobian, late_by(moved))
+
+
+def late_by(moved):
+    """Return a signal [N] late by each lag that is tried."""
+    lags = np.unique(np.rint(np.geomspace(1, len(moved) // 8, 6)).astype(int))
+    return np.stack([np.concatenate([np.zeros(k), moved[:-k]]) for k in lags], axis=1)
 
 
 def nested(residuals, jacobian, late):
@@ -124,12 +128,9 @@ def test_of_coloured_residuals_everything_is_whitened_first():
     jacobian = SMOOTH[:, :2]
     found = residual_tests(residuals, jacobian, u[:, None])
     assert not found.white
-    lags = np.unique(np.rint(np.geomspace(1, 10, 6)).astype(int))
-    moved = u - u[0]
-    late = np.stack([np.concatenate([np.zeros(k), moved[:-k]]) for k in lags], axis=1)
     white = [
         lfilter(found.noise.coefficients, [1.0], each, axis=0)
-        for each in (residuals, jacobian, late)
+        for each in (residuals, jacobian, late_by(u - u[0]))
     ]
     assert found.independence == pytest.approx(nested(*white), rel=1e-6)
 

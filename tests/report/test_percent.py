@@ -21,8 +21,8 @@ from clepsydra.report.recording import recording_of
 PLANT = """
 name = "brine"
 sampling_period = "2 s"
-controlled = ["salinity"]
-manipulated = ["brine"]
+controlled = ["{controlled}"]
+manipulated = ["{manipulated}"]
 [components.salt]
 range = ["2 g/l", "32 g/l"]
 [reservoirs.basin]
@@ -64,10 +64,21 @@ AT_REST = (0.4825 - 0.1) / 0.5 * 100.0
 
 
 @pytest.fixture
-def plant(tmp_path):
-    path = tmp_path / "brine.toml"
-    path.write_text(PLANT.format(sensors=SALINITY + LEVEL), encoding="utf-8")
-    return load_process(path)
+def made(tmp_path):
+    """Return a function that makes the plant with these sensors and roles of its signals."""
+
+    def make(sensors, controlled="salinity", manipulated="brine"):
+        path = tmp_path / "brine.toml"
+        roles = {"controlled": controlled, "manipulated": manipulated}
+        path.write_text(PLANT.format(sensors=sensors, **roles), encoding="utf-8")
+        return load_process(path)
+
+    return make
+
+
+@pytest.fixture
+def plant(made):
+    return made(SALINITY + LEVEL)
 
 
 def test_a_table_says_the_percent_of_the_sensor(plant):
@@ -105,39 +116,33 @@ def test_a_drawing_says_the_percent_of_the_sensor_and_fills_the_tank_to_its_leve
     assert f"tank: level 0.483 m of 1.00 m, {AT_REST:.1f} %" in svg
 
 
-def test_the_controlled_sensor_of_several_decides(tmp_path):
+def test_the_controlled_sensor_of_several_decides(made):
     second = SALINITY.replace("salinity", "trace").replace("50 g/l", "20 g/l")
-    path = tmp_path / "brine.toml"
-    path.write_text(PLANT.format(sensors=second + SALINITY + LEVEL), encoding="utf-8")
-    assert percent_scale(load_process(path), "tank.salt") == pytest.approx((0.0, 50.0))
+    process = made(second + SALINITY + LEVEL)
+    assert percent_scale(process, "tank.salt") == pytest.approx((0.0, 50.0))
 
 
-def test_a_locus_is_in_the_percent_of_the_sensor(tmp_path):
+def test_a_locus_is_in_the_percent_of_the_sensor(made):
     """A range that goes on to 120 % is no other percent: the locus is the same."""
     loci = []
     for span, most in (("60 cm", "100 %"), ("70 cm", "120 %")):
         level = LEVEL.replace("70 cm", span).replace("120 %", most)
-        path = tmp_path / "brine.toml"
-        text = PLANT.format(sensors=SALINITY + level).replace('["salinity"]', '["level"]')
-        path.write_text(text, encoding="utf-8")
-        (axes,) = nyquist_figure(analyse(load_process(path))).axes
+        (axes,) = nyquist_figure(analyse(made(SALINITY + level, "level"))).axes
         assert axes.get_xlabel() == "real part [% per %]"
         loci.append(max(axes.lines, key=lambda line: abs(line.get_xdata()[0])).get_xdata())
     assert loci[0] == pytest.approx(loci[1])
 
 
-def test_a_picture_shows_a_manipulated_flow_as_it_runs(tmp_path):
+def test_a_picture_shows_a_manipulated_flow_as_it_runs(made):
     """An outflow that is asked for and not there, since its tank is empty, reads nothing."""
-    path = tmp_path / "brine.toml"
     more = """
 [flows.outflow]
 source = "tank"
 range = ["0 l/min", "300 l/min"]
 nominal = "20 l/min"
 """
-    text = PLANT.format(sensors=SALINITY + LEVEL.replace("10 cm", "0 cm") + more)
-    path.write_text(text.replace('["salinity"]', '["level"]').replace('["brine"]', '["outflow"]'))
-    analysis = analyse(load_process(path))
+    sensors = SALINITY + LEVEL.replace("10 cm", "0 cm") + more
+    analysis = analyse(made(sensors, "level", "outflow"))
     model = analysis.model
     controller = design_simc(model, analysis.pairing)
     nothing = np.zeros((300, 2))
