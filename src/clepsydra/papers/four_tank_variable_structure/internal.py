@@ -130,12 +130,12 @@ def _shown(run: Run) -> list[Row]:
             "outputs of P+ under (9) until a pump saturates",
             _TEXT,
             f"{100 * max(errors) / VOLTS_PER_METRE:.1e} cm for {end - start:.0f} s",
-            reason="Both lower levels stand at their setpoints, and a table of them shows "
-            "nothing wrong.",
+            reason="After a step of half a centimetre. Both lower levels stand at their "
+            "setpoints, and a table of them shows nothing wrong.",
         ),
         remark(
             "section 3",
-            "upper levels of P+ meanwhile",
+            "upper levels of P+ near rest",
             _TEXT,
             f"{growth:+.4f}",
             "1/s",
