@@ -18,15 +18,7 @@ def accuracy_warnings(run: Run) -> list[str]:
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> loop = Loop(design_simc(analysis.model, analysis.pairing), analysis.model)
-    >>> accuracy_warnings(loop.run_checked(default_scenario(analysis.model)))
-    []
+    See `clepsydra.study.warnings.after.run_warnings`.
     """
     if run.error_estimate is None or run.error_estimate <= _ERROR:
         return []

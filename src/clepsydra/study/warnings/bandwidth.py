@@ -144,17 +144,7 @@ def bandwidth_warnings(
 
     Examples
     --------
-    A loop that is designed for its zero raises none:
-
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.study.warnings.loop_response import loop_response
-    >>> analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> response = loop_response(controller, analysis.model)
-    >>> bandwidth_warnings(analysis.model, response, blocking_zeros(analysis.model))
-    []
+    See `clepsydra.study.warnings.before.warnings_before`.
     """
     words = []
     for found in zeros:

@@ -47,15 +47,7 @@ def level_warnings(
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("wet-well"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> scenario = default_scenario(analysis.model)
-    >>> level_warnings(controller, analysis.operating_point, scenario, [])
-    []
+    See `clepsydra.study.warnings.before.warnings_before`.
     """
     process, words, controlled = point.process, [], set()
     for name in dict.fromkeys(controller.setpoints):

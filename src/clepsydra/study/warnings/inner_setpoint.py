@@ -22,18 +22,7 @@ def inner_setpoint_warnings(run: Run) -> list[str]:
 
     Examples
     --------
-    A single loop has no inner setpoint:
-
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
-    >>> inner_setpoint_warnings(run)
-    []
+    See `clepsydra.study.warnings.after.run_warnings`.
     """
     words = []
     for inner in inner_setpoints(run.controller, run.process):

@@ -53,14 +53,7 @@ def margin_warnings(response: LoopResponse) -> list[str]:
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.study.warnings.loop_response import loop_response
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> margin_warnings(loop_response(controller, analysis.model))
-    []
+    See `clepsydra.study.warnings.before.warnings_before`.
     """
     if not response.loop.is_stable:
         return []

@@ -38,14 +38,7 @@ def sampling_warnings(controller: Controller, response: LoopResponse) -> list[st
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.study.warnings.loop_response import loop_response
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> sampling_warnings(controller, loop_response(controller, analysis.model))
-    []
+    See `clepsydra.study.warnings.before.warnings_before`.
     """
     return [*_crossover(response), *_derivative(controller, response.period)]
 

@@ -39,13 +39,7 @@ def resting_saturation_warnings(
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> resting_saturation_warnings(controller, analysis.operating_point, [])
-    []
+    See `clepsydra.study.warnings.before.warnings_before`.
     """
     process, at, words = point.process, point.as_dict(), []
     for name in controller.manipulated:
@@ -83,15 +77,7 @@ def saturation_warnings(run: Run) -> list[str]:
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> saturation_warnings(Loop(controller, analysis.model).run(default_scenario(analysis.model)))
-    []
+    See `clepsydra.study.warnings.after.run_warnings`.
     """
     if not run.controller.setpoints:  # pumps that start and stop stand at their limits
         return []

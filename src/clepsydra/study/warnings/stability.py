@@ -61,15 +61,7 @@ def stability_warnings(
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.study.warnings.loop_response import loop_response
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> response = loop_response(controller, analysis.model)
-    >>> stability_warnings(controller, analysis.model, response, [])
-    []
+    See `clepsydra.study.warnings.before.warnings_before`.
     """
     return [
         *_loop(response),

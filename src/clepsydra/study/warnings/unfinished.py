@@ -30,17 +30,7 @@ def unfinished_warnings(run: Run) -> list[str]:
 
     Examples
     --------
-    The quadruple tank has no level that is there to average:
-
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> unfinished_warnings(Loop(controller, analysis.model).run(default_scenario(analysis.model)))
-    []
+    See `clepsydra.study.warnings.after.warnings_after`.
     """
     words = []
     for name in run.process.averaging:

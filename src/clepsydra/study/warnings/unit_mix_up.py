@@ -65,13 +65,7 @@ def unit_warnings(controller: Controller, model: LinearModel, response: LoopResp
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> unit_warnings(controller, analysis.model, loop_response(controller, analysis.model))
-    []
+    See `clepsydra.study.warnings.before.warnings_before`.
     """
     if not controller.family.startswith("multiloop"):
         return []

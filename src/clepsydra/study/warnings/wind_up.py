@@ -88,15 +88,7 @@ def wind_up_warnings(
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> scenario = default_scenario(analysis.model)
-    >>> wind_up_warnings(controller, analysis.operating_point, None, scenario)
-    []
+    See `clepsydra.study.warnings.before.warnings_before`.
     """
     return [
         *_without(controller, point, response, scenario),
