@@ -57,8 +57,8 @@ def _units() -> list[Row]:
         stated(
             "Table 1", "unit of h3s", "cm", "m",
             abs(third[1, 2] - 0.0257) < 5e-5 and abs(third[2, 2] + 0.0371) < 5e-5,
-            f"With h3s = 0.4 cm A23 and A33 of (2) are {third[1, 2]:.4f} and {third[2, 2]:.4f} 1/s,"
-            f" with 0.4 m {metres[1, 2]:.4f} and {metres[2, 2]:.4f}; "
+            f"With h3s = 0.4 cm, and h2s = 0.45 m, A23 and A33 of (2) are {third[1, 2]:.4f} and "
+            f"{third[2, 2]:.4f} 1/s, with 0.4 m {metres[1, 2]:.4f} and {metres[2, 2]:.4f}; "
             "0.0257 and -0.0371 are printed.",
         ),
     ]  # fmt: skip
@@ -74,9 +74,9 @@ def _rest() -> list[Row]:
         compared(
             "Table 1", "q2s at 0.40 m in tank 3", "50", float(flows[2]), "cm³/s",
             unprinted="Table 1 prints 0.4 cm, which cannot be meant: (2) needs metres. Its levels, "
-            f"read in metres, and its coefficients contradict each other: q12, q23 and q2 come out "
-            f"as {shown} cm³/s. C2 = {second:.4f} and C3 = {third:.5f} would make the "
-            "last two 50 cm³/s, but (2) uses the printed ones.",
+            "read in metres, and its coefficients contradict each other, and nothing tells which "
+            f"is wrong: q12, q23 and q2 come out as {shown} cm³/s. C2 = {second:.4f} and "
+            f"C3 = {third:.5f} would make the last two 50 cm³/s, but (2) uses the printed ones.",
         ),
         remark(
             "Table 1", "levels that 50 cm³/s keeps", "0.5, 0.45 and 0.4", levels, "m",

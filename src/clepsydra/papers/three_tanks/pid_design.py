@@ -181,11 +181,12 @@ def _loop() -> list[Row]:
         ),
         compared(
             place, "VGM", "88.3", peak, "dB",
-            unprinted="20 log10 max|S|, the document's S∞. By its (6) the largest value of |S| is "
-            "taken where the phase is -180°, and this loop has no such frequency.",
+            unprinted="20 log10 max|S|, the document's S∞. (6) takes |S| where the phase is -180°; "
+            "this loop has no such frequency, and what was taken instead is not said.",
         ),
         claimed(
-            place, "VGM of the PID", "above the limit of 9.5 dB", peak > 9.5, f"{peak:.2f} dB",
+            place, "VGM of the PID", "88.3 dB, above the limit of 9.5 dB", peak > 9.5,
+            f"{peak:.2f} dB",
             reason="|S| of this loop stays below 9.5 dB at every frequency.",
         ),
     ]  # fmt: skip
