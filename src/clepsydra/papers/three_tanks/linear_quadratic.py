@@ -117,7 +117,7 @@ def _claims() -> list[Row]:
         claimed(
             "stability analysis", "VGM of both controllers",
             "FSFB with a greater dominant pole and LQC with a very small R within 3.5 to 9.5 dB",
-            any(3.5 <= min(pair) and max(pair) <= 9.5 for pair in zip(*fast.values(), strict=True)),
+            any(min(pair) >= 3.5 and max(pair) <= 9.5 for pair in zip(*fast.values(), strict=True)),
             "; ".join(
                 f"{name} {', '.join(f'{each:.2f}' for each in found)} dB"
                 for name, found in fast.items()
