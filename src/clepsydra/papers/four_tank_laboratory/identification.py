@@ -101,7 +101,7 @@ def _levels(set_up: SetUp) -> list[Row]:
                 _TABLES[set_up], f"h{tank}", set_up.levels[tank - 1],
                 100.0 * point[f"tank_{tank}.level"], "cm",
                 tolerance=1e-4 / float(set_up.holes[tank - 1]) + gravity,
-                why="At rest at 7.5 V. The four digits of the hole and g leave the tolerance open.",
+                why="At rest at 7.5 V. The digits of the hole and g leave the tolerance open.",
             ),
             "The way back: the printed hole comes from this level.",
         )
