@@ -11,7 +11,6 @@ from clepsydra.identify.ranking import ranked
 from clepsydra.identify.residual_tests import ResidualTests
 
 NOISE = np.random.default_rng(1).normal(0.0, 1.0, 60)
-HELD_BACK = np.arange(30.0)
 SETTINGS = ControlSettings(None, Signal("gain"), 1.0, 1.0)
 
 
@@ -20,16 +19,13 @@ def model(
     fitted=None, settings=SETTINGS, beyond=90.0,
 ):  # fmt: skip
     """Return a model of some fit, so much better than the output alone."""
-    alone = np.full(90, HELD_BACK.mean())
-    missed = (1.0 - beyond / 100.0) * (HELD_BACK - alone[-30:])
     return FittedModel(
         name=name, title=name, formula="",
         estimates=(Estimate(Signal("gain"), gain, gain - 0.1, gain + 0.1),),
-        parameters=parameters, simulated=np.concatenate([np.zeros(60), HELD_BACK - missed]),
-        alone=alone, residuals=left * NOISE,
+        parameters=parameters, simulated=np.zeros(90), residuals=left * NOISE,
         tests=ResidualTests(0.5 if white else 0.001, 0.5 if free else 0.001, None),
-        widening=1.0, fit=fit if fitted is None else fitted, validated=fit, chance=chance,
-        settings=settings, remarks=remarks,
+        widening=1.0, fit=fit if fitted is None else fitted, validated=fit, beyond=beyond,
+        chance=chance, settings=settings, remarks=remarks,
     )  # fmt: skip
 
 
@@ -83,15 +79,15 @@ ORDERS = {
 def test_the_order(case):
     wanted = [each.name for each in ORDERS[case]]
     for models in (ORDERS[case], ORDERS[case][::-1]):
-        assert [each.name for each in ranked(models, HELD_BACK)] == wanted
+        assert [each.name for each in ranked(models)] == wanted
 
 
 def test_without_a_model_of_use_the_first_has_a_doubt():
-    found = ranked([model("A", 95.0, chance=0.5), model("B", 5.0)], HELD_BACK)
+    found = ranked([model("A", 95.0, chance=0.5), model("B", 5.0)])
     assert [each.name for each in found] == ["A", "B"] and all(each.doubt for each in found)
 
 
 def test_no_sign_is_told_by_an_interval_around_zero():
     unsure = model("A", 95.0, gain=0.05)
     assert unsure.sign == 0
-    assert ranked([unsure], HELD_BACK)[0].doubt == "the record does not tell the sign of its gain"
+    assert ranked([unsure])[0].doubt == "the record does not tell the sign of its gain"

@@ -74,6 +74,7 @@ def arx_model(record: Record, manipulated: str, output: str) -> FittedModel:
         remarks.append(
             "its residuals are coloured, which biases its coefficients: take a transfer function"
         )
+    validated = fit_percent(y[count:], simulated[count:], rest)
     return FittedModel(
         name="ARX",
         title=f"ARX of order {order} with {model.delay} samples of delay",
@@ -81,12 +82,12 @@ def arx_model(record: Record, manipulated: str, output: str) -> FittedModel:
         estimates=tuple(estimates),
         parameters=2 * order + 1,
         simulated=simulated,
-        alone=np.full(len(y), rest),
         residuals=fit.residuals,
         tests=tests,
         widening=sure.widening,
         fit=fit_percent(y[:count], simulated[:count], rest),
-        validated=fit_percent(y[count:], simulated[count:], rest),
+        validated=validated,
+        beyond=validated,  # by itself it would stay at its mean
         chance=_chance(fit, y[count - rows : count], tests.noise, longest_delay(count) + 1),
         settings=None,
         remarks=tuple(remarks),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,8 +28,6 @@ class FittedModel:
         How many the dynamics have; rest and initial motion do not count.
     simulated : ndarray [N]
         Output over the whole record, from the inputs alone.
-    alone : ndarray [N]
-        What the output would do by itself, fitted without the input.
     residuals : ndarray
         Measured less modelled, of the last samples before the held-back third.
     tests : ResidualTests
@@ -38,6 +35,8 @@ class FittedModel:
         How much the colour of the residuals widened the intervals, at most.
     fit, validated : float
         Fit to the first two thirds and to the held-back third [%].
+    beyond : float
+        How much better it tells the held-back third than what the output does by itself [%].
     chance : float
         Probability that an input without any effect explains as much of the first two thirds.
     settings : ControlSettings or None
@@ -47,8 +46,6 @@ class FittedModel:
     outweighed : bool
         Whether something else moves the output more than ten times as strongly as all that the
         input did.
-    beyond : float
-        How much better it tells the held-back third than what the output does by itself [%].
 
     Examples
     --------
@@ -61,17 +58,16 @@ class FittedModel:
     estimates: tuple[Estimate, ...]
     parameters: int
     simulated: np.ndarray
-    alone: np.ndarray
     residuals: np.ndarray
     tests: ResidualTests
     widening: float
     fit: float
     validated: float
+    beyond: float
     chance: float
     settings: ControlSettings | None
     remarks: tuple[str, ...] = ()
     outweighed: bool = False
-    beyond: float = math.nan
 
     @property
     def is_told(self) -> bool:

@@ -191,7 +191,7 @@ def identify_model(
         record=record,
         manipulated=moved,
         output=output,
-        models=ranked(models, record.values[output.name][record.held_back :]),
+        models=ranked(models),
         refused=tuple(refused),
         warnings=_warnings(record, moved, output),
     )

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from clepsydra.identify.fitted_model import FittedModel
 from clepsydra.identify.input_effect import chance_of_no_effect
 from clepsydra.identify.residual_tests import SIGNIFICANT
-from clepsydra.identify.validation import EQUAL, USEFUL, fit_percent
+from clepsydra.identify.validation import EQUAL, USEFUL
 
 RANKING_RULE = (
     "Every model is fitted to the first two thirds of the record and simulated on through the "
@@ -26,25 +25,14 @@ RANKING_RULE = (
 )
 
 
-def ranked(models: Sequence[FittedModel], held_back: np.ndarray) -> tuple[FittedModel, ...]:
-    """Return the models, the one to use first, each held against the output by itself.
-
-    Parameters
-    ----------
-    models : sequence of FittedModel
-    held_back : ndarray [M]
-        The measured output of the last samples, which no fit has seen.
+def ranked(models: Sequence[FittedModel]) -> tuple[FittedModel, ...]:
+    """Return the models, the one to use first.
 
     Examples
     --------
     See `clepsydra.identify.identification.identify_model`.
     """
-    last = len(held_back)
-    judged = [
-        replace(model, beyond=fit_percent(held_back, model.simulated[-last:], model.alone[-last:]))
-        for model in models
-    ]
-    useful = [model for model in judged if model.doubt is None]
+    useful = [model for model in models if model.doubt is None]
     told = [model for model in useful if model.is_told] or useful
     fitting = [m for m in useful if _fit(m) >= max(map(_fit, told)) - USEFUL]
     white = [m for m in fitting if m.settings and m.tests.white and m.tests.independent]
@@ -69,7 +57,7 @@ def ranked(models: Sequence[FittedModel], held_back: np.ndarray) -> tuple[Fitted
             model.is_told,
         )
 
-    left = sorted(judged, key=_fit, reverse=True)
+    left = sorted(models, key=_fit, reverse=True)
     order: list[FittedModel] = []
     while left:
         best = max(standing(model) for model in left)

@@ -69,7 +69,7 @@ def transfer_model(
     sure = uncertainty(_apart(fit), fit.residuals, [tests.noise])
     signals = record.signal(manipulated, "input"), record.signal(output, "output")
     estimates = _estimates(fit, sure, *signals, float(u[0]))
-    simulated = fit.simulated(u)
+    simulated, by_itself = fit.simulated(u), alone[0].simulated(np.zeros(len(u)))
     rest = float(np.mean(y[:count]))
     element = _element(fit)
     return FittedModel(
@@ -79,12 +79,12 @@ def transfer_model(
         estimates=estimates,
         parameters=2 + structure.lags,
         simulated=simulated,
-        alone=alone[0].simulated(np.zeros(len(u))),
         residuals=fit.residuals,
         tests=tests,
         widening=sure.widening,
         fit=fit_percent(y[:count], simulated[:count], rest),
         validated=fit_percent(y[count:], simulated[count:], rest),
+        beyond=fit_percent(y[count:], simulated[count:], by_itself[count:]),
         chance=chance,
         settings=control_settings(
             element,
