@@ -69,16 +69,14 @@ class MotionStep:
             )
         return ca.vertcat(*parts) if parts else ca.SX(0, 1)
 
-    def stages(
-        self, length: ca.SX, first: ca.SX | float = 0.0, last: ca.SX | float = 1.0
-    ) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+    def stages(self, length: ca.SX, first: ca.SX, last: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         """Return the stages k₁ to k₄ of a part of a step [integral per second].
 
         Parameters
         ----------
         length : casadi.SX
             Of the part [s].
-        first, last : casadi.SX or float
+        first, last : casadi.SX
             Fractions of the step between which it lies.
         """
         start, half, between = self.integral, length / 2, (first + last) / 2
@@ -87,7 +85,7 @@ class MotionStep:
         k3 = self._rates(start + half * k2, between)
         return k1, k2, k3, self._rates(start + length * k3, last)
 
-    def _rates(self, integral: ca.SX, fraction: ca.SX | float) -> ca.SX:
+    def _rates(self, integral: ca.SX, fraction: ca.SX) -> ca.SX:
         z = self.delayed(self.ring, fraction)
         contents, entering, totals = self.motion.rates(integral[: self.contents], z, *self.held)
         chosen = [totals[index] for index in self.totals]

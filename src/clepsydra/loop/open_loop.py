@@ -14,7 +14,7 @@ from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.balance import Balance, balances
 from clepsydra.loop.happenings import Happening, happenings
-from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
+from clepsydra.loop.motion_block import MotionBlock, motion_at_rest, recorded_signals
 from clepsydra.loop.process_period import process_period
 from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.solver import Solver, check_solver
@@ -217,16 +217,14 @@ class _OpenLoop:
             values[name] = np.append(profile, profile[-1])
         time = process.sampling_period * np.arange(self.samples + 1, dtype=float)
         values |= forced_flows(process, time, values)
-        balanced = [s.name for s in motion.totals if s.name.startswith("balance.")]
         # Not from the last states: an emptied tank holds what was dissolved, which its volume
         # of nothing times a concentration does not give back.
-        contents = [s.name for s in motion.contents]
-        last = np.array([values[name][-1] for name in contents])
+        last = np.array([values[s.name][-1] for s in motion.contents])
         signals = (
             *process.state,
             *process.measurements,
             *self.outside,
-            *(s for s in self.recorded if s.name not in (*balanced, *contents)),
+            *recorded_signals(process),
         )
         return Simulation(
             process=process,
@@ -238,7 +236,7 @@ class _OpenLoop:
                 process,
                 self.contents,
                 last,
-                {name: float(values[name][-1]) for name in balanced},
+                {s.name: float(values[s.name][-1]) for s in motion.totals},
             ),
             substeps=substeps,
         )
