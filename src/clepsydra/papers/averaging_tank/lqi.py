@@ -313,7 +313,7 @@ def _claims() -> list[Row]:
         claimed(
             "section 4", "LQI, optimisation", "all indices but ISEG are lower than by hand",
             _count(found, _BY_TUNING) == 16, f"{_count(found, _BY_TUNING) } of 16 pairs",
-            reason="Indices but ISEG, both variants.",
+            reason="Computed indices but ISEG, both variants.",
         ),
         remark(
             "section 4", "settling time of V, LQI",

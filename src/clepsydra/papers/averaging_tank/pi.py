@@ -154,8 +154,8 @@ def _signed_error() -> list[Row]:
             why="IE is Ti/Kp ΔC, since C_in ends as much higher as C. ΔC, 0.25 kmol/m³, is not "
             "printed and follows from Table 7.",
             unprinted=f"Ti/Kp ΔC of (83) is {_error_of(OPTIMAL['inflow']):.3e}, and the same "
-            "relation gives the other variant's cell to all its digits: the cell or a constant of "
-            "(83) is misprinted, and nothing tells which.",
+            "relation gives the other variant's cell to all its digits: the cell and the constants "
+            "(83) contradict each other, and nothing tells which is wrong.",
         )
         for variant, printed in zip(_VARIANTS, TABLE_6["IE", "C"], strict=True)
     ]  # fmt: skip

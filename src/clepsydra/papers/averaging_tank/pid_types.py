@@ -30,10 +30,10 @@ def run() -> Findings:
                 "section 3.1.3", "best type of controller", "best results were achieved with PI",
                 best, "; ".join(shown),
                 reason="Larger index of C and V after minimax tuning of each type, at 2 ms, C_in "
-                "free, derivative on the error with a filter of Td/10. PID contains PI, and PI "
-                "contains P: PI is best where PID brings less than 1 %. The limit of the flow, "
-                "0 to 1 m³/s of section 3.3, leaves PID no room: by it alone IAE of V is at least "
-                "6.25e-3 with f_out constant and 2.50e-2 with f_in constant.",
+                "free, derivative on the error with a filter of Td/10. PI contains P; PID contains "
+                "PI and brings less than 1 % more. The limit of the flow, 0 to 1 m³/s of section "
+                "3.3, leaves it no room: by that alone IAE of V is at least 6.25e-3 with f_out "
+                "constant and 2.50e-2 with f_in constant.",
             ),
         )
     )  # fmt: skip
