@@ -86,21 +86,16 @@ def refined(
     most = min(largest * substeps, MOST_SUBSTEPS)
     count = min(substeps, max(most // 4 // multiple, 1) * multiple)
     found = run(count)
-    before: np.ndarray | None = None
+    fine = _shares(process, found)
+    apart: list[np.ndarray] = []
     estimate = np.inf
-    while 2 * count <= most:
+    while 2 * count <= most and not (len(apart) == 2 and estimate <= tolerance):
         count *= 2
-        coarse, found = found, run(count)
-        apart = _shares(process, coarse) - _shares(process, found)
-        if before is None:
-            # One difference tells no order: the worst that is counted with.
-            before = apart
-            estimate = _estimate(apart, apart)
-            continue
-        estimate = _estimate(before, apart)
-        if estimate <= tolerance:
-            break
-        before = apart
+        found = run(count)
+        coarse, fine = fine, _shares(process, found)
+        apart = [*apart[-1:], coarse - fine]
+        # One difference tells no order: it counts as both, the worst that is counted with.
+        estimate = _estimate(apart[0], apart[-1])
     return found, estimate
 
 
