@@ -1,0 +1,10 @@
+"""``python tools/compare_commits OLD NEW``."""
+
+import sys
+from pathlib import Path
+
+if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).parents[1])  # the folder of this package, not the package
+    from compare_commits.command import main
+
+    sys.exit(main())
