@@ -5,7 +5,7 @@ from pathlib import Path
 
 LONGEST = 600
 SUFFIXES = {".py", ".cpp", ".toml", ".md", ".jinja", ".css"}
-FOLDERS = ("src", "tests", "benchmarks", "docs", ".ci")
+FOLDERS = ("src", "tests", "benchmarks", "docs", "tools", ".ci")
 
 
 def main() -> None:

@@ -138,6 +138,9 @@ class Worker:
                     os.killpg(child, signal.SIGKILL)
             self.process.kill()
         self.process.wait()
+        for stream in (self.process.stdin, self.process.stdout):
+            with suppress(OSError):  # a request that nobody reads any more
+                stream and stream.close()
 
     def _ask(self, request: dict[str, Any]) -> dict[str, Any]:
         """Return the worker's answer; nothing where it has died."""
