@@ -21,7 +21,7 @@ from compare_commits.comparison import Comparison, compare
 from compare_commits.difference import ABSENT, Bound, differences
 from compare_commits.kept import Kept
 from compare_commits.outputs import Normaliser, read_file, read_printed
-from compare_commits.plan import EXPORTS, Command, following
+from compare_commits.plan import EXPORTS, TUNING_OF_ONE_IN, Command, following
 from compare_commits.runner import STOPPED
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -204,18 +204,22 @@ def test_a_table_is_compared_by_its_columns() -> None:
     assert ("number", "rows", 3, 2) in found(first, columns((0, 0.1, "PI"), (1, 0.2, "PI")))
 
 
-def test_a_sample_of_exports_depends_on_no_other_controller() -> None:
+def test_to_what_a_controller_is_exported_depends_on_no_other() -> None:
     study = Command("study", "tank", "", ())
 
     def exported(*names: str) -> set[str]:
         ranking = {"ranking": [{"controller": name} for name in names]}
         return {one.label for one in following(study, ranking)}
 
-    names = [f"PI {number}" for number in range(200)]
-    assert exported(*names) == exported(*names[:80]) | exported(*reversed(names[80:]))
-    for target in EXPORTS:
-        share = sum(target.takes("tank", name) for name in names)
-        assert 0.4 * 200 / target.one_in <= share <= 2.2 * 200 / target.one_in, target
+    names = [f"PI {number}" for number in range(400)]
+    every = exported(*names)
+    assert every == exported(*names[:80]) | exported(*reversed(names[80:]))
+    assert sum(of_sixteen for _, _, of_sixteen in EXPORTS) == 16
+    for target, _, of_sixteen in (*EXPORTS, ("tuning", (), 16 / TUNING_OF_ONE_IN)):
+        share = sum(label.startswith(f"export {target} tank PI") for label in every)
+        # Five standard deviations of a fair choice.
+        expected = 400 * of_sixteen / 16
+        assert abs(share - expected) < 5 * math.sqrt(expected), target
 
 
 def test_a_plan_survives_what_is_no_document() -> None:

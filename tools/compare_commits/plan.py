@@ -27,38 +27,27 @@ _STEP = 1.05  # of an input, in its value at rest
 _BETWEEN = 60  # from the step of one input to that of the next [s]
 
 
-@dataclass(frozen=True)
-class Export:
-    """A target, and of how many controllers one is exported to it.
-
-    The controllers of a sample are chosen by a digest of process and name, so that one more
-    changes nothing for the others.
-    """
-
-    name: str
-    options: tuple[str, ...]
-    one_in: int
-
-    def takes(self, subject: str, controller: str) -> bool:
-        """Return whether this controller is in the sample."""
-        digest = hashlib.sha256(f"{self.name}|{subject}|{controller}".encode()).digest()
-        return int.from_bytes(digest[:4]) % self.one_in == 0
-
-
-#: For the study of a process as the catalogue has it; PLCopen XML comes with `st`.
+#: To what a controller is exported: target, its options, and how many of sixteen. Whatever the
+#: target, the digest of the program is printed with it, so every law is compared and every printer
+#: on some. PLCopen XML comes with `st`.
 EXPORTS = (
-    Export("st", ("--to", "st"), 1),
-    Export("st matiec", ("--to", "st", "--dialect", "matiec"), 12),
-    Export("st scl", ("--to", "st", "--dialect", "scl"), 12),
-    Export("st single", ("--to", "st", "--precision", "single"), 12),
-    Export("c", ("--to", "c"), 4),
-    Export("c single", ("--to", "c", "--precision", "single"), 12),
-    Export("tuning", ("--to", "tuning"), 4),
-    Export("fmu", ("--to", "fmu"), 12),
-    Export("fmu 2.0", ("--to", "fmu", "--fmi", "2.0"), 16),
+    ("st", ("--to", "st"), 7),
+    ("st matiec", ("--to", "st", "--dialect", "matiec"), 1),
+    ("st scl", ("--to", "st", "--dialect", "scl"), 1),
+    ("st single", ("--to", "st", "--precision", "single"), 1),
+    ("c", ("--to", "c"), 3),
+    ("c single", ("--to", "c", "--precision", "single"), 1),
+    ("fmu", ("--to", "fmu"), 1),
+    ("fmu 2.0", ("--to", "fmu", "--fmi", "2.0"), 1),
 )
-#: For the study of another variant.
-EXPORTS_OF_VARIANT = (Export("st", ("--to", "st"), 6),)
+#: And its settings for vendors' blocks, of one controller in so many.
+TUNING_OF_ONE_IN = 8
+SAMPLED = (
+    "Each controller of a process is exported to one target, chosen by its name: of 16 to "
+    + ", ".join(f"{name} {of_sixteen}" for name, _, of_sixteen in EXPORTS)
+    + f"; 1 in {TUNING_OF_ONE_IN} to tuning as well. A variant that is not in force by itself is "
+    "studied with the controllers of a new study file."
+)
 
 
 @dataclass(frozen=True)
@@ -123,17 +112,20 @@ def _subjects(entry: dict[str, Any]) -> list[str]:
 
 
 def _of_subject(subject: str) -> list[Command]:
-    process = Command(
-        "export process", subject, "", (("export", subject, "--to", "fmu", "--json"),)
-    )
-    study = ("new", "mine", "--study", "--process", subject)
-    return [
-        Command("study", subject, "", (("study", subject, "--json"),), 5),
+    new_study = ("new", "mine", "--study", "--process", subject)
+    commands = [
         Command("analyse", subject, "", (("analyse", subject, "--json"),), 4),
         Command("draw", subject, "", (("draw", subject),)),
         Command("new", subject, "", (("new", "mine", "--from", subject),)),
-        Command("new study", subject, "", (study,)),
-        *([] if ":" in subject else [process]),
+    ]
+    if ":" in subject:
+        study = (new_study, ("study", "mine.toml", "--json"))
+        return [*commands, Command("study of a file", subject, "", study, 5)]
+    return [
+        *commands,
+        Command("study", subject, "", (("study", subject, "--json"),), 6),
+        Command("new study", subject, "", (new_study,)),
+        Command("export process", subject, "", (("export", subject, "--to", "fmu", "--json"),)),
     ]
 
 
@@ -150,23 +142,25 @@ def _simulations(subject: str, document: dict[str, Any]) -> list[Command]:
     return [
         Command("simulate", subject, "steps", (stepped,)),
         Command("simulate", subject, "from empty", (empty,)),
-        *([] if ":" in subject else [solved]),
+        *([solved] if subject == _ONE else []),
     ]
 
 
 def _exports(subject: str, controllers: list[str]) -> list[Command]:
-    """Export the controllers of a study; a target takes all or a sample."""
-    return [
-        Command(
-            f"export {target.name}",
-            subject,
-            controller,
-            (("export", subject, "--controller", controller, *target.options, "--json"),),
-        )
-        for controller in controllers
-        for target in (EXPORTS_OF_VARIANT if ":" in subject else EXPORTS)
-        if target.takes(subject, controller)
-    ]
+    targets = [(name, options) for name, options, of_sixteen in EXPORTS for _ in range(of_sixteen)]
+    commands = []
+    for controller in controllers:
+        # By a digest of its name, so that one controller more changes nothing for the others.
+        digest = hashlib.sha256(f"{subject} {controller}".encode()).digest()
+        commands.append(_export(subject, controller, *targets[digest[0] % len(targets)]))
+        if digest[1] % TUNING_OF_ONE_IN == 0:
+            commands.append(_export(subject, controller, "tuning", ("--to", "tuning")))
+    return commands
+
+
+def _export(subject: str, controller: str, target: str, options: tuple[str, ...]) -> Command:
+    words = ("export", subject, "--controller", controller, *options, "--json")
+    return Command(f"export {target}", subject, controller, (words,))
 
 
 def _entries(document: Any, key: str) -> list[dict[str, Any]]:

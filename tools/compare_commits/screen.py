@@ -11,9 +11,9 @@ from typing import Any
 from compare_commits.commits import Commit
 from compare_commits.comparison import KINDS, Comparison, words_of
 from compare_commits.difference import ABSENT, Difference
-from compare_commits.plan import EXPORTS, EXPORTS_OF_VARIANT
+from compare_commits.plan import SAMPLED
 
-_GROUPS = 8  # shown on one screen, each in two lines
+_GROUPS = 7  # shown on one screen, each in two lines
 _WIDTH = 100
 _SHOWN = 34  # characters of a value
 
@@ -51,7 +51,7 @@ def document(comparison: Comparison, first: Commit, second: Commit) -> str:
         "bound": comparison.bound.relative,
         "floor": comparison.bound.floor,
         "left_out": comparison.left_out,
-        "sampled": _samples(),
+        "sampled": SAMPLED,
         "counts": comparison.counts,
         "differences": [
             {
@@ -84,16 +84,7 @@ def _head(comparison: Comparison, first: Commit, second: Commit) -> list[str]:
 def _foot(comparison: Comparison) -> list[str]:
     out = comparison.left_out
     left = ", ".join(f"{count} {kind}" for kind, count in out.items())
-    text = f"Left out as no difference: {left}. Exports of one controller in so many: {_samples()}."
-    return ["", *textwrap.wrap(text, _WIDTH)]
-
-
-def _samples() -> str:
-    of_variants = ", ".join(f"{export.name} {export.one_in}" for export in EXPORTS_OF_VARIANT)
-    return (
-        ", ".join(f"{export.name} {export.one_in}" for export in EXPORTS)
-        + f"; of other variants {of_variants}"
-    )
+    return ["", *textwrap.wrap(f"Left out as no difference: {left}. {SAMPLED}", _WIDTH)]
 
 
 def _grouped(found: Iterable[Difference]) -> list[list[Difference]]:
