@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools"))
 from compare_commits import command, runner, screen
 from compare_commits.commits import Commit, find_commit
 from compare_commits.comparison import Comparison, compare
-from compare_commits.difference import ABSENT, Bound, differences
+from compare_commits.difference import ABSENT, Bound, Difference, differences
 from compare_commits.kept import Kept
 from compare_commits.outputs import Normaliser, read_file, read_printed
 from compare_commits.plan import EXPORTS, TUNING_OF_ONE_IN, Command, following
@@ -101,7 +101,7 @@ def test_a_list_of_named_objects_is_compared_by_name() -> None:
     assert found(ranked, {"ranking": [lqi, pi, pid]}) == [("came", "ranking[LQI]", ABSENT, lqi)]
     assert found(ranked, {"ranking": [pid, {**pi, "iae": 1.5}]}) == [
         ("number", "ranking[PI].iae", 1, 1.5),
-        ("order", "ranking", ["[PI]", "[PID]"], ["[PID]", "[PI]"]),
+        ("order", "ranking", ["PI", "PID"], ["PID", "PI"]),
     ]
     twice = {"ranking": [pi, pi]}  # no name tells these apart
     assert [entry[:2] for entry in found(twice, ranked)] == [
@@ -126,9 +126,9 @@ def test_exit_status_and_what_ran_on_one_side_only() -> None:
     kinds = [(d.command, d.kind, d.place) for d in compare(first, second, Bound()).differences]
     assert kinds == [
         ("draw c", "came", "command"),
-        ("study a", "status", "run.status"),
-        ("study a", "text", "run.printed"),
-        ("study a", "text", "run.messages"),
+        ("study a", "status", "status"),
+        ("study a", "text", "printed"),
+        ("study a", "text", "messages"),
         ("study b", "gone", "command"),
     ]
 
@@ -238,15 +238,39 @@ def many() -> Comparison:
 WORDS = [f"{a}{b}" for a in "abcdefgh" for b in "vwxyz"]
 
 
+@pytest.mark.parametrize(
+    ("path", "place", "pattern"),
+    [
+        (("run", "printed"), "printed", "printed"),
+        (("run", "status"), "status", "status"),
+        (("run", "printed", "A", "[0]", "[1]"), "A[0][1]", "A[][]"),
+        (
+            ("step 2", "printed", "ranking", "[PI, SIMC]", "scores", "iae[level_1]"),
+            "step 2.printed.ranking[PI, SIMC].scores.iae[level_1]",
+            "step #.printed.ranking[]",
+        ),
+        (
+            ("run", "printed", "ranking", "[PI, SIMC]", "scores", "iae[level_1]"),
+            "ranking[PI, SIMC].scores.iae[level_1]",
+            "ranking[].scores.iae[]",
+        ),
+        (("files", "a.fmu", "b.c"), "files.a.fmu.b.c", "files.*.fmu.b.c"),
+    ],
+)  # fmt: skip
+def test_places_are_counted_by_a_pattern(path: tuple[str, ...], place: str, pattern: str) -> None:
+    difference = Difference("study a", "study", path, "text", 1, 2)
+    assert (difference.place, difference.pattern) == (place, pattern)
+
+
 def test_a_screen_holds_25_lines_and_all_of_it_every_difference() -> None:
     one, other = Commit("old", "0" * 40), Commit(".", "tree-1")
     comparison = many()
     lines = screen.screen(comparison, one, other).splitlines()
-    assert len(lines) <= 25 and max(map(len, lines)) <= 120
+    assert len(lines) <= 25 and max(map(len, lines)) <= 100
     assert "120 differences in 3 commands: 120 number" in lines
-    assert "     3 number      study: run.printed.av  at most 3.3e-01" in lines
+    assert "     3 number      study: av  at most 3.3e-01" in lines
     text = screen.whole(comparison, one, other)
-    assert all(f"run.printed.{word}: 1.0 -> 1.5" in text for word in WORDS)
+    assert all(f"  {word}: 1 -> 1.5" in text for word in WORDS)
     document = json.loads(screen.document(comparison, one, other))
     assert len(document["differences"]) == 120 and document["counts"] == {"number": 120}
     assert document["left_out"] == {"times": 0, "versions": 0, "paths": 12, "dates": 0}
@@ -307,7 +331,7 @@ def test_a_commit_equals_itself_and_another_number_is_found(
 
     other = compared(repository, tmp_path, "HEAD~1", "HEAD")
     assert "0 of 1 commands run now" in capsys.readouterr().err  # HEAD was kept
-    found_levels = [d for d in other.differences if d.place == "run.printed.signals.level_1.start"]
+    found_levels = [d for d in other.differences if d.place == "signals.level_1.start"]
     assert [d.kind for d in found_levels] == ["number"]
     # Outflow as the root of the level: 0.7 of pump 1 and 0.4 of pump 2 go through tank 1.
     inflows = [0.7 * gain + 0.4 * 3.35 for gain in (3.33, 3.34)]

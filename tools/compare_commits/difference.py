@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 #: Keys that say which of a list's objects one is, so that one more or another order is no
@@ -18,6 +19,8 @@ _IDENTITIES = (
     ("key",),
     ("loop",),
 )
+#: Names of a path that a pattern has at most.
+_DEPTH = 3
 #: What stands for a value that one side has not.
 ABSENT = "absent"
 
@@ -68,19 +71,19 @@ class Difference:
 
     @property
     def place(self) -> str:
-        """The path as it is printed."""
-        return joined(self.path)
+        """The path as it is printed; what was printed in the only step needs no such words."""
+        return joined(_short(self.path))
 
     @property
     def pattern(self) -> str:
-        """The path without what counts: entries of lists, numbered names, names of files."""
-        parts = []
-        for number, part in enumerate(self.path):
-            if number > 0 and self.path[number - 1] == "files":
-                stem, dot, ending = part.rpartition(".")
-                part = f"*{dot}{ending}" if stem else part
-            parts.append(re.sub(r"\d+", "#", re.sub(r"\[.*\]", "[]", part)))
-        return joined(tuple(parts))
+        """The begin of the path, without what counts: entries of lists, numbers, names of files."""
+        parts = list(_short(self.path))
+        if parts[0] == "files" and len(parts) > 1:
+            parts[1] = "*" + Path(parts[1]).suffix
+        general = [re.sub(r"\d+", "#", re.sub(r"\[.*\]", "[]", part)) for part in parts]
+        named = [number for number, part in enumerate(general) if part != "[]"]
+        end = named[_DEPTH] if len(named) > _DEPTH else len(general)
+        return joined(tuple(general[:end]))
 
 
 def joined(path: tuple[str, ...]) -> str:
@@ -90,6 +93,13 @@ def joined(path: tuple[str, ...]) -> str:
     'ranking[PI].scores.iae'
     """
     return re.sub(r"\.(?=\[)", "", ".".join(path))
+
+
+def _short(path: tuple[str, ...]) -> tuple[str, ...]:
+    for word in ("run", "printed"):
+        if len(path) > 1 and path[0] == word:
+            path = path[1:]
+    return path
 
 
 def differences(
@@ -138,8 +148,8 @@ def _of_lists(
         one, other = _named(first, identity), _named(second, identity)
         if one is not None and other is not None:
             yield from _of_objects(one, other, bound, path)
-            both = [name for name in one if name in other]
-            again = [name for name in other if name in one]
+            both = [name[1:-1] for name in one if name in other]
+            again = [name[1:-1] for name in other if name in one]
             if both != again:
                 yield path, "order", both, again, 0.0
             return

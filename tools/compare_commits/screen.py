@@ -15,7 +15,8 @@ from compare_commits.plan import SAMPLED
 
 _GROUPS = 7  # shown on one screen, each in two lines
 _WIDTH = 100
-_SHOWN = 34  # characters of a value
+_PLACE = 32  # characters of a place in its group's second line
+_SHOWN = 34  # and of a value
 
 
 def screen(comparison: Comparison, first: Commit, second: Commit) -> str:
@@ -100,15 +101,17 @@ def _group(found: list[Difference]) -> list[str]:
     first = found[0]
     largest = f"  at most {_share(max(d.size for d in found))}" if first.kind == "number" else ""
     return [
-        f"{len(found):>6} {words_of(first.kind):<11} {first.group}: {first.pattern}{largest}",
-        f"       {first.command}: {_said(first)}",
+        _cut(f"{len(found):>6} {words_of(first.kind):<11} {first.group}: {first.pattern}{largest}"),
+        _cut(f"       {first.command}: {_said(first, _PLACE)}"),
     ]
 
 
-def _said(difference: Difference) -> str:
+def _said(difference: Difference, longest: int = 1000) -> str:
+    place = difference.place
+    place = place if len(place) <= longest else f"...{place[3 - longest :]}"
     first, second = _pair(difference.first, difference.second)
     share = f" ({_share(difference.size)})" if difference.kind == "number" else ""
-    return f"{difference.place}: {first} -> {second}{share}"
+    return f"{place}: {first} -> {second}{share}"
 
 
 def _share(size: float) -> str:
@@ -131,6 +134,8 @@ def _pair(first: Any, second: Any) -> tuple[str, str]:
 def _brief(value: Any) -> str:
     if value == ABSENT:
         return ABSENT
+    if isinstance(value, float):
+        return f"{value:.12g}"  # all digits are in the JSON
     text = json.dumps(_plain(value), ensure_ascii=False)
     return text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "..."
 
@@ -143,3 +148,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return value
+
+
+def _cut(line: str) -> str:
+    return line if len(line) <= _WIDTH else line[: _WIDTH - 3] + "..."
