@@ -65,7 +65,7 @@ class Worker:
     def __init__(self, side: Side, folder: Path, limit: float) -> None:
         self.side, self.folder, self.limit = side, folder, limit
         environment = {
-            **os.environ,
+            **{k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "CLEPSYDRA_"))},
             "PYTHONPATH": str(side.checkout / "src"),
             "PYTHONHASHSEED": "0",
             "PYTHONIOENCODING": "utf-8",

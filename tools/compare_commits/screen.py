@@ -99,10 +99,11 @@ def _grouped(found: Iterable[Difference]) -> list[list[Difference]]:
 
 def _group(found: list[Difference]) -> list[str]:
     first = found[0]
+    where = first.command.removeprefix(first.group).strip() or first.command
     largest = f"  at most {_share(max(d.size for d in found))}" if first.kind == "number" else ""
     return [
         _cut(f"{len(found):>6} {words_of(first.kind):<11} {first.group}: {first.pattern}{largest}"),
-        _cut(f"       {first.command}: {_said(first, _PLACE)}"),
+        _cut(f"       {where}: {_said(first, _PLACE)}"),
     ]
 
 
