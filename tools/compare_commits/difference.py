@@ -87,11 +87,7 @@ class Difference:
 
 
 def joined(path: tuple[str, ...]) -> str:
-    """Return a path as one text.
-
-    >>> joined(("ranking", "[PI]", "scores", "iae"))
-    'ranking[PI].scores.iae'
-    """
+    """Return a path as one text, as in ``ranking[PI].scores.iae``."""
     return re.sub(r"\.(?=\[)", "", ".".join(path))
 
 
