@@ -67,11 +67,13 @@ def reasons_of_harm(
 
     Examples
     --------
+    Of an empty basin:
+
     >>> from clepsydra.linear.equilibrium import find_equilibrium
     >>> from clepsydra.process.reader import load_process
-    >>> point = find_equilibrium(load_process("wet-well"))
-    >>> reasons_of_harm(point.process, point.state, point.inputs, point.disturbances)
-    ()
+    >>> point = find_equilibrium(load_process("equalisation-tank"))
+    >>> reasons_of_harm(point.process, 0 * point.state, point.inputs, point.disturbances)
+    ('nothing would rest there, since outflow runs dry: basin holds 1 % of its capacity',)
     """
     motion, p = process.motion, process.parameter_values
     if not any(event.harm for event in motion.events):

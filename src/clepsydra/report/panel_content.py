@@ -138,13 +138,15 @@ def panel_content(
     main = Curve(signal.name, time, values, colour, 1.4, held=held)
     measured, setpoint = _measurement(panel, recording, time, colour, factor)
     curves = (*measured, *setpoint, main)
-    low, high = (end * factor for end in _ends(panel, recording))
-    bottom, top = _view(panel, np.concatenate([curve.values for curve in curves]), low, high)
-    hatched, beyond = _limits(panel, bottom, top, low, high)
-    held_at_limit = _saturation(recording, signal, time) if panel.kind == "input" else ((), "")
     percent = None
     if panel.kind not in ("disturbance", "total"):
         percent = percent_scale(recording.process, signal.name)
+    # What a sensor shows of a concentration or a flow ends at its range; a level, at the rim.
+    by_sensor = percent if panel.kind == "state" else None
+    low, high = (end * factor for end in by_sensor or (signal.low, signal.high))
+    bottom, top = _view(panel, np.concatenate([curve.values for curve in curves]), low, high)
+    hatched, beyond = _limits(panel, bottom, top, low, high)
+    held_at_limit = _saturation(recording, signal, time) if panel.kind == "input" else ((), "")
     return PanelContent(
         curves,
         main,
@@ -178,17 +180,6 @@ def _measurement(
         name = f"setpoint of {panel.measurement}"
         setpoint.append(Curve(name, time, wanted, INK, 0.9, dashed=True, held=True))
     return measured, setpoint
-
-
-def _ends(panel: Panel, recording: Recording) -> tuple[float, float]:
-    """Return the limits that a panel shows [unit]: of the tank, of the sensor, or its own.
-
-    What a sensor shows of a concentration or a flow ends at its range; a level, at the rim.
-    """
-    own = panel.signal.low, panel.signal.high
-    if panel.kind != "state":
-        return own
-    return percent_scale(recording.process, panel.signal.name) or own
 
 
 def _view(panel: Panel, shown: np.ndarray, low: float, high: float) -> tuple[float, float]:

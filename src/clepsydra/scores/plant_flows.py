@@ -84,9 +84,7 @@ def forced_flows(
 
     Examples
     --------
-    >>> from clepsydra.process.reader import load_process
-    >>> forced_flows(load_process("quadruple-tank"), np.zeros(0), {})
-    {}
+    See `plant_flows`; there is none where nothing draws from a tank by force and no vessel refuses.
     """
     refused = any(element.may_refuse for element in process.elements)
     forced = [element for element in process.elements if isinstance(element, ForcedFlow)]
