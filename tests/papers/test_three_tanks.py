@@ -40,7 +40,7 @@ FAILING = {
     ("stability analysis", "VGM of both controllers"),
 }
 HOLDING = {
-    ("Simulation results", "open loop"),
+    ("simulation results", "open loop"),
     ("controllability", "rank"),
     ("Table 2", "speed"),
     ("Table 3", "speed"),

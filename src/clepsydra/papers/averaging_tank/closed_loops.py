@@ -91,14 +91,14 @@ def run() -> Findings:
 def _pairing() -> list[Row]:
     rows = [
         remark(
-            "(37)", "K", "static gain matrix", "limit of G(s) for s → 0",
+            "(37)", "K", "static gain matrix", "G(s)",
             reason="V integrates, so that G(0) is infinite; the relative gains (47) and (65) are "
-            "the limit of those of G(s).",
+            "those of G(s), the same at every s.",
         )
     ]  # fmt: skip
     for section in _SECTIONS:
         G = plant(section.variant).transfer.subs(u3, x1)
-        gains = G.multiply_elementwise(G.inv().T).applyfunc(lambda g: limit(simplify(g), s, 0))
+        gains = G.multiply_elementwise(G.inv().T).applyfunc(simplify)
         numeric = analyse(tank(section.variant)).relative_gain_array
         assert numeric is not None
         for i in range(2):
@@ -107,7 +107,8 @@ def _pairing() -> list[Row]:
                     compared(
                         section.rga, f"RGA{i + 1}{j + 1}", str(int(i != j)), float(gains[i, j]),
                         digits=6,
-                        why=f"Limit s → 0; {float(np.real(numeric[i, j])):.6g} from the process.",
+                        why="The same at every s, as C_in0 = C0; "
+                        f"{float(np.real(numeric[i, j])):.6g} from the process.",
                     )
                 )  # fmt: skip
     return rows

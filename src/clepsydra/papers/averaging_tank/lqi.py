@@ -59,6 +59,7 @@ _ISEG = {
     "C": ("156.073", "156.200", "156.078", "156.202"),
     "V": ("24.969", "24.981", "24.972", "24.968"),
 }
+_APART = "The loops of C and V do not act on each other at C_in0 = C0."
 _SOLVER = "Within 0.6 %, which is left open since the authors' solver and its step are not printed."
 
 
@@ -146,7 +147,7 @@ def _gains() -> list[Row]:
         rows.append(
             compared(
                 place, names, "0", largest, zero=1e-6,
-                why="The loops of C and V do not act on each other at C_in0 = C0.",
+                why=_APART,
             )
         )  # fmt: skip
     return rows
@@ -189,7 +190,7 @@ def _unreadable(place: str, matrix: np.ndarray, printed: tuple[str, str, str, st
     rows = []
     for name, text, value in zip(("F21", "F22", "Fi21", "Fi22"), printed, matrix[1], strict=True):
         right = f"{value + 0.0:.1f}" if abs(value) > 1e-6 else "0"
-        row = stated(place, name, text, right, text == right, reason)
+        row = stated(place, name, text, right, text == right, _APART if right == "0" else reason)
         rows.append(damaged(row, "Cells of both matrices run into each other."))
     return rows
 

@@ -138,7 +138,8 @@ def _quality() -> list[Row]:
             "a high-order chain can be approximated by a low-order model with delay",
             worst < _NEAR, f"{worst:.1f} % of the rise at the most",
             reason=(
-                f"Largest difference of the step responses of (8) and (21), below {_NEAR:g} %; "
+                "Largest difference of the step responses of (8) and (21), judged as below "
+                f"{_NEAR:g} %; "
                 f"with 7 samples of delay and the gain held it would be {longer:.1f} %."
             ),
         ),

@@ -60,8 +60,8 @@ def _claims() -> list[Row]:
                     f"{set_up.phase} {one:.3g} and {two:.3g} {unit}"
                     for set_up, (one, two) in zip(SET_UPS, values[USUAL], strict=True)
                 ),
-                reason=f"{score.capitalize()} of tanks 1 and 2 with PI controllers of ours, "
-                "medians in percent.",
+                reason=f"{score.capitalize()}{' of the step' if score == 'overshoot' else ''} of "
+                "tanks 1 and 2 with PI controllers of ours, medians in percent.",
             )
         )  # fmt: skip
     return rows

@@ -100,7 +100,7 @@ def _matrices() -> list[Row]:
     eigenvalues = np.linalg.eigvals(model.A)
     rows.append(
         claimed(
-            "Simulation results", "open loop", "the open loop is stable",
+            "simulation results", "open loop", "the open loop is stable",
             bool(np.all(eigenvalues < 0.0)),
             ", ".join(f"{value:.4f}" for value in sorted(eigenvalues.real)), "1/s",
             reason="Eigenvalues of (2).",
