@@ -8,6 +8,8 @@ from clepsydra.controllers.pid_form import PidForm
 
 #: The smallest and the largest ratio of derivative to filter time.
 _FILTER = (1.0, 1000.0)
+#: The gains of a loop, with the time that their unit has beside those of the signals.
+GAINS = {"proportional_gain": "", "integral_gain": "/s", "derivative_gain": " s"}
 
 
 def pid_parameters(number: int, form: PidForm, measurement: Signal, moved: Signal) -> list[Signal]:

@@ -12,6 +12,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.rounding import rounded, rounded_matrix
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.parameters import check_parameters
+from clepsydra.controllers.pid_parameters import GAINS
 from clepsydra.controllers.signals import ratio_of_units
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.design.applicability import NotApplicable
@@ -21,7 +22,6 @@ from clepsydra.process.process import Process
 from clepsydra.program.step_law import StepLaw
 
 _DIGITS = 9
-_GAINS = ("proportional_gain", "integral_gain", "derivative_gain")
 
 
 def designed_values(
@@ -105,7 +105,7 @@ def rounded_values(
         f"{gain}_{block.number}": (block.measurement, block.moved)
         for block in law.blocks
         if isinstance(block, PidBlock) and has_range(block.measurement) and has_range(block.moved)
-        for gain in _GAINS
+        for gain in GAINS
     }
     return rounded_numbers(law.parameters, values, point, loops)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
+from clepsydra.controllers.pid_parameters import GAINS
 from clepsydra.controllers.structure.block import Block
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.law import structure_law
@@ -298,11 +299,7 @@ def _words(loop: Loop, block: PidBlock, values: dict[str, float]) -> str:
     number, form, signals = loop.number, loop.form, (block.measurement, block.moved)
     units = [signal.shown_unit for signal in signals]
     said = []
-    for name, key, time in (
-        ("K", "proportional_gain", ""),
-        ("Ki", "integral_gain", "/s"),
-        ("Kd", "derivative_gain", " s"),
-    ):
+    for name, (key, time) in zip(("K", "Ki", "Kd"), GAINS.items(), strict=True):
         value = values.get(f"{key}_{number}")
         if value is None:
             continue

@@ -6,17 +6,14 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.pid_parameters import GAINS
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.design.gain_units import has_range, percent_gain
 from clepsydra.loop.running_scores import split_score
 from clepsydra.process.process import Process
 
-#: What a parameter of a loop is called in a study file, with the time that a gain has beside.
-_GAINS = {
-    "proportional_gain": ("gain", ""),
-    "integral_gain": ("integral_gain", "/s"),
-    "derivative_gain": ("derivative_gain", " s"),
-}
+#: What a study file calls a parameter of a loop, where it is not the same.
+_NAMES = {"proportional_gain": "gain"}
 
 
 class ParameterWords:
@@ -54,17 +51,17 @@ class ParameterWords:
         # The loops that a design makes are numbered, and called by what they measure.
         loop = block.name.removeprefix("loop ")
         loop = self._measured(block).name if loop == str(block.number) else loop
-        return f"{loop}.{_GAINS.get(stem, (stem,))[0]}"
+        return f"{loop}.{_NAMES.get(stem, stem)}"
 
     def value(self, parameter: str, value: float) -> str:
         """Return a value [the law's unit]; of a loop's gain without the sign of its action."""
         stem, block = self._of_loop(parameter)
         signal = self._parameters[parameter]
-        if block is not None and stem in _GAINS:
+        if block is not None and stem in GAINS:
             measured, moved = self._measured(block), self._moved(block)
             if has_range(measured) and has_range(moved):
                 shown = percent_gain(abs(value), measured, moved)
-                return f"{shown:.4g} %/%{_GAINS[stem][1]}"
+                return f"{shown:.4g} %/%{GAINS[stem]}"
             return _quantity(signal, abs(value))
         if signal.unit == "s":
             return time_text(value)
@@ -73,7 +70,7 @@ class ParameterWords:
     def turns(self, parameter: str, value: float) -> bool:
         """Return whether `value` leaves a negative sign out, and larger is smaller."""
         stem, block = self._of_loop(parameter)
-        return block is not None and stem in _GAINS and value < 0.0
+        return block is not None and stem in GAINS and value < 0.0
 
     def _of_loop(self, parameter: str) -> tuple[str, PidBlock | None]:
         """Return a parameter without its number, and the loop that it is of."""

@@ -12,6 +12,7 @@ import numpy as np
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import to_si
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.pid_parameters import GAINS
 from clepsydra.controllers.signals import LARGEST_PARAMETER, ratio_of_units
 from clepsydra.design.loops.control_authority import largest_proportional_gain
 from clepsydra.linear.linear_model import LinearModel
@@ -30,7 +31,6 @@ _TOO_SLOW = 0.2
 _TOO_WEAK = 0.1
 #: Units that differ by less make no mix-up that anyone would see.
 _LEAST_FACTOR = 3.0
-_GAINS = ("proportional_gain", "integral_gain", "derivative_gain")
 #: In which units of a signal a gain may be given: what the law takes, what is shown, percent.
 _UNITS = ("law", "shown", "percent")
 #: Those of the input and of the measurement.
@@ -158,7 +158,7 @@ class _Loops:
     def is_good(self, factors: dict[int, float]) -> bool:
         values = dict(self.controller.values)
         for number, factor in factors.items():
-            for name in (f"{gain}_{number}" for gain in _GAINS):
+            for name in (f"{gain}_{number}" for gain in GAINS):
                 if name in values:
                     values[name] *= factor
                     if abs(values[name]) > LARGEST_PARAMETER:
