@@ -50,7 +50,7 @@ def identify(
 ) -> None:
     """Identify a model from a record: ARX, FOPDT, SOPDT, IPDT, or parameters of a process."""
     from clepsydra.base.errors import InputError
-    from clepsydra.cli.output import output_file, print_json
+    from clepsydra.cli.output import make_folder, output_file, print_json
     from clepsydra.identify.identification import Identification, identify_model
     from clepsydra.identify.process_file import write_fitted_process
     from clepsydra.identify.process_fit import ProcessFit, fit_process
@@ -58,6 +58,7 @@ def identify(
     from clepsydra.process.reader import load_process
     from clepsydra.report.identification_page import write_identification_page
 
+    make_folder(folder)
     page = output_file(folder / f"{data.stem}-identification.html")
     for option, given in (("--parameters", parameters), ("--write", write)):
         if given is not None and process is None:

@@ -24,10 +24,11 @@ def papers(
     """Run the experiments of five published documents and judge every printed number."""
     import os
 
-    from clepsydra.cli.output import output_file, print_json
+    from clepsydra.cli.output import make_folder, output_file, print_json
     from clepsydra.cli.progress import shown_progress
     from clepsydra.papers.audit import audit
 
+    make_folder(folder)
     page = output_file(folder / "papers.html")
     with shown_progress(quiet=as_json) as tell:
         result = audit(documents or (), workers=os.cpu_count() or 1, progress=tell)
