@@ -8,7 +8,7 @@ from scipy.stats import f, linregress
 
 from clepsydra.base.errors import InputError
 from clepsydra.identify.noise_model import NoiseModel, noise_model
-from clepsydra.identify.residual_tests import residual_tests
+from clepsydra.identify.residual_tests import ResidualTests, residual_tests
 from clepsydra.identify.uncertainty import uncertainty
 
 SHAPE = np.stack([np.ones(400), np.sin(np.arange(400) / 30.0)], axis=1)
@@ -119,6 +119,37 @@ def test_independence_is_the_f_test_of_two_nested_regressions(seed):
     expected = written_out(residuals, SMOOTH, u - u[0])
     assert 1e-6 < expected < 0.9
     assert found.independence == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_whiteness_is_the_f_test_of_lags_less_what_the_fit_makes_of_white_noise(seed):
+    """With all matrices written out: e = M w for white w, and E[e'Lₖe] = s² tr(M Lₖ)."""
+    residuals = left_by_fit(lfilter([1.0, 0.3], [1.0], np.random.default_rng(seed).normal(size=80)))
+    M = np.eye(80) - SMOOTH @ np.linalg.solve(SMOOTH.T @ SMOOTH, SMOOTH.T)
+    lags = [np.eye(80, k=-k) for k in range(1, 7)]  # a twelfth of the record
+    late = np.stack([L @ residuals for L in lags], axis=1)
+    by_chance = residuals @ residuals / (80 - 9) * np.array([np.trace(M @ L) for L in lags])
+    products = late.T @ residuals - by_chance
+    explained = products @ np.linalg.solve(late.T @ M @ late, products)
+    freedom = 80 - 9 - 6
+    ratio = explained / 6 / ((residuals @ residuals - explained) / freedom)
+    found = residual_tests(residuals, SMOOTH, SMOOTH[:, :0])
+    assert found.whiteness == pytest.approx(f.sf(ratio, 6, freedom), rel=1e-6)
+
+
+def test_an_input_given_twice_tells_nothing_more():
+    generator = np.random.default_rng(1)
+    u = np.repeat(generator.choice([-1.0, 1.0], 16), 5)
+    residuals = left_by_fit(generator.normal(0.0, 1.0, 80) + 0.3 * np.roll(u, 2))
+    once = residual_tests(residuals, SMOOTH, u[:, None]).independence
+    twice = residual_tests(residuals, SMOOTH, np.stack([u, 3.0 * u], axis=1)).independence
+    assert twice == pytest.approx(once, rel=1e-6) and 1e-6 < once < 0.9
+
+
+def test_a_test_speaks_below_one_in_a_hundred():
+    for probability, silent in ((0.0101, True), (0.0099, False)):
+        assert ResidualTests(probability, 1.0, None).white is silent
+        assert ResidualTests(1.0, probability, None).independent is silent
 
 
 def test_of_coloured_residuals_everything_is_whitened_first():
