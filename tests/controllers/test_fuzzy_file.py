@@ -1,5 +1,7 @@
 """Files of fuzzy controllers: every mistake has its line, and units are what they say."""
 
+from dataclasses import replace
+
 import pytest
 
 from clepsydra.base.errors import InputError
@@ -71,6 +73,14 @@ def test_units_and_gains_are_converted_to_the_laws():
     assert controller.initial_state["filtered_2"] == pytest.approx(PLANT.as_dict()["level_1"])
     assert controller.design == "Written out: 3 rules, centroid on 51 points; A level."
     assert controller.law.description[0] == "down: if e is N then u is S"
+
+
+@pytest.mark.parametrize(("line", "time"), [("", 4.0), ('\nfading_time = "0.5 min"', 30.0)])
+def test_what_a_bumpless_start_of_a_position_saves_fades_in_ten_samples_or_as_written(line, time):
+    position = TEXT.replace('action = "increment"\nunit = "V/min"', f'unit = "V"{line}')
+    process = replace(PLANT.process, sampling_period=0.4)
+    read = WiredFuzzy(read_fuzzy(parse(position.encode(), "a.toml", "fuzzy")), process)
+    assert read.controller(PLANT, "mine").values["fading_time_1"] == time
 
 
 def test_a_position_is_told_to_have_no_integral_action():
