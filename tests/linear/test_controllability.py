@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from models_by_hand import late_feedback, rational
 from scipy.integrate import quad_vec
-from scipy.linalg import expm
+from scipy.linalg import eig, expm, svdvals
 
 from clepsydra.base.errors import InputError
 from clepsydra.linear.controllability import (
@@ -106,13 +106,28 @@ def test_margin_of_a_mode_is_zero_where_it_is_cut_off(random_system):
         assert mode.margin == pytest.approx(np.linalg.svd(test)[1][-1], abs=1e-14)
 
 
-def test_observability_is_dual(random_system):
-    system = random_system(5, 4, 2, 2)
-    shown = observability_margins(rational(system.A, system.B, system.C, system.D))
-    reached = controllability_margins(rational(system.A.T, system.C.T, system.B.T, system.D))
-    np.testing.assert_allclose(
-        [mode.margin for mode in shown], [mode.margin for mode in reached], rtol=1e-10
-    )
+@pytest.mark.parametrize("seed", range(4))
+def test_margins_shares_and_states_by_their_definitions(seed, random_system):
+    """PBH: [A - pI, B] row by row, [A - pI; C] column by column; parts by left × right."""
+    system = random_system(seed, 4, 1, 1)
+    scales = np.diag([1.0, 30.0, 0.1, 3.0])  # states in other units
+    A = scales @ system.A @ np.linalg.inv(scales)
+    B, C = scales @ system.B, system.C @ np.linalg.inv(scales)
+    model = rational(A, B, C, system.D)
+    rates, left, right = eig(A, left=True, right=True)
+    for margins, under in ((controllability_margins(model), False),
+                           (observability_margins(model), True)):  # fmt: skip
+        assert len(margins) == 4
+        for mode in margins:
+            place = int(np.argmin(np.abs(rates - mode.pole)))
+            assert mode.pole == pytest.approx(rates[place], rel=1e-9)
+            shifted = A - rates[place] * np.eye(4)
+            test = np.vstack([shifted, C]).T if under else np.hstack([shifted, B])
+            assert mode.margin == pytest.approx(svdvals(test)[-1], rel=1e-7)
+            shares = test / np.sqrt(np.sum(np.abs(test) ** 2, axis=1))[:, None]
+            assert mode.share == pytest.approx(svdvals(shares)[-1], rel=1e-7)
+            parts = np.abs(left[:, place] * right[:, place])
+            assert mode.state == f"x{int(np.argmax(parts))}"
 
 
 def test_a_slow_tank_behind_a_fast_valve_is_well_reached():
