@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import cache
 from xml.etree import ElementTree
 
 import pytest
@@ -26,11 +27,15 @@ CASES = [
 ]
 
 
-@pytest.fixture(params=CASES, ids=lambda case: case[1])
-def ready(request):
-    process, name = request.param
+@cache
+def made_ready(process, name):
     analysis = analyse(load_process(process))
     return exportable(DESIGNS[name](analysis), analysis.operating_point)
+
+
+@pytest.fixture(params=CASES, ids=lambda case: case[1])
+def ready(request):
+    return made_ready(*request.param)
 
 
 def test_a_block_that_nobody_wired_stands_in_manual_at_fail_safe_and_without_sensors(ready):
@@ -52,8 +57,7 @@ def test_a_block_that_nobody_wired_stands_in_manual_at_fail_safe_and_without_sen
 
 def test_every_printer_declares_the_inputs_alike():
     """What stands in the texts, read by plain patterns, is what the signals say."""
-    analysis = analyse(load_process("quadruple-tank"))
-    ready = exportable(DESIGNS["PI, SIMC"](analysis), analysis.operating_point)
+    ready = made_ready("quadruple-tank", "PI, SIMC")
     expected = {signal.name: signal.initial for signal in ready.program.inputs}
     found = {}
     for dialect in DIALECT_NAMES:
@@ -83,16 +87,60 @@ def exported_xml(ready) -> bytes:
     return files[f"{ready.program.name}_test.xml"]
 
 
-def test_its_outputs_begin_where_its_state_says(ready):
-    outputs = {signal.name: signal.initial for signal in ready.program.outputs}
-    state = {entry.name: entry for entry in ready.program.state}
-    for number in range(1, len(ready.controller.manipulated) + 1):
-        assert outputs[f"manipulated_{number}"] == state[f"last_output_{number}"].initial
+def level_of(flow: float, hole: float) -> float:
+    """Return what a sensor of 50 V/m shows above a hole [m²] that passes a flow [m³/s], at rest."""
+    return 50.0 * (flow / hole) ** 2 / (2 * 9.81)
 
 
-def test_every_number_has_a_source(ready):
-    for entry in (*ready.program.parameters, *ready.program.state):
-        assert ready.origin.source_of(entry)
+#: Setpoints and outputs, from Johansson's equations at 3 V and from what the other files say.
+AT_REST = {
+    "quadruple-tank": (
+        [level_of(3.0 * (0.70 * 3.33e-6 + 0.40 * 3.35e-6), 0.071e-4),
+         level_of(3.0 * (0.60 * 3.35e-6 + 0.30 * 3.33e-6), 0.057e-4)],
+        [3.0, 3.0],
+    ),
+    "equalisation-tank": ([0.5], [0.614]),
+    "eight-tanks": ([4.9e-3 * 3.08 * 60.0], [4.9e-3]),
+    "wet-well:start-stop": ([], [0.0, 0.0]),  # no level at which a pump starts is reached
+    "averaging-tank": ([5000.0, 2.0], [5000.0, 0.2]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("process", "name"), CASES)
+def test_setpoints_and_outputs_begin_where_the_plant_rests(process, name):
+    program = made_ready(process, name).program
+    begin = {signal.name: signal.initial for signal in (*program.inputs, *program.outputs)}
+    begin |= {e.name: e.initial for e in program.state if e.name.startswith("last_output")}
+
+    def numbered(stem):
+        return [value for key, value in begin.items() if re.fullmatch(rf"{stem}_\d+", key)]
+
+    setpoints, outputs = AT_REST[process]
+    assert numbered("setpoint") == pytest.approx(setpoints, rel=1e-5)
+    for stem in ("manipulated", "last_output"):
+        assert numbered(stem) == pytest.approx(outputs, rel=1e-12)
+
+
+def test_every_number_says_its_source():
+    ready = made_ready("quadruple-tank", "PI, SIMC")
+    entries = {entry.name: entry for entry in (*ready.program.parameters, *ready.program.state)}
+    found = {name: ready.origin.source_of(entry) for name, entry in entries.items()}
+    designed = ("proportional_gain", "integral_time", "setpoint_weight", "tracking_time")
+    expected = {
+        **{f"{name}_{k}": "PI, SIMC" for name in designed for k in (1, 2)},
+        **{f"{name}_{k}": f"range of pump_{k} in the process file"
+           for name in ("low_limit", "high_limit") for k in (1, 2)},
+        **{f"{name}_{k}": f"range of level_{k} in the process file"
+           for name in ("range_low", "range_high") for k in (1, 2)},
+        **{f"{name}_{k}": "at the operating point"
+           for name in ("integral", "last_output", "last_proportional_gain") for k in (1, 2)},
+        **{f"fail_safe_{k}": f"default: low limit of pump_{k}" for k in (1, 2)},
+        **{f"good_measurement_{k}": "at a cold start" for k in (1, 2)},
+        "sampling_period": "sampling period that the controller runs with",
+    }  # fmt: skip
+    assert {name: found[name] for name in expected} == expected
+    others = [name for name in found if name not in expected and found[name] == "PI, SIMC"]
+    assert not others
 
 
 def test_a_name_of_which_no_letter_is_left_is_refused(ready):
