@@ -11,8 +11,6 @@ from clepsydra.linear.response import evaluate_transfer
 
 _ACCURACY = 1e-9
 _ITERATIONS = 60
-#: Shares above the gain at infinity at which peaks are looked for first.
-_ABOVE_DIRECT = (1e-1, 1e-2, 1e-3, 1e-4)
 
 
 class SensitivityPeak(NamedTuple):
@@ -155,16 +153,7 @@ def largest_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> 
     best = SensitivityPeak(direct, float("inf"))
     if not len(A):
         return best
-    rates = np.linalg.eigvals(A)
-    best = max(best, _best_of(A, B, C, D, np.concatenate([[0.0], abs(rates), abs(rates.imag)])))
-    for above in _ABOVE_DIRECT:
-        # Just above the gain at infinity the Hamiltonian matrix is nearly singular and hides
-        # crossings, so that a start from there begins higher up.
-        if direct == 0.0 or best.peak > direct * (1.0 + above):
-            break
-        crossings = _crossing_frequencies(A, B, C, D, direct * (1.0 + above))
-        if crossings.size:
-            best = max(best, _best_of(A, B, C, D, _candidates(crossings)))
+    best = max(best, _best_of(A, B, C, D, np.concatenate([[0.0], abs(np.linalg.eigvals(A))])))
     for _ in range(_ITERATIONS):
         if best.peak == 0.0:
             break
@@ -182,11 +171,9 @@ def largest_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> 
 def _candidates(crossings: np.ndarray) -> np.ndarray:
     """Return where the peak may be that exceeds a level between two of its crossings.
 
-    Near the geometric middle (crossings decades apart), the arithmetic one, or where two
-    crossings merge.
+    Near the geometric middle, or where two crossings merge.
     """
-    below, above = crossings[:-1], crossings[1:]
-    return np.concatenate([crossings, (below + above) / 2.0, np.sqrt(below * above)])
+    return np.concatenate([crossings, np.sqrt(crossings[:-1] * crossings[1:])])
 
 
 def _best_of(
