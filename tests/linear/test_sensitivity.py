@@ -49,6 +49,28 @@ def test_peak_of_a_resonance(damping):
     assert found.peak == pytest.approx(1 / (2 * damping * math.sqrt(1 - damping**2)), rel=1e-8)
 
 
+def test_a_hump_that_no_value_at_zero_or_infinity_shows():
+    """G = (-0.742760 s - 0.00074308)/((s + 0.034)(s + 0.52)) + 0.026, on a fine grid."""
+    A, B = np.array([[-0.034, 0.0], [0.079, -0.52]]), np.array([[0.076], [1.7]])
+    found = largest_gain(A, B, np.array([[0.74, -0.47]]), 0.026 * ONE)
+    s = 1j * np.logspace(-2, 2, 100_001)
+    gains = abs((-0.742760 * s - 0.00074308) / ((s + 0.034) * (s + 0.52)) + 0.026)
+    assert found.peak == pytest.approx(gains.max(), rel=1e-7)
+    assert found.frequency == pytest.approx(s[gains.argmax()].imag, rel=1e-3)
+
+
+def test_slow_tanks_in_a_row_have_their_peak_at_rest():
+    """Three of them, far above the gain at infinity: D - C A⁻¹ B."""
+    A = np.array([[-0.11, 0.0, 0.0], [7.3, -0.0026, 0.0], [0.0, 2.7, -0.0058]])
+    B, C = np.array([[0.97], [0.79], [-0.28]]), np.array([[0.48, 0.2, -0.061]])
+    first = 0.97 / 0.11
+    second = (7.3 * first + 0.79) / 0.0026
+    third = (2.7 * second - 0.28) / 0.0058
+    found = largest_gain(A, B, C, 0.012 * ONE)
+    expected = abs(0.48 * first + 0.2 * second - 0.061 * third + 0.012)
+    assert found == (pytest.approx(expected, rel=1e-9), 0.0)
+
+
 def test_a_narrow_resonance_beside_a_broad_one():
     A = scipy.linalg.block_diag([[0, 1], [-1, -0.4]], [[0, 1], [-1e4, -2e-5]], [[-1e-3]])
     B = np.array([[0.0, 1.0, 0.0, 1.0, 1e-3]]).T

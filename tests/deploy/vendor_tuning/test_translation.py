@@ -84,6 +84,28 @@ def test_pi_control_is_the_same_in_every_block_to_the_printed_digits(quadruple):
         assert row.by_numbers < (1e-3 if row.block.key in COARSE else 1e-6)
 
 
+@pytest.mark.parametrize(
+    ("key", "numbers"),
+    [
+        # K = 3 and Ti = 32.032 s and 42.4544 s, in hundredths of a minute.
+        ("rockwell-micrologix", {"integral_time_1": 0.53 * 60, "integral_time_2": 0.71 * 60}),
+        # A band of 33.3 %, and tenths of a second.
+        ("omron-pidat", {"proportional_gain_1": 100 / 33.3, "proportional_gain_2": 100 / 33.3,
+                         "integral_time_1": 32.0, "integral_time_2": 42.5}),
+    ],
+)  # fmt: skip
+def test_what_rounding_does_is_what_a_run_with_the_rounded_numbers_shows(quadruple, key, numbers):
+    controller = design_simc(quadruple.model, quadruple.pairing)
+    scenario = default_scenario(quadruple.model)
+    rounded = replace(controller, values=controller.values | numbers)
+    runs = [Loop(each, quadruple.model).run(scenario).values for each in (controller, rounded)]
+    found = translate(controller, "quadruple-tank")
+    for loop, pump in ((1, "pump_1"), (2, "pump_2")):
+        expected = np.max(np.abs(runs[0][pump] - runs[1][pump])) / 10.0  # of 0 V to 10 V
+        assert expected > 1e-5
+        assert found.row(loop, key).by_numbers == pytest.approx(expected, rel=1e-3)
+
+
 def test_the_check_sees_one_percent_of_each_number(three):
     controller = design_simc(three.model, three.pairing, form=PidForm("PID"))
     (tuning,), _ = standard_tunings(controller, three.operating_point.process)
