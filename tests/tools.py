@@ -1,12 +1,13 @@
 """What some tests need beyond `.[test]`, and the reason that is printed where it is missing.
 
 A test without its tool is skipped; with CLEPSYDRA_REQUIRE_TOOLS=1 it fails instead, so that the
-checks cannot pass by skipping. What only some machines have is never required.
+checks cannot pass by skipping. What only some machines have is required by a switch of its own.
 """
 
 import importlib.util
 import os
 import shutil
+from typing import NoReturn
 
 import pytest
 
@@ -47,6 +48,11 @@ def need_compiler() -> str:
     if COMPILER is None:
         (pytest.fail if REQUIRE else pytest.skip)(missing(compiler=True))
     return COMPILER
+
+
+def without(reason: str, switch: str) -> NoReturn:
+    """Skip a test without a tool of few machines, or fail where its switch is set to 1."""
+    (pytest.fail if os.environ.get(switch) == "1" else pytest.skip)(reason)
 
 
 def need_grammar() -> None:

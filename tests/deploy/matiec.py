@@ -6,12 +6,14 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import pytest
 from scanned_library import ScannedLibrary
+from tools import without
 
 from clepsydra.deploy.printing.entries import is_ring, signal_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
 
+#: What makes its absence, or that of STruC++, a failure.
+SWITCH = "CLEPSYDRA_REQUIRE_ST_COMPILERS"
 _CTYPES = {"LREAL": "double", "REAL": "float", "DINT": "int32_t", "BOOL": "uint8_t"}
 
 
@@ -23,8 +25,9 @@ class Matiec:
         found = named if named and Path(named).is_file() else shutil.which("iec2c")
         self.compiler = shutil.which("gcc") or shutil.which("cc")
         if not found or not self.compiler:
-            pytest.skip(
-                "matiec's iec2c (CLEPSYDRA_MATIEC or on the path) or a C compiler is missing"
+            without(
+                "matiec's iec2c (CLEPSYDRA_MATIEC or on the path) or a C compiler is missing",
+                SWITCH,
             )
         self.program = Path(found).resolve()
         self.library = next(
@@ -33,7 +36,7 @@ class Matiec:
              if (folder / "ieclib.txt").is_file()), None,
         )  # fmt: skip
         if self.library is None:
-            pytest.skip(f"the library of {self.program} is not beside it")
+            without(f"the library of {self.program} is not beside it", SWITCH)
 
     def translate(self, text: str, folder: Path) -> None:
         """Translate a text into C; what the compiler says fails the test."""

@@ -6,8 +6,9 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import pytest
+from matiec import SWITCH
 from scanned_library import ScannedLibrary
+from tools import without
 
 from clepsydra.deploy.printing.entries import is_ring, signal_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
@@ -30,7 +31,7 @@ class Strucpp:
         named = os.environ.get("CLEPSYDRA_STRUCPP", "")
         self.node, self.compiler = shutil.which("node"), shutil.which("g++")
         if not (Path(named).is_file() and self.node and self.compiler):
-            pytest.skip("STruC++ (cli.js, named by CLEPSYDRA_STRUCPP), node or g++ is missing")
+            without("STruC++ (cli.js, named by CLEPSYDRA_STRUCPP), node or g++ is missing", SWITCH)
         self.program = Path(named).resolve()
         self.headers = self.program.parents[2] / "src" / "runtime" / "include"
 
