@@ -113,7 +113,8 @@ def _parser() -> argparse.ArgumentParser:
         prog="compare_commits",
         description="Run every verb on the whole catalogue, and exports, at two commits, and list "
         "where numbers, keys, texts, files and exit statuses differ. What a commit printed is "
-        "kept, so that it runs once; a commit against itself runs twice.",
+        "kept, so that it runs once; a commit against itself runs twice. Screens of verbs that "
+        "print JSON, and messages for wrong input, are not looked at.",
         epilog="Exit status: 0 no difference, 1 some, 2 it cannot be done, 130 interrupted.",
     )
     parser.add_argument("old", metavar="OLD", help="a commit, branch or tag")

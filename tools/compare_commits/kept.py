@@ -15,7 +15,7 @@ from typing import Any
 from compare_commits.plan import Command
 
 #: Files of this tool that decide what is recorded.
-_DECIDES = ("plan.py", "outputs.py", "worker.py")
+_DECIDES = ("plan.py", "outputs.py", "runner.py", "worker.py")
 
 
 class Kept:
