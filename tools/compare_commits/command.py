@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import signal
 import sys
 import tempfile
 import time
@@ -33,7 +32,6 @@ _SAME, _DIFFERENT, _FAILED, _INTERRUPTED = 0, 1, 2, 130
 def main(arguments: Sequence[str] | None = None) -> int:
     """Compare two commits and return 0 without a difference, 1 with, 2 where it cannot be done."""
     asked = _parser().parse_args(arguments)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # what is checked out goes away too
     try:
         repository = repository_of(Path.cwd())
         first, second = (find_commit(repository, named) for named in (asked.old, asked.new))
