@@ -177,21 +177,22 @@ def test_outputs_that_cannot_be_held_independently_are_refused(minimum_phase):
 
 
 @pytest.mark.parametrize(
-    "options",
+    ("options", "place", "value"),
     [
-        {"maximum_errors": {"level_7": 1.0}},
-        {"maximum_errors": {"level_1": 0.0}},
-        {"maximum_errors": {"level_1": "a"}},
-        {"maximum_errors": 0.5},
-        {"maximum_moves": {"pump_1": math.nan}},
-        {"maximum_moves": {"pump_1": None}},
-        {"anti_windup": "clamping"},
-        {"anti_windup": "off"},
+        ({"maximum_errors": {"level_7": 1.0}}, "LQI, maximum_errors", "level_7"),
+        ({"maximum_errors": {"level_1": 0.0}}, "LQI, maximum_errors, level_1", "0.0"),
+        ({"maximum_errors": {"level_1": "a"}}, "LQI, maximum_errors, level_1", "a"),
+        ({"maximum_errors": 0.5}, "LQI, maximum_errors", "0.5"),
+        ({"maximum_moves": {"pump_1": math.nan}}, "LQI, maximum_moves, pump_1", "nan"),
+        ({"maximum_moves": {"pump_1": None}}, "LQI, maximum_moves, pump_1", "None"),
+        ({"anti_windup": "clamping"}, "LQI law, anti_windup", "clamping"),
+        ({"anti_windup": "off"}, "anti_windup", "off"),
     ],
 )
-def test_wrong_deviations_are_refused(minimum_phase, options):
-    with pytest.raises(InputError):
+def test_wrong_deviations_are_refused(minimum_phase, options, place, value):
+    with pytest.raises(InputError) as caught:
         design_lqi(minimum_phase.model, **options)
+    assert (caught.value.place, str(caught.value.value)) == (place, value)
 
 
 @pytest.mark.parametrize("period", [1e-3, 0.1, 10.0, 30.0, 60.0, 300.0, 5000.0])

@@ -148,6 +148,6 @@ def test_wrong_requests_are_refused(minimum_phase):
         inverted_decoupler(minimum_phase.model, DIRECT[:1])
     with pytest.raises(InputError, match="static or dynamic"):
         inverted_decoupler(minimum_phase.model, DIRECT, kind="perfect")
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match="got 'level_1', expected each name once"):
         inverted_decoupler(minimum_phase.model, [("level_1", "pump_1")] * 2)
     assert math.isfinite(inverted_decoupler(minimum_phase.model, DIRECT).gain.sum())

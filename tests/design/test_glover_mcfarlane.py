@@ -407,7 +407,7 @@ def test_refusals():
 def test_a_mode_out_of_reach_is_refused():
     """Two integrators, one of which no input moves."""
     plant = SampledSystem(np.eye(2), np.array([[1.0], [0.0]]), np.ones((1, 2)), np.zeros((1, 1)))
-    with pytest.raises(NotApplicable):
+    with pytest.raises(NotApplicable, match="a mode is out of reach"):
         coprime_factors(plant)
 
 

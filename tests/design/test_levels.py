@@ -188,18 +188,22 @@ def test_a_self_regulating_level_is_refused_with_its_time_constant(single_tank):
 
 
 @pytest.mark.parametrize(
-    "options",
+    ("options", "key", "value", "expected"),
     [
-        {"arrest_time": 0.0},
-        {"arrest_time": "1 h"},
-        {"deviation": -1.0},
-        {"deviation": 0.1, "arrest_time": 10.0},
-        {"form": PidForm("PID")},
+        ({"arrest_time": 0.0}, "arrest_time", "0.0", "a time above 0 s"),
+        ({"arrest_time": "1 h"}, "arrest_time", "1 h", "a time above 0 s"),
+        ({"deviation": -1.0}, "deviation", "-1.0", "a deviation above 0"),
+        ({"deviation": 0.1, "arrest_time": 10.0}, "arrest_time", "10.0",
+         "either an arrest time or a deviation"),
+        ({"form": PidForm("PID")}, "form", "PID", "PI: it has no rule for Td"),
     ],
-)
-def test_wrong_requests_are_refused(basin, options):
-    with pytest.raises(InputError):
+)  # fmt: skip
+def test_wrong_requests_are_refused(basin, options, key, value, expected):
+    with pytest.raises(InputError) as caught:
         design_arrest_time(basin.model, basin.pairing, **options)
+    found = caught.value
+    assert (found.place, str(found.value)) == (f"arrest time, {key}", value)
+    assert found.expected == expected
 
 
 def test_lambda_has_no_rule_for_derivative_action(basin):

@@ -375,31 +375,62 @@ def test_signals_without_a_range_are_not_applicable(single_tank):
 
 
 @pytest.mark.parametrize(
-    ("design", "pairing", "options"),
+    ("design", "pairing", "options", "place", "value"),
     [
-        (design_simc, [], {}),
-        (design_simc, [("level_9", "pump_1")], {}),
-        (design_simc, [("level_1", "pump_1"), ("level_2", "pump_1")], {}),
-        (design_simc, 3, {}),
-        (design_simc, "level_1", {}),
-        (design_simc, ["level_1", "pump_1"], {}),
-        (design_simc, [("level_1", "pump_1", "pump_2")], {}),
-        (design_simc, DIRECT, {"form": "PID"}),
-        (design_phase_margin, DIRECT, {"form": PidForm("PD")}),
-        (design_simc, DIRECT, {"closed_loop_time_constant": 0.0}),
-        (design_simc, DIRECT, {"closed_loop_time_constant": "30 s"}),
-        (design_phase_margin, DIRECT, {"phase_margin": "60"}),
-        (design_phase_margin, DIRECT, {"crossover": "0.1"}),
-        (design_phase_margin, DIRECT, {"crossover": 0.0}),
-        (design_simc, DIRECT, {"closed_loop_time_constant": math.nan}),
-        (design_phase_margin, DIRECT, {"phase_margin": 60.0}),
-        (design_phase_margin, DIRECT, {"crossover": -1.0}),
-        (design_phase_margin, DIRECT, {"crossover": math.inf}),
+        (design_simc, [], {}, "pairing", "[]"),
+        (design_simc, [("level_9", "pump_1")], {}, "linear model, outputs", "level_9"),
+        (
+            design_simc,
+            [("level_1", "pump_1"), ("level_2", "pump_1")],
+            {},
+            "linear model, inputs",
+            "pump_1",
+        ),
+        (design_simc, 3, {}, "pairing", "3"),
+        (design_simc, "level_1", {}, "pairing", "level_1"),
+        (design_simc, ["level_1", "pump_1"], {}, "pairing", "['level_1', 'pump_1']"),
+        (
+            design_simc,
+            [("level_1", "pump_1", "pump_2")],
+            {},
+            "pairing",
+            "[('level_1', 'pump_1', 'pump_2')]",
+        ),
+        (design_simc, DIRECT, {"form": "PID"}, "SIMC, form", "PID"),
+        (design_phase_margin, DIRECT, {"form": PidForm("PD")}, "phase margin, form", "PD"),
+        (
+            design_simc,
+            DIRECT,
+            {"closed_loop_time_constant": 0.0},
+            "SIMC, closed_loop_time_constant",
+            "0.0",
+        ),
+        (
+            design_simc,
+            DIRECT,
+            {"closed_loop_time_constant": "30 s"},
+            "SIMC, closed_loop_time_constant",
+            "30 s",
+        ),
+        (design_phase_margin, DIRECT, {"phase_margin": "60"}, "phase margin, phase_margin", "60"),
+        (design_phase_margin, DIRECT, {"crossover": "0.1"}, "phase margin, crossover", "0.1"),
+        (design_phase_margin, DIRECT, {"crossover": 0.0}, "phase margin, crossover", "0.0"),
+        (
+            design_simc,
+            DIRECT,
+            {"closed_loop_time_constant": math.nan},
+            "SIMC, closed_loop_time_constant",
+            "nan",
+        ),
+        (design_phase_margin, DIRECT, {"phase_margin": 60.0}, "phase margin, phase_margin", "60.0"),
+        (design_phase_margin, DIRECT, {"crossover": -1.0}, "phase margin, crossover", "-1.0"),
+        (design_phase_margin, DIRECT, {"crossover": math.inf}, "phase margin, crossover", "inf"),
     ],
 )
-def test_wrong_requests_are_refused(minimum_phase, design, pairing, options):
-    with pytest.raises(InputError):
+def test_wrong_requests_are_refused(minimum_phase, design, pairing, options, place, value):
+    with pytest.raises(InputError) as caught:
         design(minimum_phase.model, pairing, **options)
+    assert (caught.value.place, str(caught.value.value)) == (place, value)
 
 
 @pytest.mark.parametrize(

@@ -313,17 +313,19 @@ def test_ziegler_nichols_in_the_sampled_loop_is_the_rule(single_tank):
 
 
 @pytest.mark.parametrize(
-    "call",
+    ("design", "pairing", "options", "place", "value"),
     [
-        lambda model: design_ziegler_nichols(model, PAIR, experiment="bump"),
-        lambda model: design_amigo(model, PAIR, form=PidForm("P")),
-        lambda model: design_tyreus_luyben(model, PAIR, form="PI"),
-        lambda model: design_amigo(model, [("level", "valve")]),
+        (design_ziegler_nichols, PAIR, {"experiment": "bump"}, "Ziegler-Nichols, experiment",
+         "bump"),
+        (design_amigo, PAIR, {"form": PidForm("P")}, "AMIGO, form", "P"),
+        (design_tyreus_luyben, PAIR, {"form": "PI"}, "Tyreus-Luyben, form", "PI"),
+        (design_amigo, [("level", "valve")], {}, "linear model, inputs", "valve"),
     ],
-)
-def test_wrong_requests_are_refused(single_tank, call):
-    with pytest.raises(InputError):
-        call(single_tank([[-0.1]], [0.1], [1.0]))
+)  # fmt: skip
+def test_wrong_requests_are_refused(single_tank, design, pairing, options, place, value):
+    with pytest.raises(InputError) as caught:
+        design(single_tank([[-0.1]], [0.1], [1.0]), pairing, **options)
+    assert (caught.value.place, str(caught.value.value)) == (place, value)
 
 
 def test_reasons_name_the_pair(single_tank):

@@ -69,7 +69,7 @@ def test_the_operating_point_follows_the_request(minimum):
         minimum.process, outputs={"level_1": 50 * levels[0], "level_2": 50 * levels[1]}
     )
     np.testing.assert_allclose(analysis.operating_point.inputs, (2.5, 3.2), rtol=1e-12)
-    with pytest.raises(NoEquilibrium):
+    with pytest.raises(NoEquilibrium, match=r"tank_1\.level would stand at"):
         analyse(minimum.process, inputs={"pump_1": 9.0})
 
 

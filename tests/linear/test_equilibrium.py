@@ -222,7 +222,7 @@ def test_consistent_outputs_that_leave_an_input_open_warn(make_process):
 
 def test_an_equation_without_a_root_is_refused(make_process):
     process = make_process(lambda x, u, d: [0.01 * u[0] - 1 - x[0] ** 2], 1, 1)
-    with pytest.raises(NoEquilibrium):
+    with pytest.raises(NoEquilibrium, match=r"tank_1\.level would have to fall below its floor"):
         find_equilibrium(process, {"pump_1": 5.0})
 
 

@@ -77,7 +77,9 @@ def test_the_step_keeps_its_share_of_the_fastest_time_constant_up_to_the_limit()
         count = substeps_for(analysed(NAMES[0], period).model)
         assert count == max(1, math.ceil(fastest * period / 0.1))
     assert count == MOST_SUBSTEPS - 10
-    with pytest.raises(InputError):
+    with pytest.raises(
+        InputError, match=r"sampling_period: got .* expected .* fastest time constant"
+    ):
         substeps_for(analysed(NAMES[0], 1000.0 / fastest * 1.001).model)
 
 

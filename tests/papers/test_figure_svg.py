@@ -65,9 +65,14 @@ def test_one_label_has_one_colour_in_all_panels():
     assert len(colours) == 3 and colours[0] == colours[2] != colours[1]
 
 
-@pytest.mark.parametrize("values", [np.zeros(400), np.full(400, 5.0), np.full(400, np.nan), TIME])
-def test_flat_and_missing_values_are_drawn(values):
-    ElementTree.fromstring(_svg(Panel("", "level [m]", (Curve("level", TIME, values),))))
+@pytest.mark.parametrize("value", [0.0, 5.0, -1e-9, np.nan])
+def test_a_flat_line_stands_in_the_middle_and_missing_values_nowhere(value):
+    panel = Panel("", "level [m]", (Curve("level", TIME, np.full(400, value)),))
+    picture = ElementTree.fromstring(_svg(panel))
+    ((_, (left, top, right, bottom)),) = _axes(picture)
+    lines = [path.attrib["d"] for group in picture.iter(f"{SVG}g") for path in group]
+    middle = f"M{10 * left:.0f} {5 * (top + bottom):.0f}l{10 * (right - left):.0f} 0"
+    assert lines == ([] if np.isnan(value) else [middle])
 
 
 def test_what_is_not_positive_is_left_out_of_logarithmic_axes():

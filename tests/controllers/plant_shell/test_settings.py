@@ -19,25 +19,27 @@ from clepsydra.program.step_law import Equations, step_law
 
 
 @pytest.mark.parametrize(
-    "wrong",
+    ("wrong", "place", "value"),
     [
-        {"ranges": {"level_1": (5.0, 5.0)}},
-        {"ranges": {"level_1": (0.0, float("nan"))}},
-        {"ranges": {"level_1": 3.0}},
-        {"ranges": [("level_1", 0.0)]},
-        {"sensor_delay": {"level_1": -1.0}},
-        {"sensor_delay": {"level_1": "4 s"}},
-        {"setpoint_rate": {"level_1": 0.0}},
-        {"rate_limit": {"pump_1": -2.0}},
-        {"fail_safe": {"pump_1": float("inf")}},
-        {"fail_safe": {"pump_1": True}},
-        {"scan_tolerance": 0.0},
-        {"scan_tolerance": 1.5},
+        ({"ranges": {"level_1": (5.0, 5.0)}}, "ranges, level_1", "(5.0, 5.0)"),
+        ({"ranges": {"level_1": (0.0, float("nan"))}}, "ranges, level_1", "(0.0, nan)"),
+        ({"ranges": {"level_1": 3.0}}, "ranges, level_1", "3.0"),
+        ({"ranges": [("level_1", 0.0)]}, "ranges", "[('level_1', 0.0)]"),
+        ({"sensor_delay": {"level_1": -1.0}}, "sensor_delay, level_1", "-1.0"),
+        ({"sensor_delay": {"level_1": "4 s"}}, "sensor_delay, level_1", "4 s"),
+        ({"setpoint_rate": {"level_1": 0.0}}, "setpoint_rate, level_1", "0.0"),
+        ({"rate_limit": {"pump_1": -2.0}}, "rate_limit, pump_1", "-2.0"),
+        ({"fail_safe": {"pump_1": float("inf")}}, "fail_safe, pump_1", "inf"),
+        ({"fail_safe": {"pump_1": True}}, "fail_safe, pump_1", "True"),
+        ({"scan_tolerance": 0.0}, "scan_tolerance", "0.0"),
+        ({"scan_tolerance": 1.5}, "scan_tolerance", "1.5"),
     ],
 )
-def test_values_out_of_range_are_refused(wrong):
-    with pytest.raises(InputError):
+def test_values_out_of_range_are_refused(wrong, place, value):
+    with pytest.raises(InputError) as caught:
         PlantShell(**wrong)
+    found = caught.value
+    assert (found.place, str(found.value)) == (f"plant shell, {place}", value)
 
 
 @pytest.mark.parametrize(

@@ -132,5 +132,7 @@ def test_scans_depend_on_nothing_but_seed_and_name():
 
 @pytest.mark.parametrize(("scans", "seed"), [(0, 1), (-3, 1), (10, -1)])
 def test_too_few_scans_and_a_negative_seed_are_refused(scans, seed):
-    with pytest.raises(InputError):
+    with pytest.raises(InputError) as caught:
         random_scans(PROGRAM, scans, seed, 1.0)
+    expected = ("seed", seed, "at least 0") if seed < 0 else ("scans", scans, "at least 1")
+    assert (caught.value.place, caught.value.value, caught.value.expected) == expected

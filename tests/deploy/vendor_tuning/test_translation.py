@@ -224,6 +224,7 @@ def test_proportional_control_has_no_integral_time(tmp_path):
     """
     controller, request = of_study(text, tmp_path)
     found = translate(controller, request.process)
+    assert len(found.rows) == len(EVERY_BLOCK)
     for row in found.rows:
         assert not any("T" in s.name and s.unit == "s" for s in row.filled.settings)
         assert row.by_numbers < 1e-9, row.block.key
