@@ -27,10 +27,10 @@ from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.reader import load_process
-from clepsydra.study.tuning.objective import Objective
-from clepsydra.study.tuning.parameters import TunedParameter
-from clepsydra.study.tuning.result import TuningResult
-from clepsydra.study.tuning.tune import GENERATIONS, tune
+from clepsydra.studies.tuning.objective import Objective
+from clepsydra.studies.tuning.parameters import TunedParameter
+from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.tuning.tune import GENERATIONS, tune
 
 T = TypeVar("T")
 

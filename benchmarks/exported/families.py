@@ -19,8 +19,8 @@ from clepsydra.papers.averaging_tank.fuzzy import RULES
 from clepsydra.process.document import parse
 from clepsydra.process.reader import load_process
 from clepsydra.process.table_reader import TableReader
-from clepsydra.study.designs import DESIGNS
-from clepsydra.study.file.controller_reader import read_controllers
+from clepsydra.studies.designs import DESIGNS
+from clepsydra.studies.file.controller_reader import read_controllers
 
 #: Schemes of a study file, by the name of their controller.
 _SCHEMES = """

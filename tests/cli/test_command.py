@@ -13,7 +13,7 @@ import pytest
 
 import clepsydra
 from clepsydra.cli.output import print_json
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 NAMES = ["quadruple-tank", "quadruple-tank-nonminimum-phase"]
 HEAVY = {
@@ -295,7 +295,7 @@ def test_an_interrupted_study_ends_with_status_130(command, tmp_path, monkeypatc
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("clepsydra.study.study.run_study", interrupted)
+    monkeypatch.setattr("clepsydra.studies.study.run_study", interrupted)
     status, output, errors = command("study", NAMES[0])
     assert (status, output) == (130, "")
     assert "Traceback" not in errors

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clepsydra.identify.identification import identify_model
-from clepsydra.identify.record_csv import read_record
+from clepsydra.identification.identification import identify_model
+from clepsydra.identification.record_csv import read_record
 from clepsydra.loop.simulation import simulate
 from clepsydra.loop.trajectory_file import write_trajectories
 from clepsydra.process.reader import load_process

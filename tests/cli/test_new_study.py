@@ -6,12 +6,12 @@ import tomllib
 import numpy as np
 import pytest
 
-from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
-from clepsydra.study.file.reader import STUDY_KEYS, read_study
+from clepsydra.studies.file.reader import STUDY_KEYS, read_study
 
 
 def refused(result, *words):

@@ -10,7 +10,7 @@ from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.scans import random_scans
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 #: Where a design applies, if not to the quadruple tank.
 APPLIES_TO = {

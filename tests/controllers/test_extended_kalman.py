@@ -8,8 +8,8 @@ from scipy.linalg import expm
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
 from clepsydra.controllers.process_equations import process_equations
-from clepsydra.design.extended_kalman import design_lqi_extended_kalman
-from clepsydra.design.lqi_kalman import design_lqi_kalman
+from clepsydra.designs.extended_kalman import design_lqi_extended_kalman
+from clepsydra.designs.lqi_kalman import design_lqi_kalman
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.derivatives import Derivatives
 from clepsydra.process.reader import load_process

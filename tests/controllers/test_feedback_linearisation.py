@@ -10,11 +10,11 @@ import pytest
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.feedback_linearisation import feedback_linearisation_law
 from clepsydra.controllers.virtual_input import ANTI_WINDUPS
-from clepsydra.design.feedback_linearisation import (
+from clepsydra.designs.feedback_linearisation import (
     design_feedback_linearisation,
     feedback_linearisation_controller,
 )
-from clepsydra.design.virtual_settings import VirtualSettings
+from clepsydra.designs.virtual_settings import VirtualSettings
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.derivatives import Derivatives
 from clepsydra.linear.relative_degree import relative_degree

@@ -11,8 +11,8 @@ from clepsydra.controllers.blocks.schedule import Schedule
 from clepsydra.controllers.gain_scheduling import scheduled_law, scheduled_lqi_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.design.bryson import design_lqi
-from clepsydra.design.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid
+from clepsydra.designs.bryson import design_lqi
+from clepsydra.designs.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 

@@ -9,9 +9,9 @@ from scipy.signal import lfilter
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.polynomial_controller import PolynomialShape, polynomial_law
-from clepsydra.design.polynomial.sampled_model import SampledModel
-from clepsydra.design.polynomial.spectral_factor import spectral_factor
-from clepsydra.design.polynomial.two_degree_of_freedom import assigned, two_degree_of_freedom
+from clepsydra.designs.polynomial.sampled_model import SampledModel
+from clepsydra.designs.polynomial.spectral_factor import spectral_factor
+from clepsydra.designs.polynomial.two_degree_of_freedom import assigned, two_degree_of_freedom
 
 PLANT = SampledModel((0.05, 0.04), (-1.5, 0.55), 3, 1.0)
 

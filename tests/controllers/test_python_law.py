@@ -11,8 +11,8 @@ from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.own_law import load_law
 from clepsydra.controllers.python_law import PythonLaw, python_law
-from clepsydra.design.own_law import own_controller
-from clepsydra.design.sampled.sampled_loop import sampled_loop
+from clepsydra.designs.own_law import own_controller
+from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.scenario import Scenario
 from clepsydra.program.step_law import StepLaw

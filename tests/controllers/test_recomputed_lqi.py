@@ -13,7 +13,7 @@ from clepsydra.controllers.blocks.sampled_matrices import (
     sampled_expressions,
     upper_triangle,
 )
-from clepsydra.design.recomputed_lqi import design_recomputed_lqi
+from clepsydra.designs.recomputed_lqi import design_recomputed_lqi
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.derivatives import Derivatives
 from clepsydra.process.reader import load_process

@@ -10,9 +10,9 @@ from scipy.signal import lfilter
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.polynomial_controller import PolynomialShape
 from clepsydra.controllers.smith_predictor import PredictorShape, smith_predictor_law
-from clepsydra.design.polynomial.sampled_model import SampledModel
-from clepsydra.design.polynomial.spectral_factor import spectral_factor
-from clepsydra.design.polynomial.two_degree_of_freedom import assigned, two_degree_of_freedom
+from clepsydra.designs.polynomial.sampled_model import SampledModel
+from clepsydra.designs.polynomial.spectral_factor import spectral_factor
+from clepsydra.designs.polynomial.two_degree_of_freedom import assigned, two_degree_of_freedom
 
 STABLE = {
     "the document's": SampledModel((0.0309, 0.0286), (-1.777, 0.7964), 5, 1.0),

@@ -8,8 +8,8 @@ import pytest
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.start_stop_levels import check_levels, start_stop_law
-from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.start_stop_levels import design_start_stop_levels
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.start_stop_levels import design_start_stop_levels
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.closed_loop import closed_loop, controller_name

@@ -12,7 +12,7 @@ from clepsydra.deploy.process_program import process_program
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.process.reader import load_process
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 
 def digests(process, names=tuple(DESIGNS)):

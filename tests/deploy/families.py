@@ -6,7 +6,7 @@ from clepsydra.deploy.exportable import exportable
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 from clepsydra.program.program import Program
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 PROCESSES = {
     "PI, SIMC": "quadruple-tank",

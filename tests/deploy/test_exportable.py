@@ -15,7 +15,7 @@ from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 NUMBERS = {"true": "1", "false": "0"}
 CASES = [

@@ -26,7 +26,7 @@ from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.exportable import exportable
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 TYPES = {
     "double": ctypes.c_double,

@@ -13,7 +13,7 @@ from clepsydra.deploy.printing.identifiers import (
     check_identifier,
     identifier_of,
 )
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from clepsydra.deploy.structured_text.function_block import function_block
 from clepsydra.deploy.structured_text.pou import Section, Unit, Variable
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.deploy.structured_text.project import print_test_project
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 

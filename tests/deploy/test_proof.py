@@ -19,7 +19,7 @@ from clepsydra.process.reader import load_process
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Program
 from clepsydra.program.reader import program_of
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 SCANS = 10_000
 STATUS_BITS = (1, 2, 4, 8, 16, 32, 64)

@@ -9,7 +9,7 @@ from test_proof import simulated
 from test_proof_of_structures import scans
 
 from clepsydra.controllers.virtual_input import ANTI_WINDUPS
-from clepsydra.design.feedback_linearisation import design_feedback_linearisation
+from clepsydra.designs.feedback_linearisation import design_feedback_linearisation
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 

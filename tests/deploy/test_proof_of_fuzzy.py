@@ -17,7 +17,7 @@ from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
 from clepsydra.controllers.fuzzy.wired import WiredFuzzy
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.design.fuzzy_control import design_fuzzy_pi
+from clepsydra.designs.fuzzy_control import design_fuzzy_pi
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.papers.averaging_tank.fuzzy import RULES

@@ -6,9 +6,9 @@ from deployed import all_bits, run_both
 from test_proof import simulated
 from test_proof_of_structures import scans as wild_scans
 
-from clepsydra.design.extended_kalman import design_lqi_extended_kalman
-from clepsydra.design.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid
-from clepsydra.design.recomputed_lqi import design_recomputed_lqi
+from clepsydra.designs.extended_kalman import design_lqi_extended_kalman
+from clepsydra.designs.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid
+from clepsydra.designs.recomputed_lqi import design_recomputed_lqi
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 

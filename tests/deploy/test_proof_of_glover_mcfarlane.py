@@ -7,8 +7,8 @@ from test_proof import proven
 
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.design.glover_mcfarlane import design_glover_mcfarlane
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 

@@ -3,7 +3,7 @@
 import numpy as np
 from deployed import all_bits, run_both
 
-from clepsydra.design.start_stop_levels import design_start_stop_levels
+from clepsydra.designs.start_stop_levels import design_start_stop_levels
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process

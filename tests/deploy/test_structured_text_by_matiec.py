@@ -25,7 +25,7 @@ from clepsydra.deploy.structured_text.project import print_test_project
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process.reader import load_process
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 SCANS = 1000
 POINTER = ctypes.POINTER(ctypes.c_double)

@@ -19,13 +19,13 @@ from clepsydra.deploy.proof.text.scl import standard_text
 from clepsydra.deploy.structured_text.loop_program import wired
 from clepsydra.deploy.structured_text.project import print_test_project
 from clepsydra.deploy.structured_text.time_literal import LONGEST, milliseconds, time_literal
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.reader import load_process
 from clepsydra.program.program import Block, Program
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 SCANS, SUBSTEPS = 240, 2
 FACTOR = 1.05

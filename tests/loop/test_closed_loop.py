@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from clepsydra.base.errors import InputError
-from clepsydra.design.bryson import design_lqi
-from clepsydra.design.phase_margin import design_phase_margin
-from clepsydra.design.sampled.sampled_loop import sampled_loop
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.bryson import design_lqi
+from clepsydra.designs.phase_margin import design_phase_margin
+from clepsydra.designs.sampled.sampled_loop import sampled_loop
+from clepsydra.designs.simc import design_simc
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.reference import LawEvaluation
 from clepsydra.engine.runge_kutta import runge_kutta

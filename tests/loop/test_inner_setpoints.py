@@ -15,9 +15,9 @@ from clepsydra.report.panels import all_panels
 from clepsydra.report.recording import recording_of
 from clepsydra.report.trend_svg import trend_svg
 from clepsydra.report.trends import trend_figure
-from clepsydra.study.file.reader import read_study
-from clepsydra.study.trial import scores_of
-from clepsydra.study.warnings.inner_setpoint import inner_setpoint_warnings
+from clepsydra.studies.file.reader import read_study
+from clepsydra.studies.trial import scores_of
+from clepsydra.studies.warnings.inner_setpoint import inner_setpoint_warnings
 
 # The gain of the outer loop, 3 % of 60 l/s for 1 % of 16 mA [m³/(s A)].
 GAIN = -3.0 * 0.06 / 0.016

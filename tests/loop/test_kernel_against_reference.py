@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.operating_point import OperatingPoint

@@ -9,7 +9,7 @@ import pyarrow.parquet
 import pytest
 
 from clepsydra.base.errors import InputError
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.parquet import write_parquet
 from clepsydra.loop.run import Run

@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.relay_autotune import ultimate_point_of_relay
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.relay_autotune import ultimate_point_of_relay
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint

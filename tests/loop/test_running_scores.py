@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clepsydra.base.errors import InputError
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.simc import design_simc
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from clepsydra.base.errors import InputError
-from clepsydra.design.bryson import design_lqi
-from clepsydra.design.phase_margin import design_phase_margin
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.bryson import design_lqi
+from clepsydra.designs.phase_margin import design_phase_margin
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop import loop as loop_module
@@ -17,7 +17,7 @@ from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.step_size import MOST_SUBSTEPS, substeps_for
 from clepsydra.process.reader import load_process
-from clepsydra.study.study import run_study
+from clepsydra.studies.study import run_study
 
 NAMES = ["quadruple-tank", "quadruple-tank-nonminimum-phase"]
 DESIGNS = {

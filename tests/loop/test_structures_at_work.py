@@ -18,7 +18,7 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.ratio_block import RatioBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
-from clepsydra.design.start_stop_levels import design_start_stop_levels
+from clepsydra.designs.start_stop_levels import design_start_stop_levels
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.closed_loop import closed_loop, controller_name

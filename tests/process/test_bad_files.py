@@ -10,7 +10,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.process.reader import load_process
-from clepsydra.study.study import run_study
+from clepsydra.studies.study import run_study
 
 VALID = (Path(__file__).parent / "plant.toml").read_text(encoding="utf-8")
 CATALOGUE = ", ".join(catalogue_names())

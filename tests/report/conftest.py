@@ -16,10 +16,10 @@ from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
-from clepsydra.study.result import Candidate, Standing, StudyResult
-from clepsydra.study.tuning.pareto import ParetoFront
-from clepsydra.study.tuning.result import TuningResult
-from clepsydra.study.warnings.loop_response import loop_response
+from clepsydra.studies.result import Candidate, Standing, StudyResult
+from clepsydra.studies.tuning.pareto import ParetoFront
+from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.warnings.loop_response import loop_response
 
 PROCESS = load_process("quadruple-tank")
 AREAS = np.array([28e-4, 32e-4, 28e-4, 32e-4])

@@ -3,8 +3,8 @@
 import pytest
 
 from clepsydra.report.controller_page import controller_page
-from clepsydra.study.file.reader import read_study
-from clepsydra.study.study import run_study
+from clepsydra.studies.file.reader import read_study
+from clepsydra.studies.study import run_study
 
 STUDY = """
 process = "wet-well:flow-meters"

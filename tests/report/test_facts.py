@@ -16,9 +16,9 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.ratio_block import RatioBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
-from clepsydra.design.bryson import design_lqi
-from clepsydra.design.lqi_kalman import design_lqi_kalman
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.bryson import design_lqi
+from clepsydra.designs.lqi_kalman import design_lqi_kalman
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 from clepsydra.report.law_tables import law_facts, law_grids, law_words

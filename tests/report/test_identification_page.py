@@ -10,10 +10,10 @@ import pytest
 from rich.console import Console
 
 from clepsydra.base.signal import Signal
-from clepsydra.identify.estimate import Estimate
-from clepsydra.identify.identification import identify_model
-from clepsydra.identify.process_fit import fit_process
-from clepsydra.identify.simulated_record import record_of
+from clepsydra.identification.estimate import Estimate
+from clepsydra.identification.identification import identify_model
+from clepsydra.identification.process_fit import fit_process
+from clepsydra.identification.simulated_record import record_of
 from clepsydra.loop.simulation import simulate
 from clepsydra.report.identification_page import identification_text
 from clepsydra.report.identification_picture import (

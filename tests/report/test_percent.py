@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.loop.loop import Loop

@@ -9,7 +9,7 @@ import pytest
 from clepsydra.report.loop_picture import loop_svg
 from clepsydra.report.map_picture import map_svg
 from clepsydra.report.tuning_picture import tuning_svg
-from clepsydra.study.result import Standing
+from clepsydra.studies.result import Standing
 
 
 def circles(text):

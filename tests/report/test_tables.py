@@ -19,7 +19,7 @@ from clepsydra.report.score_tables import (
     score_tables,
 )
 from clepsydra.report.tables import analysis_table, ranking_table
-from clepsydra.study.result import Standing
+from clepsydra.studies.result import Standing
 
 
 def printed(renderable):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop

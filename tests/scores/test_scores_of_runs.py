@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clepsydra.design.simc import design_simc
-from clepsydra.design.start_stop_levels import design_start_stop_levels
+from clepsydra.designs.simc import design_simc
+from clepsydra.designs.start_stop_levels import design_start_stop_levels
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.process.reader import load_process
-from clepsydra.study.ranking import rank
-from clepsydra.study.trial import scores_of, tried
+from clepsydra.studies.ranking import rank
+from clepsydra.studies.trial import scores_of, tried
 
 
 def test_saturation_is_counted_at_the_narrower_limits_of_actuator_and_controller() -> None:

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from clepsydra.deploy.fmi.write import FmiVersion
     from clepsydra.deploy.printing.precision import Precision
     from clepsydra.process.process import Process
-    from clepsydra.study.file.request import StudyRequest
-    from clepsydra.study.result import StudyResult
+    from clepsydra.studies.file.request import StudyRequest
+    from clepsydra.studies.result import StudyResult
 
 
 class Target(Enum):
@@ -110,7 +110,7 @@ def export(
     from clepsydra.cli.output import make_folder, print_json
     from clepsydra.cli.plant_options import read_plant_shell
     from clepsydra.cli.subject import read_subject, study_of_one
-    from clepsydra.study.file.request import StudyRequest
+    from clepsydra.studies.file.request import StudyRequest
 
     make_folder(folder)
     code = (Target.st, Target.c)
@@ -165,8 +165,8 @@ def _process(request: Process | StudyRequest, target: Target, version: FmiVersio
     from clepsydra.base.errors import InputError
     from clepsydra.deploy.export import export_process_fmu
     from clepsydra.linear.analysis import analyse
-    from clepsydra.study.file.request import StudyRequest
-    from clepsydra.study.study import controller_names
+    from clepsydra.studies.file.request import StudyRequest
+    from clepsydra.studies.study import controller_names
 
     if target is not Target.fmu:
         raise InputError(

@@ -51,10 +51,10 @@ def identify(
     """Identify a model from a record: ARX, FOPDT, SOPDT, IPDT, or parameters of a process."""
     from clepsydra.base.errors import InputError
     from clepsydra.cli.output import make_folder, output_file, print_json
-    from clepsydra.identify.identification import Identification, identify_model
-    from clepsydra.identify.process_file import write_fitted_process
-    from clepsydra.identify.process_fit import ProcessFit, fit_process
-    from clepsydra.identify.record_csv import read_record
+    from clepsydra.identification.identification import Identification, identify_model
+    from clepsydra.identification.process_file import write_fitted_process
+    from clepsydra.identification.process_fit import ProcessFit, fit_process
+    from clepsydra.identification.record_csv import read_record
     from clepsydra.process.reader import load_process
     from clepsydra.report.identification_page import write_identification_page
 

@@ -100,7 +100,7 @@ def _template(name: str) -> str:
 
 def _study(named: str) -> str:
     from clepsydra.process.reader import load_process
-    from clepsydra.study.file.new_study import new_study
+    from clepsydra.studies.file.new_study import new_study
 
     return new_study(load_process(named), named, _template("new_study"))
 

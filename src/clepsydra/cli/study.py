@@ -36,7 +36,7 @@ def study(
     from clepsydra.cli.output import make_folder, output_file, print_json
     from clepsydra.cli.progress import shown_progress
     from clepsydra.cli.subject import read_subject
-    from clepsydra.study.study import run_study
+    from clepsydra.studies.study import run_study
 
     make_folder(folder)
     request = read_subject(subject, seed)

@@ -9,8 +9,8 @@ import typer
 
 if TYPE_CHECKING:
     from clepsydra.process.process import Process
-    from clepsydra.study.file.request import StudyRequest
-    from clepsydra.study.result import StudyResult
+    from clepsydra.studies.file.request import StudyRequest
+    from clepsydra.studies.result import StudyResult
 
 SubjectArgument = Annotated[
     str,
@@ -24,7 +24,7 @@ SubjectArgument = Annotated[
 def read_subject(subject: str, seed: int | None = None) -> Process | StudyRequest:
     """Read a study file, or a process of the catalogue or of a file."""
     from clepsydra.process.reader import load_process
-    from clepsydra.study.file.reader import is_study_file, read_study
+    from clepsydra.studies.file.reader import is_study_file, read_study
 
     return read_study(subject, seed=seed) if is_study_file(subject) else load_process(subject)
 
@@ -42,7 +42,7 @@ def study_of_one(
     """Make one controller of a study; refuse one that does not apply, with its reason."""
     from clepsydra.base.errors import InputError
     from clepsydra.cli.progress import shown_progress
-    from clepsydra.study.study import run_study
+    from clepsydra.studies.study import run_study
 
     with shown_progress(quiet=quiet) as tell:
         study = run_study(

@@ -56,8 +56,8 @@ def verify(
     from clepsydra.deploy.printing.identifiers import identifier_of
     from clepsydra.deploy.proof.of_study import proof_items
     from clepsydra.deploy.proof.proof import prove
-    from clepsydra.study.file.request import StudyRequest
-    from clepsydra.study.study import run_study
+    from clepsydra.studies.file.request import StudyRequest
+    from clepsydra.studies.study import run_study
 
     make_folder(folder)
     request = read_subject(subject, seed)

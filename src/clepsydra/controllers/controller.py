@@ -127,7 +127,7 @@ class Controller:
         Examples
         --------
         >>> import dataclasses
-        >>> from clepsydra.design.ziegler_nichols import design_ziegler_nichols
+        >>> from clepsydra.designs.ziegler_nichols import design_ziegler_nichols
         >>> from clepsydra.linear.analysis import analyse
         >>> from clepsydra.process.reader import load_process
         >>> analysis = analyse(load_process("three-tanks"))
@@ -163,7 +163,7 @@ class Controller:
 
         Examples
         --------
-        >>> from clepsydra.design.simc import design_simc
+        >>> from clepsydra.designs.simc import design_simc
         >>> from clepsydra.linear.analysis import analyse
         >>> from clepsydra.process.reader import load_process
         >>> analysis = analyse(load_process("quadruple-tank"))

@@ -153,7 +153,7 @@ def export_c(ready: Exportable, *, precision: Precision = "double") -> ExportedF
     Examples
     --------
     >>> from clepsydra.deploy.exportable import exportable
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

@@ -78,7 +78,7 @@ def closed_loop(
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> process = load_process("quadruple-tank")
@@ -105,7 +105,7 @@ def check_signals(controller: Controller, process: Process) -> None:
     Examples
     --------
     >>> from dataclasses import replace
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> process = load_process("quadruple-tank")
@@ -189,7 +189,7 @@ def free_inputs(controller: Controller) -> tuple[Signal, ...]:
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

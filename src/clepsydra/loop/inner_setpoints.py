@@ -52,7 +52,7 @@ def inner_loops(controller: Controller) -> list[tuple[PidBlock, str]]:
     --------
     A single loop is none:
 
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))
@@ -80,7 +80,7 @@ def inner_setpoints(controller: Controller, process: Process) -> tuple[InnerSetp
     --------
     A single loop has none:
 
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

@@ -37,7 +37,7 @@ def write_parquet(runs: Sequence[Run], path: Path) -> None:
     --------
     >>> from tempfile import TemporaryDirectory
     >>> import pandas
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.loop.default_scenario import default_scenario
     >>> from clepsydra.loop.loop import Loop

@@ -74,7 +74,7 @@ def python_loop(loop: Loop, scenario: Scenario, substeps: int) -> dict[str, np.n
     --------
     A compiled law on the slow path:
 
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.loop.default_scenario import default_scenario
     >>> from clepsydra.loop.loop import Loop

@@ -14,10 +14,10 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
-from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.loops.control_authority import check_ranges, control_authority
-from clepsydra.design.models.transfer_element import transfer_element
-from clepsydra.design.models.ultimate_point import ultimate_point
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.loops.control_authority import check_ranges, control_authority
+from clepsydra.designs.models.transfer_element import transfer_element
+from clepsydra.designs.models.ultimate_point import ultimate_point
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.loop import Loop
@@ -149,7 +149,7 @@ def relay_experiment(
 
     Examples
     --------
-    >>> from clepsydra.design.relay_autotune import ultimate_point_of_relay
+    >>> from clepsydra.designs.relay_autotune import ultimate_point_of_relay
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))

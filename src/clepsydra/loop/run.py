@@ -47,7 +47,7 @@ class Run:
     --------
     The first setpoint step of the quadruple tank ends 1 V higher:
 
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.loop.default_scenario import default_scenario
     >>> from clepsydra.loop.loop import Loop

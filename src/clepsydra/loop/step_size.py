@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.design.sampled.sampling_period import LONGEST_PERIOD, check_sampling_period
+from clepsydra.designs.sampled.sampling_period import LONGEST_PERIOD, check_sampling_period
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.process.hybrid import Delay

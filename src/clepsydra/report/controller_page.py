@@ -21,7 +21,7 @@ from clepsydra.report.score_tables import ScoreTable, score_tables, standing_wor
 from clepsydra.report.trend_svg import trend_svg
 from clepsydra.report.tuning_picture import tuning_svg
 from clepsydra.report.tuning_tables import tuning_grid
-from clepsydra.study.result import Candidate, StudyResult
+from clepsydra.studies.result import Candidate, StudyResult
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def controller_page(result: StudyResult, place: int) -> ControllerPage:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
+    >>> from clepsydra.studies.study import run_study
     >>> page = controller_page(run_study("equalisation-tank"), 0)
     >>> page.standing, page.picture[:4]
     ('robust', '<svg')

@@ -28,7 +28,7 @@ from clepsydra.report.score_tables import (
 from clepsydra.report.template import rendered
 from clepsydra.report.trend_svg import trend_svg
 from clepsydra.report.trends import segment_words
-from clepsydra.study.result import StudyResult
+from clepsydra.studies.result import StudyResult
 
 
 def write_report(result: StudyResult, path: str | Path) -> None:
@@ -48,7 +48,7 @@ def write_report(result: StudyResult, path: str | Path) -> None:
     Examples
     --------
     >>> import tempfile
-    >>> from clepsydra.study.study import run_study
+    >>> from clepsydra.studies.study import run_study
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_report(run_study("equalisation-tank"), Path(folder, "study.html"))
     ...     Path(folder, "study.html").read_text("utf-8")[:15]
@@ -71,7 +71,7 @@ def report_text(result: StudyResult) -> str:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
+    >>> from clepsydra.studies.study import run_study
     >>> result = run_study("equalisation-tank")
     >>> result.verdict in report_text(result)
     True

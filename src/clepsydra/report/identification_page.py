@@ -8,10 +8,10 @@ import numpy as np
 
 from clepsydra.base.files import whole_file
 from clepsydra.base.words import time_text
-from clepsydra.identify.identification import Identification
-from clepsydra.identify.process_fit import ProcessFit
-from clepsydra.identify.ranking import RANKING_RULE
-from clepsydra.identify.record import Record
+from clepsydra.identification.identification import Identification
+from clepsydra.identification.process_fit import ProcessFit
+from clepsydra.identification.ranking import RANKING_RULE
+from clepsydra.identification.record import Record
 from clepsydra.report.html import address_text, versions_text
 from clepsydra.report.identification_picture import (
     ComparedSignal,
@@ -54,8 +54,8 @@ def write_identification_page(found: Identification | ProcessFit, path: str | Pa
     Examples
     --------
     >>> import tempfile
-    >>> from clepsydra.identify.identification import identify_model
-    >>> from clepsydra.identify.simulated_record import record_of
+    >>> from clepsydra.identification.identification import identify_model
+    >>> from clepsydra.identification.simulated_record import record_of
     >>> from clepsydra.loop.simulation import simulate
     >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
@@ -73,8 +73,8 @@ def identification_text(found: Identification | ProcessFit) -> str:
 
     Examples
     --------
-    >>> from clepsydra.identify.process_fit import fit_process
-    >>> from clepsydra.identify.simulated_record import record_of
+    >>> from clepsydra.identification.process_fit import fit_process
+    >>> from clepsydra.identification.simulated_record import record_of
     >>> from clepsydra.loop.simulation import simulate
     >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
     >>> page = identification_text(fit_process(run.process, record_of(run), ["outlet_1.area"]))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from clepsydra.identify.identification import Identification
-from clepsydra.identify.process_fit import ProcessFit
+from clepsydra.identification.identification import Identification
+from clepsydra.identification.process_fit import ProcessFit
 from clepsydra.report.identification_tables import (
     estimates_grid,
     models_grid,
@@ -31,8 +31,8 @@ def identification_screen(found: Identification | ProcessFit) -> RenderableType:
     --------
     >>> import io
     >>> from rich.console import Console
-    >>> from clepsydra.identify.identification import identify_model
-    >>> from clepsydra.identify.simulated_record import record_of
+    >>> from clepsydra.identification.identification import identify_model
+    >>> from clepsydra.identification.simulated_record import record_of
     >>> from clepsydra.loop.simulation import simulate
     >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from clepsydra.identify.estimate import Estimate
-from clepsydra.identify.identification import Identification
-from clepsydra.identify.process_fit import ProcessFit
-from clepsydra.identify.residual_tests import ResidualTests
+from clepsydra.identification.estimate import Estimate
+from clepsydra.identification.identification import Identification
+from clepsydra.identification.process_fit import ProcessFit
+from clepsydra.identification.residual_tests import ResidualTests
 from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.quantities import number_text, unit_text
 
@@ -17,8 +17,8 @@ def models_grid(found: Identification) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.identify.identification import identify_model
-    >>> from clepsydra.identify.simulated_record import record_of
+    >>> from clepsydra.identification.identification import identify_model
+    >>> from clepsydra.identification.simulated_record import record_of
     >>> from clepsydra.loop.simulation import simulate
     >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
@@ -45,8 +45,8 @@ def estimates_grid(found: Identification) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.identify.identification import identify_model
-    >>> from clepsydra.identify.simulated_record import record_of
+    >>> from clepsydra.identification.identification import identify_model
+    >>> from clepsydra.identification.simulated_record import record_of
     >>> from clepsydra.loop.simulation import simulate
     >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
@@ -66,8 +66,8 @@ def parameters_grid(fit: ProcessFit) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.identify.process_fit import fit_process
-    >>> from clepsydra.identify.simulated_record import record_of
+    >>> from clepsydra.identification.process_fit import fit_process
+    >>> from clepsydra.identification.simulated_record import record_of
     >>> from clepsydra.loop.simulation import simulate
     >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
     >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
@@ -87,8 +87,8 @@ def start_grid(fit: ProcessFit) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.identify.process_fit import fit_process
-    >>> from clepsydra.identify.simulated_record import record_of
+    >>> from clepsydra.identification.process_fit import fit_process
+    >>> from clepsydra.identification.simulated_record import record_of
     >>> from clepsydra.loop.simulation import simulate
     >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
     >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
@@ -104,8 +104,8 @@ def outputs_grid(fit: ProcessFit) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.identify.process_fit import fit_process
-    >>> from clepsydra.identify.simulated_record import record_of
+    >>> from clepsydra.identification.process_fit import fit_process
+    >>> from clepsydra.identification.simulated_record import record_of
     >>> from clepsydra.loop.simulation import simulate
     >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
     >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])

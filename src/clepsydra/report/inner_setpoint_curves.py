@@ -32,7 +32,7 @@ def with_inner_panels(panels: Sequence[Panel], run: Run) -> list[Panel]:
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.loop.default_scenario import default_scenario
     >>> from clepsydra.loop.loop import Loop

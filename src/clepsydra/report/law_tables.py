@@ -43,7 +43,7 @@ def law_words(controller: Controller) -> list[str]:
 
     Examples
     --------
-    >>> from clepsydra.design.bryson import design_lqi
+    >>> from clepsydra.designs.bryson import design_lqi
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> controller = design_lqi(analyse(load_process("quadruple-tank")).model)
@@ -82,7 +82,7 @@ def law_grids(controller: Controller, process: Process) -> list[Grid]:
 
     Examples
     --------
-    >>> from clepsydra.design.bryson import design_lqi
+    >>> from clepsydra.designs.bryson import design_lqi
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))
@@ -128,7 +128,7 @@ def law_facts(controller: Controller, process: Process) -> list[Facts]:
 
     Examples
     --------
-    >>> from clepsydra.design.bryson import design_lqi
+    >>> from clepsydra.designs.bryson import design_lqi
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

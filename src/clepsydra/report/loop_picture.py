@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.process.process import Process
 from clepsydra.report.axes_box import draw_box, draw_legend
 from clepsydra.report.chart import LETTER, SIZE, Chart, Scale, thinned
 from clepsydra.report.colours import INK, MUTED, signal_colours
 from clepsydra.report.quantities import short_text
-from clepsydra.study.warnings.loop_response import LoopResponse
+from clepsydra.studies.warnings.loop_response import LoopResponse
 
 _HEIGHT = 232.0
 #: The box of the plane, whose units are as long in both directions, and that of S [pt].
@@ -40,10 +40,10 @@ def loop_svg(response: LoopResponse, process: Process, title: str, prefix: str) 
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.study.warnings.loop_response import loop_response
+    >>> from clepsydra.studies.warnings.loop_response import loop_response
     >>> analysis = analyse(load_process("quadruple-tank"))
     >>> controller = design_simc(analysis.model, analysis.pairing)
     >>> response = loop_response(controller, analysis.model)

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clepsydra.design.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.report.axes_box import draw_box
 from clepsydra.report.chart import WIDTH, Chart, Scale
 from clepsydra.report.colours import MUTED
 from clepsydra.report.quantities import short_text
-from clepsydra.study.result import Standing, StudyResult
+from clepsydra.studies.result import Standing, StudyResult
 
 _HEIGHT = 190.0
 _BOX_X, _BOX_Y = (48.0, WIDTH - 14.0), (158.0, 24.0)
@@ -56,7 +56,7 @@ def map_svg(result: StudyResult, title: str, prefix: str) -> str:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
+    >>> from clepsydra.studies.study import run_study
     >>> result = run_study("equalisation-tank")
     >>> map_svg(result, "ranks", "a").count("<circle") >= len(result.ranking)
     True

@@ -8,7 +8,7 @@ import numpy as np
 
 from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.quantities import number_text, time_cell
-from clepsydra.study.warnings.loop_response import LoopResponse
+from clepsydra.studies.warnings.loop_response import LoopResponse
 
 
 def margin_grid(response: LoopResponse) -> Grid:
@@ -21,10 +21,10 @@ def margin_grid(response: LoopResponse) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
-    >>> from clepsydra.study.warnings.loop_response import loop_response
+    >>> from clepsydra.studies.warnings.loop_response import loop_response
     >>> analysis = analyse(load_process("quadruple-tank"))
     >>> controller = design_simc(analysis.model, analysis.pairing)
     >>> margin_grid(loop_response(controller, analysis.model)).rows[0][0]

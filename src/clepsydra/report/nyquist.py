@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clepsydra.design.gain_units import has_range
+from clepsydra.designs.gain_units import has_range
 from clepsydra.linear.analysis import Analysis
 from clepsydra.linear.response import frequency_response
 from clepsydra.report.colours import INK, MUTED, signal_colours

@@ -44,7 +44,7 @@ def controlled_panels(run: Run) -> list[Panel]:
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.loop.default_scenario import default_scenario
     >>> from clepsydra.loop.loop import Loop
@@ -67,7 +67,7 @@ def all_panels(run: Run | Simulation) -> list[Panel]:
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.loop.default_scenario import default_scenario
     >>> from clepsydra.loop.loop import Loop

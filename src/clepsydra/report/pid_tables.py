@@ -10,8 +10,8 @@ from clepsydra.controllers.blocks.anti_windup import IN_WORDS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.design.gain_units import GainUnits, gain_units, has_range
-from clepsydra.design.loops.pid_settings import (
+from clepsydra.designs.gain_units import GainUnits, gain_units, has_range
+from clepsydra.designs.loops.pid_settings import (
     ParallelSettings,
     PidSettings,
     SeriesSettings,
@@ -62,7 +62,7 @@ def loop_settings(controller: Controller, point: OperatingPoint) -> list[Facts]:
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

@@ -9,7 +9,7 @@ from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.run import Run
 from clepsydra.report.panels import all_panels
 from clepsydra.report.trends import trend_figure
-from clepsydra.study.result import Candidate, StudyResult
+from clepsydra.studies.result import Candidate, StudyResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -32,7 +32,7 @@ def scheme_blocks(controller: Controller, process: Process) -> list[Facts]:
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

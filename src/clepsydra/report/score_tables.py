@@ -10,9 +10,9 @@ from clepsydra.process.process import Process
 from clepsydra.report.quantities import display_factor, number_text, time_cell, unit_text
 from clepsydra.report.resolution import DEVIATION, INTEGRAND, settled
 from clepsydra.scores.catalogue import PLANT_SCORES, SCORES, ScoreDescription
-from clepsydra.study.ranking import RULE
-from clepsydra.study.ranking_words import IDLE
-from clepsydra.study.result import Candidate, Standing, StudyResult
+from clepsydra.studies.ranking import RULE
+from clepsydra.studies.ranking_words import IDLE
+from clepsydra.studies.result import Candidate, Standing, StudyResult
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def ranking_columns(result: StudyResult) -> tuple[RankingColumn, ...]:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
+    >>> from clepsydra.studies.study import run_study
     >>> [column.title for column in ranking_columns(run_study("three-tanks"))][:4]
     ['setpoint error', 'load error', 'mean', 'moves']
     """
@@ -172,7 +172,7 @@ def ranking_rows(result: StudyResult) -> list[RankingRow]:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
+    >>> from clepsydra.studies.study import run_study
     >>> [row.rank for row in ranking_rows(run_study("equalisation-tank"))][:3]
     [1, 2, 3]
     """
@@ -207,7 +207,7 @@ def is_recommended(result: StudyResult) -> bool:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
+    >>> from clepsydra.studies.study import run_study
     >>> result = run_study("equalisation-tank")
     >>> is_recommended(result)
     True
@@ -244,7 +244,7 @@ def score_tables(process: Process, candidate: Candidate) -> list[ScoreTable]:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
+    >>> from clepsydra.studies.study import run_study
     >>> result = run_study("equalisation-tank")
     >>> outputs, inputs, plant = score_tables(result.process, result.ranking[0])
     >>> [title for title, _, _ in inputs.rows][:3]

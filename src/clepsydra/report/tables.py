@@ -12,7 +12,7 @@ from clepsydra.report.score_tables import (
     ranking_note,
     ranking_rows,
 )
-from clepsydra.study.result import StudyResult
+from clepsydra.studies.result import StudyResult
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -37,7 +37,7 @@ def ranking_table(result: StudyResult) -> RenderableType:
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
+    >>> from clepsydra.studies.study import run_study
     >>> result = run_study("equalisation-tank")
     >>> import io
     >>> from rich.console import Console

@@ -41,7 +41,7 @@ def trend_svg(run: Run, panels: Sequence[Panel], title: str, prefix: str) -> str
     Examples
     --------
     >>> from clepsydra.report.panels import controlled_panels
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.loop.default_scenario import default_scenario
     >>> from clepsydra.loop.loop import Loop

@@ -9,7 +9,7 @@ import numpy as np
 from clepsydra.report.axes_box import draw_box
 from clepsydra.report.chart import Chart, Scale
 from clepsydra.report.colours import INK, MUTED
-from clepsydra.study.tuning.result import TuningResult
+from clepsydra.studies.tuning.result import TuningResult
 
 _WIDTH, _HEIGHT = 300.0, 190.0
 _BOX_X, _BOX_Y = (48.0, 286.0), (158.0, 24.0)
@@ -29,7 +29,7 @@ def tuning_svg(tuning: TuningResult, title: str, prefix: str) -> str:
 
     Examples
     --------
-    `clepsydra.study.tuning.tune.tune` returns a tuning:
+    `clepsydra.studies.tuning.tune.tune` returns a tuning:
 
     >>> from types import SimpleNamespace
     >>> front = SimpleNamespace(sensitivity=np.array([1.3, 2.0]), objective=np.array([0.9, 0.6]))

@@ -8,7 +8,7 @@ from clepsydra.report.facts import DIGITS
 from clepsydra.report.quantities import number_text
 from clepsydra.report.score_tables import score_text
 from clepsydra.scores.catalogue import SCORES
-from clepsydra.study.tuning.result import TuningResult
+from clepsydra.studies.tuning.result import TuningResult
 
 
 def tuning_grid(tuning: TuningResult, process: Process, duration: float = 0.0) -> Grid:

@@ -10,7 +10,7 @@ from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 DEAD_TIME = Path(__file__).parents[2] / "dead-time.toml"
 #: Families that take an output up in one scan.

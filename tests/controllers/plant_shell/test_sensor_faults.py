@@ -13,7 +13,7 @@ from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS, read_sta
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 from clepsydra.program.step_law import Equations, step_law
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 SAFE = PlantShell(fail_safe={"pump_1": 1.5})
 FAULTS = [

@@ -13,7 +13,7 @@ from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.process.reader import load_process
 from clepsydra.program.program import EXACT
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 DEAD_TIME = Path(__file__).parents[2] / "dead-time.toml"
 FAMILIES = [

@@ -10,8 +10,8 @@ from clepsydra.deploy.fmi.model import FmuModel
 from clepsydra.deploy.fmi.process import process_model
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.proof.scans import random_scans
-from clepsydra.design.lqi_kalman import design_lqi_kalman
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.lqi_kalman import design_lqi_kalman
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.step_size import substeps_for

@@ -18,7 +18,7 @@ from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.dependencies import output_dependencies
 from clepsydra.deploy.fmi.unit_definitions import unit_definitions
 from clepsydra.deploy.fmi.write import write_fmu
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 from clepsydra.program.program import Block, Operation, Program

@@ -23,7 +23,7 @@ from tools import without
 
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.exchange import exchange_model
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 

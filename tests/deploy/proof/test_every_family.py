@@ -15,9 +15,9 @@ from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.reader import load_process
-from clepsydra.study.designs import DESIGNS
-from clepsydra.study.file.reader import read_study
-from clepsydra.study.study import run_study
+from clepsydra.studies.designs import DESIGNS
+from clepsydra.studies.file.reader import read_study
+from clepsydra.studies.study import run_study
 
 #: Where each design applies: a small process, so that the proof is quick.
 APPLIES_TO = {

@@ -14,7 +14,7 @@ from clepsydra.deploy.proof import proof as proof_module
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.proof import prove
 from clepsydra.deploy.proof.targets import Target
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.process.reader import load_process

@@ -15,7 +15,7 @@ from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.proof.job import Job
 from clepsydra.deploy.proof.of_study import proof_items
 from clepsydra.deploy.proof.targets import targets_of
-from clepsydra.study.study import run_study
+from clepsydra.studies.study import run_study
 
 SETTINGS = PlantShell(
     fail_safe={"pump_1": 2.0},

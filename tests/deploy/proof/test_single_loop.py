@@ -15,7 +15,7 @@ from clepsydra.loop.loop import Loop
 from clepsydra.process.reader import load_process
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Operation
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 
 def controlled_by(controller: Controller, compiled: CompiledC) -> Controller:

@@ -23,7 +23,7 @@ from clepsydra.deploy.proof.targets import Target
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 from clepsydra.program.program import Block, Operation, Program
-from clepsydra.study.designs import DESIGNS
+from clepsydra.studies.designs import DESIGNS
 
 TARGETS = [
     ("C", "double"),

@@ -5,7 +5,7 @@ import pytest
 
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid, from_series, to_series
-from clepsydra.design.loops import pid_settings
+from clepsydra.designs.loops import pid_settings
 
 FREQUENCIES = 1j * np.logspace(-4, 3, 60)
 

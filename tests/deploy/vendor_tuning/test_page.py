@@ -9,7 +9,7 @@ from page_rows import entry, table_row
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.deploy.vendor_tuning.translation import translate
 from clepsydra.deploy.vendor_tuning.vendors.every_block import EVERY_BLOCK
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 

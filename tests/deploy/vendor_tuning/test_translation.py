@@ -15,15 +15,15 @@ from clepsydra.deploy.vendor_tuning.filling import Applied
 from clepsydra.deploy.vendor_tuning.standard_tuning import standard_tunings
 from clepsydra.deploy.vendor_tuning.translation import translate
 from clepsydra.deploy.vendor_tuning.vendors.every_block import EVERY_BLOCK
-from clepsydra.design.arrest_time import design_arrest_time
-from clepsydra.design.gain_scheduling import design_gain_scheduled_pid
-from clepsydra.design.lqi_kalman import design_lqi_kalman
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.arrest_time import design_arrest_time
+from clepsydra.designs.gain_scheduling import design_gain_scheduled_pid
+from clepsydra.designs.lqi_kalman import design_lqi_kalman
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.process.reader import load_process
-from clepsydra.study.file.reader import read_study
+from clepsydra.studies.file.reader import read_study
 
 #: Steps of 0.01 min, of 0.1 s and of 0.1 % of a band: rounding that can be seen.
 COARSE = ("rockwell-micrologix", "omron-pidat")

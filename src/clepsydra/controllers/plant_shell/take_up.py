@@ -62,7 +62,7 @@ def take_up_scans(controller: Controller, sampling_period: float, safe: Sequence
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

@@ -49,7 +49,7 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

@@ -10,7 +10,7 @@ from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.proof.item import ProofItem, process_item
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario
-from clepsydra.study.result import StudyResult
+from clepsydra.studies.result import StudyResult
 
 
 def proof_items(study: StudyResult, settings: PlantShell | None = None) -> list[ProofItem]:
@@ -26,7 +26,7 @@ def proof_items(study: StudyResult, settings: PlantShell | None = None) -> list[
 
     Examples
     --------
-    >>> from clepsydra.study.study import run_study
+    >>> from clepsydra.studies.study import run_study
     >>> [item.name for item in proof_items(run_study("quadruple-tank", only="PI, SIMC"))]
     ['PI, SIMC', 'Quadruple tank, minimum phase']
     """

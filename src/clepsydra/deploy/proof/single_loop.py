@@ -14,8 +14,8 @@ from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.scores.catalogue import SCORES
-from clepsydra.study.ranking import Trial, rank
-from clepsydra.study.trial import scores_of
+from clepsydra.studies.ranking import Trial, rank
+from clepsydra.studies.trial import scores_of
 
 #: The number by which a study ranks has changed where its third digit has.
 _THIRD_DIGIT = 0.005
@@ -39,7 +39,7 @@ class ScoreChange:
     Parameters
     ----------
     ranking : float
-        The number by which a study ranks controllers (`clepsydra.study.ranking.RULE`), as a
+        The number by which a study ranks controllers (`clepsydra.studies.ranking.RULE`), as a
         multiple of that of the controller in double precision.
     score : str
         The score that changes most, "iae[level_1]"; empty where none changes.
@@ -94,7 +94,7 @@ def score_change(
 
     >>> import tempfile
     >>> from pathlib import Path
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

@@ -110,7 +110,7 @@ def print_test_project(
     Examples
     --------
     >>> from clepsydra.deploy.process_program import process_program
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

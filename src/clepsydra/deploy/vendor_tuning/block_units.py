@@ -10,7 +10,7 @@ from clepsydra.controllers.pid_form import DerivativeOn
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
 from clepsydra.deploy.vendor_tuning.vendor_block import Kind, Parameter, VendorBlock
-from clepsydra.design.gain_units import gain_from_percent, percent_gain
+from clepsydra.designs.gain_units import gain_from_percent, percent_gain
 
 #: Significant digits that are printed.
 DIGITS = 5

@@ -40,7 +40,7 @@ class Check:
     Examples
     --------
     >>> from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.loop.default_scenario import default_scenario
     >>> from clepsydra.process.reader import load_process

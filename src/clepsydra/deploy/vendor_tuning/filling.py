@@ -17,7 +17,7 @@ from clepsydra.deploy.vendor_tuning.vendor_block import (
     Parameter,
     VendorBlock,
 )
-from clepsydra.design.gain_units import has_range
+from clepsydra.designs.gain_units import has_range
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ def tuning_markdown(translation: Translation) -> str:
     Examples
     --------
     >>> from clepsydra.deploy.vendor_tuning.translation import translate
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

@@ -26,7 +26,7 @@ def tuning_screen(translation: Translation) -> RenderableType:
     >>> import io
     >>> from rich.console import Console
     >>> from clepsydra.deploy.vendor_tuning.translation import translate
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

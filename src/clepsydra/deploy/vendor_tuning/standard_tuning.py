@@ -12,7 +12,7 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid, from_series
-from clepsydra.design.loops.pid_settings import ParallelSettings, from_parallel
+from clepsydra.designs.loops.pid_settings import ParallelSettings, from_parallel
 from clepsydra.process.process import Process
 
 
@@ -111,7 +111,7 @@ def standard_tunings(
 
     Examples
     --------
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))

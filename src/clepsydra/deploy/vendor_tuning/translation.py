@@ -148,7 +148,7 @@ def translate(
     --------
     PI control of the quadruple tank by SIMC, in two of the blocks:
 
-    >>> from clepsydra.design.simc import design_simc
+    >>> from clepsydra.designs.simc import design_simc
     >>> from clepsydra.linear.analysis import analyse
     >>> analysis = analyse(load_process("quadruple-tank"))
     >>> found = translate(design_simc(analysis.model, analysis.pairing), "quadruple-tank")

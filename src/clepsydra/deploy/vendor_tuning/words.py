@@ -9,7 +9,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.units import from_si
 from clepsydra.deploy.vendor_tuning.block_units import printed_number
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
-from clepsydra.design.gain_units import has_range, percent_gain
+from clepsydra.designs.gain_units import has_range, percent_gain
 
 if TYPE_CHECKING:
     from clepsydra.deploy.vendor_tuning.translation import TranslatedLoop, Translation

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.design.states.state_controllers import lqi_controller
+from clepsydra.designs.states.state_controllers import lqi_controller
 from clepsydra.loop.run import Run
 from clepsydra.papers.averaging_tank.model import KMOL, numbers
 from clepsydra.papers.averaging_tank.printed_tables import TABLE_7

@@ -34,10 +34,10 @@ from clepsydra.papers.averaging_tank.trends import trend_figure
 from clepsydra.papers.comparison import claimed, compared, remark
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.row import Row
-from clepsydra.study.tuning.objective import Objective
-from clepsydra.study.tuning.parameters import TunedParameter
-from clepsydra.study.tuning.result import TuningResult
-from clepsydra.study.tuning.tune import tune
+from clepsydra.studies.tuning.objective import Objective
+from clepsydra.studies.tuning.parameters import TunedParameter
+from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.tuning.tune import tune
 
 BY_HAND = {
     "outflow": Constants("outflow", "by hand", 50.0, 1.0, 8.0, 2.0),  # (80)

@@ -15,9 +15,9 @@ from clepsydra.controllers.gain_scheduling import scheduled_law, scheduled_lqi_l
 from clepsydra.controllers.observers.measured_state import MeasuredState
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.process_equations import process_equations
-from clepsydra.design.extended_kalman import acting_model
-from clepsydra.design.recomputed_lqi import recomputed_lqi_controller, stationary_lqi
-from clepsydra.design.states.state_controllers import lqi_controller
+from clepsydra.designs.extended_kalman import acting_model
+from clepsydra.designs.recomputed_lqi import recomputed_lqi_controller, stationary_lqi
+from clepsydra.designs.states.state_controllers import lqi_controller
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.design.sampled.sampled_process import held_over
+from clepsydra.designs.sampled.sampled_process import held_over
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 

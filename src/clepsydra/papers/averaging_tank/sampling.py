@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.design.sampled.sampled_loop import SampledLoops
-from clepsydra.design.states.state_controllers import lqi_controller
+from clepsydra.designs.sampled.sampled_loop import SampledLoops
+from clepsydra.designs.states.state_controllers import lqi_controller
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of

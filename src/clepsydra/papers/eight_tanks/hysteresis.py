@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from clepsydra.design.polynomial.sampled_model import SampledModel
-from clepsydra.design.smith_predictor import design_smith_predictor
+from clepsydra.designs.polynomial.sampled_model import SampledModel
+from clepsydra.designs.smith_predictor import design_smith_predictor
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario, Segment

@@ -6,9 +6,9 @@ from functools import cache
 
 import numpy as np
 
-from clepsydra.identify.arx import regressors
-from clepsydra.identify.delay_choice import DelayChoice, choose_delay
-from clepsydra.identify.simplex_refinement import refined_coefficients
+from clepsydra.identification.arx import regressors
+from clepsydra.identification.delay_choice import DelayChoice, choose_delay
+from clepsydra.identification.simplex_refinement import refined_coefficients
 from clepsydra.papers.comparison import claimed, compared, damaged, remark, stated
 from clepsydra.papers.eight_tanks.six_designs import (
     GAIN,

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from clepsydra.design.polynomial.diophantine import product, rational
-from clepsydra.design.polynomial.spectral_factor import spectral_factor
-from clepsydra.design.polynomial.two_degree_of_freedom import (
+from clepsydra.designs.polynomial.diophantine import product, rational
+from clepsydra.designs.polynomial.spectral_factor import spectral_factor
+from clepsydra.designs.polynomial.two_degree_of_freedom import (
     INTEGRAL,
     TwoDegreeOfFreedom,
     assigned,

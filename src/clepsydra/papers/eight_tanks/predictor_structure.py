@@ -6,9 +6,9 @@ from functools import cache, reduce
 
 import numpy as np
 
-from clepsydra.design.polynomial.sampled_model import SampledModel
-from clepsydra.design.polynomial.spectral_factor import spectral_factor
-from clepsydra.design.polynomial.two_degree_of_freedom import (
+from clepsydra.designs.polynomial.sampled_model import SampledModel
+from clepsydra.designs.polynomial.spectral_factor import spectral_factor
+from clepsydra.designs.polynomial.two_degree_of_freedom import (
     TwoDegreeOfFreedom,
     assigned,
     two_degree_of_freedom,

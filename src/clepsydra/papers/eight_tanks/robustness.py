@@ -11,10 +11,10 @@ import numpy as np
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.design.amigo import design_amigo
-from clepsydra.design.sampled.sampled_loop import SampledLoops
-from clepsydra.design.simc import design_simc
-from clepsydra.design.smith_predictor import design_smith_predictor
+from clepsydra.designs.amigo import design_amigo
+from clepsydra.designs.sampled.sampled_loop import SampledLoops
+from clepsydra.designs.simc import design_simc
+from clepsydra.designs.smith_predictor import design_smith_predictor
 from clepsydra.papers.comparison import claimed, remark
 from clepsydra.papers.eight_tanks.polynomials import controller as primary
 from clepsydra.papers.eight_tanks.predictor_structure import closed_loop_radius
@@ -32,7 +32,7 @@ from clepsydra.papers.eight_tanks.six_designs import (
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Row
-from clepsydra.study.warnings.loop_response import loop_response
+from clepsydra.studies.warnings.loop_response import loop_response
 
 #: The usual limits of max|S| and of the gain margin for a robust loop.
 _ROBUST = 2.0

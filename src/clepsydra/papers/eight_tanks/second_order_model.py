@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from clepsydra.design.polynomial.sampled_model import SampledModel
-from clepsydra.identify.simplex_refinement import (
+from clepsydra.designs.polynomial.sampled_model import SampledModel
+from clepsydra.identification.simplex_refinement import (
     SimplexFit,
     refined_coefficients,
     second_order_of_gain,

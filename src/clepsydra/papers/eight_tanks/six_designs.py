@@ -10,9 +10,9 @@ from functools import cache
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.design.polynomial.element_sampling import sampled_transfer
-from clepsydra.design.polynomial.sampled_model import SampledModel
-from clepsydra.design.smith_predictor import design_smith_predictor
+from clepsydra.designs.polynomial.element_sampling import sampled_transfer
+from clepsydra.designs.polynomial.sampled_model import SampledModel
+from clepsydra.designs.smith_predictor import design_smith_predictor
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario, Segment

@@ -11,9 +11,9 @@ from clepsydra.controllers.conditioned_linear import ConditionedMatrices, condit
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.design.glover_mcfarlane import design_glover_mcfarlane
-from clepsydra.design.loop_shaping.precompensator import Precompensator, sampled_precompensator
-from clepsydra.design.phase_margin import design_phase_margin
+from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
+from clepsydra.designs.loop_shaping.precompensator import Precompensator, sampled_precompensator
+from clepsydra.designs.phase_margin import design_phase_margin
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.response import transfer_at
 from clepsydra.papers.four_tank_laboratory.set_ups import (

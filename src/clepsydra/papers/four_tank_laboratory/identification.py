@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.identify.hole_areas import hole_areas_at_rest
-from clepsydra.identify.pump_gains import pump_gain
+from clepsydra.identification.hole_areas import hole_areas_at_rest
+from clepsydra.identification.pump_gains import pump_gain
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.papers.comparison import circular, compared, damaged, remark, short
 from clepsydra.papers.experiment import Findings

@@ -10,10 +10,10 @@ from functools import cache
 
 import numpy as np
 
-from clepsydra.design.loop_shaping.coprime_factors import coprime_factors
-from clepsydra.design.loop_shaping.precompensator import Precompensator, precompensator_of
-from clepsydra.design.loop_shaping.robust_controller import robust_controller
-from clepsydra.design.loop_shaping.shaped_plant import shaped_plant
+from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors
+from clepsydra.designs.loop_shaping.precompensator import Precompensator, precompensator_of
+from clepsydra.designs.loop_shaping.robust_controller import robust_controller
+from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.papers.comparison import claimed, remark
 from clepsydra.papers.experiment import Findings
@@ -38,7 +38,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     plant,
 )
 from clepsydra.papers.row import Row
-from clepsydra.study.warnings.loop_response import LoopResponse, loop_response
+from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
 
 #: As designed, and as the simulator has it.
 _UNITS: tuple[Units, ...] = ("volts", "percent")

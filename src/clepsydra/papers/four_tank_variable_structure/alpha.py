@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.design.sampled.setpoint_response import settling_times
-from clepsydra.design.saturation_rate import times_faster
-from clepsydra.design.states.measured_states import with_outputs
+from clepsydra.designs.sampled.setpoint_response import settling_times
+from clepsydra.designs.saturation_rate import times_faster
+from clepsydra.designs.states.measured_states import with_outputs
 from clepsydra.linear.relative_degree import relative_degree
 from clepsydra.papers.comparison import claimed, remark
 from clepsydra.papers.experiment import Findings

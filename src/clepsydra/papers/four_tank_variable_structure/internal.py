@@ -10,9 +10,9 @@ from functools import cache
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
-from clepsydra.design.applicability import NotApplicable
-from clepsydra.design.feedback_linearisation import design_feedback_linearisation
-from clepsydra.design.simc import design_simc
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.feedback_linearisation import design_feedback_linearisation
+from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.linear.internal_dynamics import internal_dynamics
 from clepsydra.linear.relative_degree import relative_degree

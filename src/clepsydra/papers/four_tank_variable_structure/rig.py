@@ -12,12 +12,12 @@ import numpy as np
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.virtual_input import AlphaOn, VirtualAntiWindup
-from clepsydra.design.feedback_linearisation import feedback_linearisation_controller
-from clepsydra.design.loops.detuning import as_given
-from clepsydra.design.loops.multiloop import MultiloopPid
-from clepsydra.design.loops.pid_settings import PidSettings
-from clepsydra.design.variable_structure_pid import with_variable_structure
-from clepsydra.design.virtual_settings import VirtualSettings
+from clepsydra.designs.feedback_linearisation import feedback_linearisation_controller
+from clepsydra.designs.loops.detuning import as_given
+from clepsydra.designs.loops.multiloop import MultiloopPid
+from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.variable_structure_pid import with_variable_structure
+from clepsydra.designs.virtual_settings import VirtualSettings
 from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.linear.relative_degree import relative_degree

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.design.models.first_order_delay import FirstOrderDelay
+from clepsydra.designs.models.first_order_delay import FirstOrderDelay
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.loop_margins import LoopMargins, loop_margins
 from clepsydra.papers.comparison import claimed, compared, remark

@@ -14,8 +14,8 @@ from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.design.bryson import design_lqi
-from clepsydra.design.states.state_controllers import state_feedback_controller
+from clepsydra.designs.bryson import design_lqi
+from clepsydra.designs.states.state_controllers import state_feedback_controller
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise

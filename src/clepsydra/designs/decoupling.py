@@ -1,0 +1,246 @@
+"""Inverted decoupling: lead-lags between the inputs, so that each loop sees its own element."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.designs.applicability import NotApplicable, reasons_about
+from clepsydra.designs.loops.pairing import Pairing, checked_pairing
+from clepsydra.designs.models.transfer_element import TransferElement, transfer_element
+from clepsydra.linear.linear_model import LinearModel
+
+METHOD = "inverted decoupling"
+DecouplerKind = Literal["static", "dynamic"]
+#: A lead that no lag of the process goes with gets a lag this much shorter.
+LEAD_OVER_LAG = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Decoupler:
+    """u_i = c_i + Σ_{j≠i} d_ij u_j, with d_ij(s) = gain (lead s + 1)/(lag s + 1).
+
+    c_i is the output of controller i, and u_j what is applied of the other inputs, each as a
+    deviation from its operating point.
+
+    Parameters
+    ----------
+    gain : ndarray [n, n]
+        [unit of input i / unit of input j], zero on the diagonal.
+    lead, lag : ndarray [n, n]
+        [s], zero where d_ij is a gain.
+    exact : ndarray of bool [n, n]
+        Where d_ij is −g_ij/g_ii itself and no approximation of it.
+    outputs, inputs : tuple of str
+        In the order of the pairing.
+
+    Examples
+    --------
+    >>> zero = np.zeros((2, 2))
+    >>> gain = np.array([[0.0, -0.5], [-0.2, 0.0]])
+    >>> Decoupler(gain, zero, zero, zero == 0, ("a", "b"), ("u", "v")).gain.tolist()
+    [[0.0, -0.5], [-0.2, 0.0]]
+    """
+
+    gain: np.ndarray
+    lead: np.ndarray
+    lag: np.ndarray
+    exact: np.ndarray
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+
+
+class LeadLag(NamedTuple):
+    """gain (lead s + 1)/(lag s + 1), and whether it is what it stands for exactly.
+
+    Examples
+    --------
+    >>> LeadLag(-0.5, 10.0, 2.0, True).gain
+    -0.5
+    """
+
+    gain: float
+    lead: float
+    lag: float
+    exact: bool
+
+
+def inverted_decoupler(
+    model: LinearModel, pairing: Pairing | None = None, *, kind: DecouplerKind = "dynamic"
+) -> Decoupler:
+    """Return the elements d_ij = −g_ij/g_ii of inverted decoupling for a pairing.
+
+    Each controller then moves its own output by g_ii alone, as if the others were in manual.
+
+    Parameters
+    ----------
+    model : LinearModel
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
+        At least two.
+    kind : {"dynamic", "static"}
+        Lead-lags of first order, or gains that hold at rest only.
+
+    Raises
+    ------
+    NotApplicable
+        There are fewer than two pairs; an input does not move its output; an element cannot be
+        realised (g_ii has more dead time, more excess of poles or a zero in the right
+        half-plane, or g_ij integrates and g_ii does not); or the inputs that feed each other
+        would run away: the matrix of the d_ij at rest, or at once, has a spectral radius of
+        one or more.
+    InputError
+        The pairing is no pairing of the model, or the kind is unknown.
+
+    References
+    ----------
+    H. L. Wade, Inverted decoupling: a neglected technique, ISA Transactions 36(1), 1997, 3-10;
+    J. Garrido, F. Vázquez and F. Morilla, An extended approach of inverted decoupling, Journal
+    of Process Control, 2011.
+
+    Examples
+    --------
+    The quadruple tank: pump 2 reaches tank 1 through tank 3, so d_12 lags as tank 3 does.
+
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> found = inverted_decoupler(analysis.model, analysis.pairing)
+    >>> round(float(found.lag[0, 1]), 2), bool(found.exact.all())
+    (22.76, True)
+    """
+    if kind not in get_args(DecouplerKind):
+        raise InputError(f"{METHOD}, kind", kind, "static or dynamic", "correct the word")
+    outputs, inputs = checked_pairing(pairing, model)
+    if len(outputs) < 2:
+        raise NotApplicable(METHOD, "there is one loop only")
+    n = len(outputs)
+    gain, lead, lag = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
+    exact = np.ones((n, n), bool)
+    for i, output in enumerate(outputs):
+        own = transfer_element(model, output, inputs[i], method=METHOD)
+        if own is None:
+            raise NotApplicable(METHOD, f"{inputs[i]} does not move {output}")
+        for j, other in enumerate(inputs):
+            if i == j:
+                continue
+            with reasons_about(f"{output} by {inputs[i]} and {other}"):
+                cross = transfer_element(model, output, other, method=METHOD)
+                if cross is not None:
+                    found = decoupling_element(own, cross, kind)
+                    gain[i, j], lead[i, j], lag[i, j], exact[i, j] = found
+    _check_inner_loop(gain, lead, lag)
+    return Decoupler(gain, lead, lag, exact, outputs, inputs)
+
+
+def decoupling_element(
+    own: TransferElement, cross: TransferElement, kind: DecouplerKind
+) -> LeadLag:
+    """Return d = −g_ij/g_ii as a gain or a lead-lag of first order.
+
+    Where the quotient has more than one lead and one lag, or a dead time, the lead-lag has its
+    gain and the first two derivatives at s = 0 (the Padé approximation [1/1]). Where that has
+    no positive times it is a lag or a lead that has the first derivative alone.
+
+    Parameters
+    ----------
+    own : TransferElement
+        g_ii
+    cross : TransferElement
+        g_ij
+    kind : {"dynamic", "static"}
+
+    Raises
+    ------
+    NotApplicable
+        The quotient cannot be realised.
+
+    Examples
+    --------
+    g_ii = 2/(10 s + 1) and g_ij = 1/(4 s + 1):
+
+    >>> decoupling_element(TransferElement(2.0, (-0.1,), (), 0),
+    ...                    TransferElement(1.0, (-0.25,), (), 0), "dynamic")
+    LeadLag(gain=-0.5, lead=10.0, lag=4.0, exact=True)
+    """
+    if cross.integrators > own.integrators:
+        raise NotApplicable(METHOD, "the other input integrates and its own does not")
+    gain = -cross.gain / own.gain if cross.integrators == own.integrators else 0.0
+    if kind == "static" or gain == 0.0:
+        return LeadLag(gain, 0.0, 0.0, False)
+    _check_realisable(own, cross)
+    above = [-1.0 / complex(root) for root in (*own.poles, *cross.zeros)]
+    below = [-1.0 / complex(root) for root in (*cross.poles, *own.zeros)]
+    above, below = _without_common(above, below)
+    late = cross.dead_time - own.dead_time
+    if len(above) <= 1 and len(below) <= 1 and late == 0.0:
+        lead = above[0].real if above else 0.0
+        return LeadLag(gain, lead, below[0].real if below else 0.0, True)
+    first = sum(t.real for t in above) - sum(t.real for t in below) - late
+    curved = 0.5 * sum((t * t).real for t in below) - 0.5 * sum((t * t).real for t in above)
+    second = 0.5 * first * first + curved
+    if first == 0.0:
+        return LeadLag(gain, 0.0, 0.0, False)
+    lag = -second / first
+    lead = lag + first
+    if lag > 0.0 and 0.0 <= lead <= LEAD_OVER_LAG * lag:
+        return LeadLag(gain, lead, lag, False)
+    if first < 0.0:
+        return LeadLag(gain, 0.0, -first, False)
+    lag = first / (LEAD_OVER_LAG - 1.0)
+    return LeadLag(gain, LEAD_OVER_LAG * lag, lag, False)
+
+
+def _check_realisable(own: TransferElement, cross: TransferElement) -> None:
+    if own.dead_time > cross.dead_time:
+        raise NotApplicable(
+            METHOD,
+            f"its own input acts {own.dead_time - cross.dead_time:.3g} s later than the other; "
+            "a static one, or another pairing, is needed",
+        )
+    if _excess(own) > _excess(cross):
+        raise NotApplicable(
+            METHOD,
+            f"its own input acts through {_excess(own)} lags in series and the other through "
+            f"{_excess(cross)}, so that the other cannot be met in time; a static one, or another "
+            "pairing, is needed",
+        )
+    if any(complex(root).real >= 0.0 for root in (*own.zeros, *cross.poles)):
+        raise NotApplicable(
+            METHOD, "what its own input does at first goes the wrong way, or the other is unstable"
+        )
+
+
+def _excess(element: TransferElement) -> int:
+    return len(element.poles) + element.integrators - len(element.zeros)
+
+
+def _without_common(
+    above: list[complex], below: list[complex]
+) -> tuple[list[complex], list[complex]]:
+    """Return two lists of time constants without those that stand in both."""
+    left, rest = [], list(below)
+    for time in above:
+        same = next((t for t in rest if abs(t - time) <= 1e-6 * abs(time)), None)
+        if same is None:
+            left.append(time)
+        else:
+            rest.remove(same)
+    return left, rest
+
+
+def _check_inner_loop(gain: np.ndarray, lead: np.ndarray, lag: np.ndarray) -> None:
+    """Refuse inputs that feed each other with a gain of one or more, at rest or at once."""
+    at_once = gain * np.divide(lead, lag, out=np.ones_like(lag), where=lag > 0.0)
+    for matrix, when in ((gain, "at rest"), (at_once, "from one sample to the next")):
+        radius = float(np.max(np.abs(np.linalg.eigvals(matrix))))
+        if not math.isfinite(radius) or radius >= 1.0:
+            raise NotApplicable(
+                METHOD,
+                f"the inputs would feed each other with a gain of {radius:.3g} {when}, which must "
+                "be below 1; another pairing is needed",
+            )

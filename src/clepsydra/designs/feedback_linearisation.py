@@ -1,0 +1,425 @@
+"""Feedback linearisation: decoupled outputs, after a look at what they do not show."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.words import time_text
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.feedback_linearisation import FAMILY, feedback_linearisation_law
+from clepsydra.controllers.linearised_process import LinearisedProcess
+from clepsydra.controllers.observers.model_observer import ModelObserver
+from clepsydra.controllers.virtual_input import (
+    AlphaOn,
+    VirtualAntiWindup,
+    check_virtual_anti_windup,
+)
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.designed_values import designed_values
+from clepsydra.designs.kalman import kalman_gain, process_noise
+from clepsydra.designs.loops.control_authority import (
+    DESIGN_STEP,
+    check_ranges,
+    control_authority,
+)
+from clepsydra.designs.request import positive_number
+from clepsydra.designs.saturation_rate import rates_in_words, saturation_rates
+from clepsydra.designs.states.observed_process import observed_process
+from clepsydra.designs.states.slowing_down import note_on_slowing, slow_down
+from clepsydra.designs.states.state_controllers import sensitivity_peak
+from clepsydra.designs.virtual_settings import (
+    VirtualSettings,
+    checked_settings,
+    settings_for,
+    settling_time,
+)
+from clepsydra.linear.internal_dynamics import internal_dynamics
+from clepsydra.linear.lie_derivatives import InputAffineEquations, NotLinearisable
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.relative_degree import VectorRelativeDegree, relative_degree
+
+METHOD = "feedback linearisation"
+NAME = "Feedback linearisation"
+#: No effect is divided by that is less than this share of what it is at the operating point.
+SMALLEST_EFFECT = 1e-3
+
+
+def design_feedback_linearisation(
+    model: LinearModel,
+    *,
+    measurements: Sequence[str] | None = None,
+    closed_loop_time_constant: float | None = None,
+    settings: Sequence[VirtualSettings] | None = None,
+    anti_windup: VirtualAntiWindup = "variable_structure",
+    alpha: float | Sequence[float] | None = None,
+    alpha_on: AlphaOn = "virtual",
+    despite_unstable_internal_dynamics: bool = False,
+) -> Controller:
+    """Design feedback linearisation of a process, with a PI controller for each output.
+
+    First the internal dynamics are looked at: what goes on while the outputs are held. The
+    decoupling matrix may be regular and they unstable all the same; then the controller would
+    hold the outputs until a tank overflows or an input saturates, and it is refused.
+
+    Each output then follows as 1/(τ s + 1)^r, with the shortest τ at which a setpoint step of a
+    tenth of the range does not saturate an input, lengthened until the sampled loop has a
+    sensitivity peak of at most 2. Where the law needs a state that no sensor shows, or the
+    measurements are chosen, an observer runs the equations of the process beside it, corrected
+    by the gain of a Kalman filter (`design.kalman`).
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point, with as many outputs as inputs.
+    measurements : sequence of str, optional
+        What an observer reads, with the controlled outputs among them; by default none is
+        needed where every state that the law needs is measured.
+    closed_loop_time_constant : float, optional
+        τ of every output [s].
+    settings : sequence of VirtualSettings, optional
+        In place of τ, one for each output.
+    anti_windup, alpha_on
+        As for `feedback_linearisation_law`.
+    alpha : float or sequence of float, optional
+        α of the variable structure [1/s], or with ``alpha_on="input"`` [unit of d^r y/dt^r per
+        unit of the input and second]; by its rule if left out.
+    despite_unstable_internal_dynamics : bool
+        For a demonstration of what happens.
+
+    Returns
+    -------
+    Controller
+
+    Raises
+    ------
+    NotApplicable
+        There is no relative degree, the internal dynamics are unstable, a state can neither be
+        measured nor estimated, or no slowing down makes the loop robust.
+    InputError
+        The model has no operating point, a name is unknown, a number is not above zero, an
+        integral gain is not, settings do not come to rest, or α is outside of its rule.
+
+    References
+    ----------
+    A. Isidori, Nonlinear Control Systems, 3rd ed., Springer 1995, chapter 5,
+    doi 10.1007/978-1-84628-615-5.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> design_feedback_linearisation(model).measurements
+    ('level_1', 'level_2', 'level_3', 'level_4')
+    >>> model = analyse(load_process("quadruple-tank-nonminimum-phase")).model
+    >>> design_feedback_linearisation(model)
+    Traceback (most recent call last):
+        ...
+    clepsydra.designs.applicability.NotApplicable: feedback linearisation is not applicable: \
+while level_1 and level_2 are held, tank_3.level and tank_4.level run away, e times as far \
+every 78.4 s (a zero at +0.0128 rad/s).
+    """
+    check_virtual_anti_windup(anti_windup, alpha_on)
+    process = operating_point_of(model).process
+    check_ranges(process, model.outputs, model.inputs, METHOD)
+    try:
+        linearised = relative_degree(model)
+    except NotLinearisable as refusal:
+        raise NotApplicable(
+            METHOD,
+            f"{refusal.place} ({refusal.value}): it needs {refusal.expected}; {refusal.remedy}",
+        ) from None
+    internal = internal_dynamics(model)
+    if not internal.stable and not despite_unstable_internal_dynamics:
+        raise NotApplicable(METHOD, internal.words)
+    observer, correction = _observer(model, linearised, measurements)
+
+    def designed(chosen: Sequence[VirtualSettings], rates: Sequence[float]) -> Controller:
+        return feedback_linearisation_controller(
+            model,
+            linearised,
+            chosen,
+            anti_windup=anti_windup,
+            rates=rates,
+            alpha_on=alpha_on,
+            observer=observer,
+            correction=correction,
+        )
+
+    def peak(controller: Controller) -> float:
+        return sensitivity_peak(controller, model)
+
+    blank = [1.0] * len(model.outputs)
+    notes: tuple[str, ...] = ()
+    slowed = 1.0
+    if settings is not None:
+        chosen, words = (
+            checked_settings(settings, model.outputs, linearised.degrees, METHOD),
+            "settings as given",
+        )
+    else:
+        times = _shortest_times(linearised)
+        if closed_loop_time_constant is not None:
+            time = positive_number(
+                f"{METHOD}, closed_loop_time_constant",
+                closed_loop_time_constant,
+                "a time above 0 s",
+                "give it in seconds",
+            )
+            times = [time] * len(times)
+        elif internal.stable:
+            found = slow_down(
+                lambda factor: designed(_settings(times, factor, linearised), blank), peak, METHOD
+            )
+            slowed = found.factor
+            times = [slowed * time for time in times]
+            notes = note_on_slowing(found, "every output")
+        chosen = _settings(times, 1.0, linearised)
+        words = "time constants " + ", ".join(
+            f"{time_text(time)} of {name}" for time, name in zip(times, model.outputs, strict=True)
+        )
+    controller = designed(chosen, blank)
+    if internal.stable and math.isinf(peak(controller)):
+        raise NotApplicable(METHOD, f"the sampled loop is unstable with {words}")
+    rates = blank
+    if anti_windup == "variable_structure":
+        rates, said = _rates(chosen, linearised, alpha, alpha_on)
+        words += said
+    found_words = internal.words if internal.stable else f"Unstable: {internal.words}."
+    degrees = ", ".join(
+        f"{degree} of {name}"
+        for degree, name in zip(linearised.degrees, model.outputs, strict=True)
+    )
+    return dataclasses.replace(
+        designed(chosen, rates),
+        design=f"Input-output linearisation, relative degree {degrees}; {words}.",
+        notes=(found_words, *_notes(linearised, observer, controller), *notes),
+        slowed=slowed,
+    )
+
+
+def feedback_linearisation_controller(
+    model: LinearModel,
+    linearised: VectorRelativeDegree,
+    settings: Sequence[VirtualSettings],
+    *,
+    anti_windup: VirtualAntiWindup,
+    rates: Sequence[float],
+    alpha_on: AlphaOn = "virtual",
+    observer: ModelObserver | None = None,
+    correction: np.ndarray | None = None,
+) -> Controller:
+    """Return a controller with these settings at rest at the operating point, judged by no rule.
+
+    Parameters
+    ----------
+    model : LinearModel
+    linearised : VectorRelativeDegree
+        Of the model.
+    settings : sequence of VirtualSettings
+        One for each output.
+    anti_windup, alpha_on
+        As for `feedback_linearisation_law`.
+    rates : sequence of float
+        α of each output; with back-calculation 1/Tt [1/s].
+    observer : ModelObserver, optional
+    correction : ndarray, optional
+        M of the observer.
+
+    Raises
+    ------
+    NotApplicable
+        A state is neither measured nor estimated, or a number is outside of what a controller
+        takes.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("three-tanks")).model
+    >>> controller = feedback_linearisation_controller(
+    ...     model, relative_degree(model), [settings_for(30.0, 3)], anti_windup="none", rates=[1])
+    >>> round(controller.values["virtual_integral_gain_1"] * 30**4, 5)
+    1.0
+    """
+    point = operating_point_of(model)
+    process, at = point.process, point.as_dict()
+    try:
+        known = LinearisedProcess(linearised, observer)
+    except InputError as refusal:
+        raise NotApplicable(
+            METHOD, f"{refusal.value} is neither measured nor estimated; {refusal.remedy}"
+        ) from None
+    law = feedback_linearisation_law(
+        linearised, anti_windup=anti_windup, alpha_on=alpha_on, observer=observer
+    )
+    smallest = _smallest_pivots(linearised)
+    values = known.values()
+    if observer is not None and correction is not None:
+        values |= observer.values(correction)
+    state: dict[str, float] = {}
+    for j, chosen in enumerate(settings):
+        place = j + 1
+        values |= {
+            f"virtual_gain_{place}": chosen.gain,
+            f"virtual_integral_gain_{place}": chosen.integral_gain,
+            f"setpoint_weight_{place}": chosen.setpoint_weight,
+            f"smallest_effect_{place}": smallest[j],
+        }
+        values |= {f"virtual_damping_{place}_{k}": m for k, m in enumerate(chosen.damping, start=1)}
+        if anti_windup == "variable_structure":
+            what = "saturation_rate" if alpha_on == "virtual" else "saturation_feedback"
+            values[f"{what}_{place}"] = float(rates[j])
+        if anti_windup == "back_calculation":
+            values[f"tracking_time_{place}"] = 1.0 / rates[j]
+    for i, name in enumerate(model.inputs, start=1):
+        signal = process.signal(name)
+        values |= {f"low_limit_{i}": signal.low, f"high_limit_{i}": signal.high}
+        state[f"last_output_{i}"] = at[name]
+    if observer is not None:
+        state |= {f"estimate_{k}": at[name] for k, name in enumerate(observer.estimated, start=1)}
+    values = designed_values(law, values, operating_point_of(model), METHOD)
+    for place, name in enumerate(model.outputs, start=1):
+        # At rest ν is zero: the integral holds what the setpoint weight leaves.
+        left = 1.0 - values[f"setpoint_weight_{place}"]
+        state[f"virtual_integral_{place}"] = values[f"virtual_gain_{place}"] * left * at[name]
+        state[f"was_in_force_{place}"] = 1.0
+    return Controller(
+        name=NAME,
+        family=FAMILY,
+        design="",
+        law=law,
+        values=values,
+        initial_state=state,
+        measurements=known.measurements,
+        setpoints=model.outputs,
+        manipulated=model.inputs,
+    )
+
+
+def _smallest_pivots(linearised: VectorRelativeDegree) -> list[float]:
+    """Return the share of each pivot of the elimination below which nothing is divided."""
+    left = linearised.at_point
+    pivots = [0.0] * len(left)
+    for step, (j, i) in enumerate(linearised.order):
+        pivots[j] = SMALLEST_EFFECT * float(left[j, i])
+        for other, _ in linearised.order[step + 1 :]:
+            left[other] -= left[j] * (left[other, i] / left[j, i])
+    return pivots
+
+
+def _settings(
+    times: Sequence[float], factor: float, linearised: VectorRelativeDegree
+) -> list[VirtualSettings]:
+    return [
+        settings_for(factor * time, degree)
+        for time, degree in zip(times, linearised.degrees, strict=True)
+    ]
+
+
+def _shortest_times(linearised: VectorRelativeDegree) -> list[float]:
+    """Return τ at which a setpoint step of a tenth of the range just uses up an input [s].
+
+    The step moves d^r y/dt^r by its size over τ^r at once.
+    """
+    point = linearised.equations.point
+    process, at = point.process, point.as_dict()
+    inverse = np.linalg.inv(linearised.at_point)
+    rooms = np.array(
+        [control_authority(process.signal(n), at[n]) for n in linearised.equations.inputs]
+    )
+    times = []
+    for j, name in enumerate(linearised.equations.outputs):
+        step = DESIGN_STEP * process.signal(name).span
+        used = float(np.max(np.abs(inverse[:, j]) * step / rooms))
+        times.append(float(used ** (1.0 / linearised.degrees[j])))
+    return times
+
+
+def _observer(
+    model: LinearModel, linearised: VectorRelativeDegree, measurements: Sequence[str] | None
+) -> tuple[ModelObserver | None, np.ndarray | None]:
+    if measurements is None:
+        try:
+            LinearisedProcess(linearised)
+        except InputError:
+            pass
+        else:
+            return None, None
+    observed = observed_process(model, measurements, METHOD)
+    noise = process_noise(observed, _horizon(linearised))
+    correction = kalman_gain(observed.held, observed.shown, noise, METHOD).gain
+    names = [signal.name for signal in observed.estimated]
+    # States that act on them away from the operating point only run along uncorrected.
+    names += [name for name in _acting(linearised.equations, names) if name not in names]
+    uncorrected = np.zeros((len(names) - len(correction), correction.shape[1]))
+    correction = np.vstack([correction, uncorrected])
+    observer = ModelObserver(
+        linearised.equations, tuple(names), observed.measurements, correction != 0.0
+    )
+    return observer, correction
+
+
+def _acting(equations: InputAffineEquations, names: Sequence[str]) -> list[str]:
+    """Return the states that act on others, at once or through further ones."""
+    found = list(names)
+    for name in found:
+        rate = equations.rates[equations.states.index(name)]
+        for place, other in enumerate(equations.states):
+            if other not in found and ca.depends_on(rate, equations.state[place]):
+                found.append(other)
+    return found
+
+
+def _horizon(linearised: VectorRelativeDegree) -> float:
+    """Return about the time that a response takes [s]."""
+    return max(_shortest_times(linearised))
+
+
+def _rates(
+    settings: Sequence[VirtualSettings],
+    linearised: VectorRelativeDegree,
+    alpha: float | Sequence[float] | None,
+    alpha_on: AlphaOn,
+) -> tuple[list[float], str]:
+    """Return α of each output by its rule, in the quantity on which it acts, and in words."""
+    names = linearised.equations.outputs
+    settling = {
+        name: settling_time(setting, degree)
+        for name, setting, degree in zip(names, settings, linearised.degrees, strict=True)
+    }
+    effects, paired = np.abs(linearised.at_point), dict(linearised.order)
+    if alpha_on == "virtual":
+        rates = found = saturation_rates(settling, names, alpha, METHOD)
+    else:
+        # In the virtual input an excess of an input counts by its effect, and so must α.
+        scale = [float(effects[j, paired[j]]) for j in range(len(effects))]
+        found = saturation_rates(settling, names, alpha, METHOD, scale)
+        rates = tuple(rate * effect for rate, effect in zip(found, scale, strict=True))
+    return list(rates), f"; α {rates_in_words(found, settling, names)}"
+
+
+def _notes(
+    linearised: VectorRelativeDegree, observer: ModelObserver | None, controller: Controller
+) -> tuple[str, ...]:
+    process = linearised.equations.point.process
+    sensors = ", ".join(controller.measurements)
+    notes = [f"Needs the sensors {sensors}; a fault of any of them holds every output."]
+    if observer is not None:
+        names = ", ".join(observer.estimated)
+        notes.append(
+            f"An observer runs the equations of the process for {names}; its gain holds for a "
+            f"sampling period of {process.sampling_period:g} s and no other."
+        )
+    used = [each.signal.name for each in LinearisedProcess(linearised, observer).constants]
+    loads = [signal.name for signal in process.disturbances if signal.name in used]
+    if loads:
+        notes.append(f"Takes {', '.join(loads)} as constant; the integrals make up for the rest.")
+    return tuple(notes)

@@ -1,0 +1,362 @@
+"""Gain scheduling: a design at each of several operating points, interpolated between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.words import listed, time_text
+from clepsydra.controllers.at_rest import state_at_rest
+from clepsydra.controllers.blocks.anti_windup import AntiWindup
+from clepsydra.controllers.blocks.schedule import Schedule
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.gain_scheduling import FAMILY, scheduled_law, scheduled_lqi_law
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.designs.applicability import NotApplicable, reasons_about
+from clepsydra.designs.bryson import acceptable_deviations, design_lqi
+from clepsydra.designs.designed_values import designed_values
+from clepsydra.designs.loops.detuning import Detuned, detune
+from clepsydra.designs.loops.law_settings import law_settings
+from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, checked_form
+from clepsydra.designs.loops.pairing import Pairing, checked_pairing
+from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.models.first_order_delay import half_rule
+from clepsydra.designs.models.second_order_delay import half_rule_of_second_order
+from clepsydra.designs.operating_plan import (
+    Follows,
+    PlannedPoint,
+    ScheduledDesign,
+    Wish,
+    largest_change,
+    peaks_elsewhere,
+    planned_points,
+)
+from clepsydra.designs.request import in_shown_unit
+from clepsydra.designs.simc import simc_pid_settings, simc_settings
+from clepsydra.designs.states.relevant_states import without_idle_states
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.program.step_law import StepLaw
+
+PID_METHOD = "gain-scheduled SIMC"
+LQI_METHOD = "gain-scheduled LQI"
+#: The scheduling variable is filtered over this share of the shortest time that the gains act in.
+_FILTER = 0.2
+
+
+def design_gain_scheduled_pid(
+    model: LinearModel,
+    pairing: Pairing | None = None,
+    *,
+    form: PidForm | None = None,
+    over: str | None = None,
+    follows: Follows = "measurement",
+    points: Sequence[float] | None = None,
+) -> Controller:
+    """Design PI or PID controllers by SIMC at several operating points, and schedule them.
+
+    The operating points are equilibria with one controlled measurement at different values and
+    the others as they are. At each the loops have the closed-loop time constants of the
+    operating point of the model, lengthened by one factor where their sampled loops would have a
+    sensitivity peak above 2. Between the points the settings are interpolated linearly, and the
+    peak is computed halfway between neighbours with the interpolated settings on the linear
+    model there; where it is above 2 a point is added.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
+    form : PidForm, optional
+        PI in ISA form if left out.
+    over : str, optional
+        The controlled measurement over which settings are scheduled; if left out the one over
+        whose range they change most, or with points given the first one.
+    follows : {"measurement", "setpoint"}
+        Whether the settings follow the measurement itself, filtered, or its setpoint.
+    points : sequence of float, optional
+        Values of that measurement [its unit]; over all of its range if left out.
+
+    Returns
+    -------
+    Controller
+
+    Raises
+    ------
+    NotApplicable
+        SIMC does not apply, there are no other equilibria, or the settings hardly change.
+    InputError
+        The model has no operating point, a name is unknown, or the points are no 2 to 15 rising
+        numbers within the range.
+
+    References
+    ----------
+    S. Skogestad, Journal of Process Control 13(4), 2003, 291-309,
+    doi 10.1016/S0959-1524(02)00062-8; W. J. Rugh and J. S. Shamma, Research on gain scheduling,
+    Automatica 36(10), 2000, 1401-1425, doi 10.1016/S0005-1098(00)00058-3.
+
+    Examples
+    --------
+    The time constant of the concentration is V/f, so that its gain rises with the volume:
+
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("averaging-tank"))
+    >>> controller = design_gain_scheduled_pid(
+    ...     analysis.model, analysis.pairing, over="volume", points=[1.0, 2.0, 3.0])
+    >>> loop = controller.setpoints.index("concentration") + 1
+    >>> [round(controller.values[f"proportional_gain_{loop}_at_{k}"], 3) for k in (1, 2, 3)]
+    [1.0, 2.0, 3.0]
+    """
+    form, actions = checked_form(form, PID_METHOD)
+    outputs, inputs = checked_pairing(pairing, model)
+    pairs = list(zip(outputs, inputs, strict=True))
+    chosen = form
+
+    def loops_at(place: LinearModel) -> MultiloopPid:
+        return MultiloopPid(place, pairs, chosen, PID_METHOD)
+
+    together = loops_at(model)
+    delay = together.process.sampling_period / 2.0
+    shortest = [_shortest(loop, actions, delay) for loop in together.loops]
+
+    def settings_at(place: MultiloopPid, times: Sequence[float]) -> list[PidSettings]:
+        return [
+            _settings(loop, actions, delay, time)
+            for loop, time in zip(place.loops, times, strict=True)
+        ]
+
+    def detuned(place: MultiloopPid, times: Sequence[float]) -> Detuned:
+        def at(factor: float) -> list[PidSettings]:
+            return settings_at(place, [factor * time for time in times])
+
+        return detune(at, place.peak, PID_METHOD)
+
+    found = detuned(together, shortest)
+    times = [found.factor * time for time in shortest]
+    plain = together.controller(found, "SIMC (Skogestad 2003)", [])
+
+    def values_at(place: LinearModel) -> dict[str, float]:
+        settings = detuned(loops_at(place), times).settings
+        return {
+            f"{name}_{i}": value
+            for i, setting in enumerate(settings, start=1)
+            for name, value in law_settings(setting, chosen, PID_METHOD).items()
+            if f"{name}_{i}" in plain.values
+        }
+
+    words = "; ".join(
+        f"{loop.pair}: closed-loop time constant {time_text(time)}"
+        for loop, time in zip(together.loops, times, strict=True)
+    )
+    return _designed(
+        model,
+        ScheduledDesign(plain, values_at, PID_METHOD, f"{actions}, gain scheduling", words),
+        lambda schedule, names: scheduled_law(plain.law, schedule, names),
+        Wish(over, follows, points),
+    )
+
+
+def design_gain_scheduled_lqi(
+    model: LinearModel,
+    *,
+    maximum_errors: Mapping[str, float] | None = None,
+    maximum_moves: Mapping[str, float] | None = None,
+    anti_windup: AntiWindup = "back_calculation",
+    over: str | None = None,
+    follows: Follows = "measurement",
+    points: Sequence[float] | None = None,
+) -> Controller:
+    """Design LQI by Bryson's rule at several operating points, and schedule the gains.
+
+    The largest acceptable errors and moves are the same at all points, those of the operating
+    point of the model; the rest is as for `design_gain_scheduled_pid`.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point; its outputs follow the setpoints.
+    maximum_errors, maximum_moves, anti_windup
+        As for `design.bryson.design_lqi`.
+    over, follows, points
+        As for `design_gain_scheduled_pid`.
+
+    Returns
+    -------
+    Controller
+
+    Raises
+    ------
+    NotApplicable
+        LQI does not apply, there are no other equilibria, or the gains hardly change.
+    InputError
+        The model has no operating point, a name is unknown, a deviation is not above zero, or
+        the points are no 2 to 15 rising numbers within the range.
+
+    References
+    ----------
+    W. J. Rugh and J. S. Shamma, Research on gain scheduling, Automatica 36(10), 2000,
+    1401-1425, doi 10.1016/S0005-1098(00)00058-3.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> controller = design_gain_scheduled_lqi(model, over="level_1", points=[3.0, 6.0, 8.0])
+    >>> [controller.values[f"schedule_point_{k}"] for k in (1, 2, 3)]
+    [3.0, 6.0, 8.0]
+    """
+    with _named(LQI_METHOD):
+        plain = design_lqi(
+            model,
+            maximum_errors=maximum_errors,
+            maximum_moves=maximum_moves,
+            anti_windup=anti_windup,
+        )
+    relevant = without_idle_states(model)
+    asked = acceptable_deviations(relevant, maximum_errors, maximum_moves, LQI_METHOD)
+    process = operating_point_of(model).process
+
+    def values_at(place: LinearModel) -> dict[str, float]:
+        found = design_lqi(
+            place,
+            maximum_errors=asked.errors,
+            maximum_moves=asked.moves,
+            anti_windup=anti_windup,
+        )
+        if found.measurements != plain.measurements:
+            raise NotApplicable(LQI_METHOD, "other states act on the outputs at other points")
+        kinds = ("feedback_", "integral_gain_", "tracking_time_")
+        return {name: value for name, value in found.values.items() if name.startswith(kinds)}
+
+    def law(schedule: Schedule, names: Sequence[str]) -> StepLaw:
+        return scheduled_lqi_law(
+            [process.signal(name) for name in plain.measurements],
+            [process.signal(name) for name in plain.manipulated],
+            [plain.measurements.index(name) + 1 for name in plain.setpoints],
+            schedule,
+            anti_windup,
+        )
+
+    return _designed(
+        model,
+        ScheduledDesign(
+            plain, values_at, LQI_METHOD, "LQI, gain scheduling",
+            f"Bryson's weights, {asked.in_words(process)}",
+        ),
+        law,
+        Wish(over, follows, points),
+        every=True,
+    )  # fmt: skip
+
+
+def _designed(
+    model: LinearModel,
+    scheduled: ScheduledDesign,
+    law_of: Callable[[Schedule, Sequence[str]], StepLaw],
+    wish: Wish,
+    *,
+    every: bool = False,
+) -> Controller:
+    """Return the scheduled controller at rest at the operating point.
+
+    Parameters
+    ----------
+    every : bool
+        Whether parameters that are the same everywhere have tables too.
+    """
+    plain, process = scheduled.plain, operating_point_of(model).process
+    if wish.follows not in ("measurement", "setpoint"):
+        raise InputError(
+            f"{scheduled.method}, follows", wish.follows, "measurement or setpoint", "choose one"
+        )
+    over, plan, between = planned_points(model, scheduled, wish)
+    signal = process.signal(over)
+    wired = plain.measurements if wish.follows == "measurement" else plain.setpoints
+    schedule = Schedule(f"{wish.follows}_{wired.index(over) + 1}", signal, len(plan))
+    names = [
+        name
+        for name in plan[0].values
+        if every or largest_change(plan[0].values, plan, [name]) > 1e-9
+    ]
+    law = law_of(schedule, names)
+    fixed = {p.name for p in law.parameters}
+    values = {name: value for name, value in plain.values.items() if name in fixed}
+    for k, point in enumerate(plan, start=1):
+        values[f"schedule_point_{k}"] = point.place
+        values |= {f"{name}_at_{k}": point.values[name] for name in names}
+    values["schedule_filter_time"] = _filter_time(plan, process.sampling_period)
+    values = designed_values(law, values, operating_point_of(model), scheduled.method)
+    at = operating_point_of(model).as_dict()
+    rest = {f"setpoint_{j}": at[name] for j, name in enumerate(plain.setpoints, start=1)}
+    rest |= {f"measurement_{j}": at[name] for j, name in enumerate(plain.measurements, start=1)}
+    rest |= {f"tracking_{i}": at[name] for i, name in enumerate(plain.manipulated, start=1)}
+    peaks = ", ".join(f"{point.peak:.2f} at {in_shown_unit(signal, point.place)}" for point in plan)
+    highest = max(between, default=max(point.peak for point in plan))
+    return Controller(
+        name=scheduled.name,
+        family=FAMILY,
+        design=(
+            f"{scheduled.words}; designed at {len(plan)} operating points of {over} and "
+            f"interpolated linearly over {'its setpoint' if wish.follows == 'setpoint' else 'it'}; "
+            f"sensitivity peaks {peaks}, halfway between neighbours at most {highest:.2f}."
+        ),
+        law=law,
+        values=values,
+        initial_state=state_at_rest(law, values, rest),
+        measurements=plain.measurements,
+        setpoints=plain.setpoints,
+        manipulated=plain.manipulated,
+        notes=(
+            f"{_listed(names)} follow {over} by tables; a change of them alone moves no output.",
+            *peaks_elsewhere(model, scheduled, over, plan),
+        ),
+        slowed=plain.slowed,
+    )
+
+
+def _filter_time(plan: Sequence[PlannedPoint], period: float) -> float:
+    times = [
+        value
+        for point in plan
+        for name, value in point.values.items()
+        if name.startswith(("integral_time_", "tracking_time_"))
+    ]
+    return max(period, _FILTER * min(times, default=10.0 * period / _FILTER))
+
+
+def _shortest(loop: PairedLoop, actions: str, delay: float) -> float:
+    """Return the shortest closed-loop time constant that delay and input allow [s], as SIMC."""
+    with reasons_about(loop.pair):
+        model = (
+            half_rule(loop.element, delay, method=PID_METHOD)
+            if actions == "PI"
+            else half_rule_of_second_order(loop.element, delay, method=PID_METHOD)
+        )
+    return max(model.delay, 1.0 / (abs(model.slope) * loop.largest_gain) - model.delay)
+
+
+def _settings(loop: PairedLoop, actions: str, delay: float, time: float) -> PidSettings:
+    with reasons_about(loop.pair):
+        if actions == "PI":
+            return simc_settings(half_rule(loop.element, delay, method=PID_METHOD), time)
+        reduced = half_rule_of_second_order(loop.element, delay, method=PID_METHOD)
+        return simc_pid_settings(reduced, time)
+
+
+@contextmanager
+def _named(method: str) -> Iterator[None]:
+    """Give a refusal the name of this method."""
+    try:
+        yield
+    except NotApplicable as refusal:
+        raise NotApplicable(method, refusal.reason) from None
+
+
+def _listed(names: Sequence[str]) -> str:
+    kinds = list(dict.fromkeys(name.rstrip("0123456789_").replace("_", " ") for name in names))
+    words = f"{kinds[0]}s" if len(kinds) == 1 else listed(kinds)
+    return words[0].upper() + words[1:]

@@ -1,0 +1,243 @@
+"""A controller's gain and times in the units that control systems ask for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from clepsydra.base.arguments import require_type
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.designs.loops.pid_settings import (
+    ParallelSettings,
+    PidSettings,
+    SeriesSettings,
+    to_parallel,
+    to_series,
+)
+
+Action = Literal["reverse", "direct"]
+
+
+@dataclass(frozen=True)
+class GainUnits:
+    """The settings of one loop in every unit and form in use.
+
+    Parameters
+    ----------
+    gain : float
+        K, signed [input unit / output unit].
+    unit : str
+        "V/m"; empty for a share per share.
+    percent_gain : float
+        \\|K| in percent of the input per percent of the measurement, `Signal.percent_scale` [%/%].
+    proportional_band : float
+        100 / percent_gain [%]: how far the measurement moves to move the input by 100 %.
+    action : {"reverse", "direct"}
+        Whether the input rises or falls when the measurement falls.
+    integral_time, derivative_time : float
+        Ti, infinite without integral action, and Td [s].
+    repeats_per_minute : float
+        60 s / Ti [1/min]
+    minutes_per_repeat : float
+        Ti [min]
+    derivative_minutes : float
+        Td [min]
+    parallel : ParallelSettings
+    series : SeriesSettings or None
+        None where Ti < 4 Td and there is no series form.
+
+    Examples
+    --------
+    >>> level = Signal("level", "m", low=0.0, high=5.0)
+    >>> pump = Signal("pump", "V", low=0.0, high=10.0)
+    >>> shown = gain_units(PidSettings(-4.0, 120.0), level, pump)
+    >>> shown.percent_gain, shown.proportional_band, shown.action, shown.repeats_per_minute
+    (2.0, 50.0, 'direct', 0.5)
+    """
+
+    gain: float
+    unit: str
+    percent_gain: float
+    proportional_band: float
+    action: Action
+    integral_time: float
+    derivative_time: float
+    repeats_per_minute: float
+    minutes_per_repeat: float
+    derivative_minutes: float
+    parallel: ParallelSettings
+    series: SeriesSettings | None
+
+
+def gain_units(settings: PidSettings, measurement: Signal, manipulated: Signal) -> GainUnits:
+    """Return the settings of a loop in every unit and form.
+
+    Parameters
+    ----------
+    settings : PidSettings
+    measurement, manipulated : Signal
+        Both with a finite range, or in percent.
+
+    Raises
+    ------
+    InputError
+        A range is not finite, the gain is zero or no number, or a time is out of range.
+
+    References
+    ----------
+    ISA-TR5.9-2023, Proportional-Integral-Derivative (PID) Algorithms and Performance.
+
+    Examples
+    --------
+    >>> volts = Signal("level", "V", low=0.0, high=10.0)
+    >>> gain_units(PidSettings(4.0, 30.0), volts, volts).proportional_band
+    25.0
+    """
+    _check(settings)
+    shown = percent_gain(settings.gain, measurement, manipulated)
+    minutes = settings.integral_time / 60.0
+    has_series = settings.integral_time >= 4.0 * settings.derivative_time
+    return GainUnits(
+        gain=settings.gain,
+        unit=unit_of_gain(measurement, manipulated),
+        percent_gain=abs(shown),
+        proportional_band=100.0 / abs(shown),
+        action="reverse" if settings.gain > 0.0 else "direct",
+        integral_time=settings.integral_time,
+        derivative_time=settings.derivative_time,
+        repeats_per_minute=1.0 / minutes,
+        minutes_per_repeat=minutes,
+        derivative_minutes=settings.derivative_time / 60.0,
+        parallel=to_parallel(settings),
+        series=to_series(settings) if has_series else None,
+    )
+
+
+def unit_of_gain(measurement: Signal, manipulated: Signal) -> str:
+    """Return the unit of a gain, empty for a share per share.
+
+    Examples
+    --------
+    >>> share, flow = Signal("level"), Signal("inflow", "m^3/s")
+    >>> unit_of_gain(share, flow), unit_of_gain(share, share), unit_of_gain(flow, flow)
+    ('m^3/s', '', '(m^3/s)/(m^3/s)')
+    """
+    above, below = (
+        f"({unit})" if "/" in unit else unit for unit in (manipulated.unit, measurement.unit)
+    )
+    if measurement.unit == "1":
+        return "" if manipulated.unit == "1" else manipulated.unit
+    return f"{above}/{below}"
+
+
+def percent_gain(gain: float, measurement: Signal, manipulated: Signal) -> float:
+    """Return a gain in percent of one signal per percent of the other, signed [%/%].
+
+    Percent are those of each signal, `Signal.percent_scale`.
+
+    Examples
+    --------
+    >>> level = Signal("level", "m", low=0.0, high=5.0)
+    >>> percent_gain(4.0, level, Signal("pump", "V", low=0.0, high=10.0))
+    2.0
+    """
+    return gain * _span(measurement) / _span(manipulated)
+
+
+def gain_from_percent(percent: float, measurement: Signal, manipulated: Signal) -> float:
+    """Return the gain in engineering units of a signed gain in %/%.
+
+    Examples
+    --------
+    >>> level = Signal("level", "m", low=0.0, high=5.0)
+    >>> gain_from_percent(2.0, level, Signal("pump", "V", low=0.0, high=10.0))
+    4.0
+    """
+    return percent * _span(manipulated) / _span(measurement)
+
+
+def gain_from_band(band: float, action: Action, measurement: Signal, manipulated: Signal) -> float:
+    """Return the gain in engineering units of a proportional band [%] and an action.
+
+    Raises
+    ------
+    InputError
+        The band is not above zero, the action is unknown, or a range is not finite.
+
+    Examples
+    --------
+    >>> level = Signal("level", "m", low=0.0, high=5.0)
+    >>> gain_from_band(50.0, "direct", level, Signal("pump", "V", low=0.0, high=10.0))
+    -4.0
+    """
+    if not is_finite_number(band) or band <= 0.0:
+        raise InputError(
+            "proportional band", band, "a share above 0 %", "give 100 divided by the gain in %/%"
+        )
+    signs = {"reverse": 1.0, "direct": -1.0}
+    if action not in signs:
+        raise InputError("action", action, "reverse or direct", "correct the word")
+    return gain_from_percent(signs[action] * 100.0 / band, measurement, manipulated)
+
+
+def integral_time_from_repeats(repeats_per_minute: float) -> float:
+    """Return Ti [s] of an integral action in repeats per minute; infinite for none.
+
+    Raises
+    ------
+    InputError
+        The number is negative.
+
+    Examples
+    --------
+    >>> integral_time_from_repeats(0.5), integral_time_from_repeats(0.0)
+    (120.0, inf)
+    """
+    if not is_finite_number(repeats_per_minute) or repeats_per_minute < 0.0:
+        raise InputError(
+            "repeats per minute",
+            repeats_per_minute,
+            "a number from 0 on",
+            "give 60 s divided by the integral time",
+        )
+    return 60.0 / repeats_per_minute if repeats_per_minute else math.inf
+
+
+def _check(settings: PidSettings) -> None:
+    require_type(
+        settings, PidSettings, "settings", "PidSettings", "make them: PidSettings(gain, Ti, Td)"
+    )
+    gain, integral_time, derivative_time = settings
+    if not is_finite_number(gain) or gain == 0.0:
+        raise InputError("gain", gain, "a number that is not zero", "give the gain of the loop")
+    if not integral_time > 0.0:
+        raise InputError(
+            "integral time", integral_time, "a time above 0 s, or infinity", "give it in seconds"
+        )
+    if not is_finite_number(derivative_time) or derivative_time < 0.0:
+        raise InputError("derivative time", derivative_time, "a time from 0 s", "give seconds")
+
+
+def has_range(signal: Signal) -> bool:
+    """Return whether a signal has the finite scale that percent are of.
+
+    Examples
+    --------
+    >>> has_range(Signal("level", "m", low=0.0, high=5.0)), has_range(Signal("level", "m"))
+    (True, False)
+    """
+    return math.isfinite(signal.percent_span) and signal.percent_span > 0.0
+
+
+def _span(signal: Signal) -> float:
+    if not has_range(signal):
+        raise InputError(
+            signal.name,
+            f"a range from {signal.low:g} to {signal.high:g} {signal.unit}",
+            "a finite range with its low end below its high end",
+            "give the signal a range",
+        )
+    return signal.percent_span

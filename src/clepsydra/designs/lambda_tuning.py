@@ -1,0 +1,165 @@
+"""Multiloop PI by lambda tuning, for self-regulating elements and for integrating levels."""
+
+from __future__ import annotations
+
+import math
+
+from clepsydra.base.words import time_text
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.designs.applicability import reasons_about
+from clepsydra.designs.loops import words
+from clepsydra.designs.loops.closed_loop_time import TimedLoop, design_by_time
+from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, pi_only
+from clepsydra.designs.loops.pairing import Pairing
+from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
+from clepsydra.linear.linear_model import LinearModel
+
+METHOD = "lambda"
+#: The closed loop is slower than this many delays, unless the user asks for more speed.
+DELAYS = 3.0
+#: A lag of more than this many times the shortest λ acts like an integrator.
+NEARLY_INTEGRATING = 10.0
+
+
+def lambda_settings(model: FirstOrderDelay, closed_loop_time_constant: float) -> PidSettings:
+    """Return the settings by lambda tuning for a first-order or integrating model with delay.
+
+    Self-regulating, the zero of the controller cancels the lag, and a setpoint step is answered
+    with the time constant λ::
+
+        K = τ/(k (λ + θ)),   Ti = τ
+
+    Integrating with slope k', the loop is critically damped, with the delay as 1 − θs, and λ is
+    the time after which a step of the load is arrested::
+
+        K = (2 λ + θ)/(k' (λ + θ)²),   Ti = 2 λ + θ
+
+    The first is also what internal model control gives for PI (Rivera, Morari and Skogestad
+    1986), so there is no rule of that name here.
+
+    Parameters
+    ----------
+    model : FirstOrderDelay
+    closed_loop_time_constant : float
+        λ [s]
+
+    References
+    ----------
+    For self-regulating elements D. E. Rivera, M. Morari and S. Skogestad, Industrial &
+    Engineering Chemistry Process Design and Development 25(1), 1986, 252-265,
+    doi 10.1021/i200032a041. For integrating ones T. Olsen and W. L. Bialkowski, Lambda tuning
+    as a promising controller tuning method for the refinery, AIChE Spring National Meeting,
+    2002; the formulas are derived here from the placed poles.
+
+    Examples
+    --------
+    A level that integrates with 0.02 s⁻¹ and 1 s of delay, λ = 4 s:
+
+    >>> lambda_settings(FirstOrderDelay(0.02, math.inf, 1.0), 4.0)
+    PidSettings(gain=18.0, integral_time=9.0, derivative_time=0.0)
+    """
+    time, delay = closed_loop_time_constant, model.delay
+    if math.isinf(model.time_constant):
+        integral_time = 2.0 * time + delay
+        return PidSettings(integral_time / (model.slope * (time + delay) ** 2), integral_time)
+    return PidSettings(1.0 / (model.slope * (time + delay)), model.time_constant)
+
+
+def design_lambda(
+    model: LinearModel,
+    pairing: Pairing | None = None,
+    *,
+    form: PidForm | None = None,
+    closed_loop_time_constant: float | None = None,
+) -> Controller:
+    """Design a PI controller for each pair by lambda tuning.
+
+    Each paired element is reduced by the half rule, with its dead time and half a sampling
+    period as delay. Without a given λ, each loop takes the shortest that is not below three
+    effective delays and at which a setpoint step of a tenth of the measurement's range does not
+    saturate the input; a self-regulating loop is not made faster than its own lag. Then all are
+    lengthened by one factor until the sampled loops together have a sensitivity peak of 2
+    (`design.loops.detuning`). A given λ is used as it is. An element whose lag is more than ten
+    times λ is taken as integrating: to cancel such a lag would leave loads to be answered as
+    slowly.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
+    form : PidForm, optional
+        PI in ISA form if left out.
+    closed_loop_time_constant : float, optional
+        λ of all loops [s].
+
+    Returns
+    -------
+    Controller
+        Loop i for the i-th pair.
+
+    Raises
+    ------
+    NotApplicable
+        An element has no first-order model, the loops are unstable together, or a setting is
+        outside of what a controller takes.
+    InputError
+        The model has no operating point, the pairing is no pairing of the model, the form is
+        not PI, or λ is not above zero.
+
+    References
+    ----------
+    As for `lambda_settings`.
+
+    Examples
+    --------
+    A basin that integrates, sampled each minute: Ti = 2 λ + θ with θ = 30 s.
+
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("equalisation-tank"))
+    >>> controller = design_lambda(
+    ...     analysis.model, analysis.pairing, closed_loop_time_constant=3600.0)
+    >>> round(controller.values["integral_time_1"], 6)
+    7230.0
+    """
+    together = MultiloopPid(model, pairing, pi_only(form, METHOD), METHOD)
+    delay = together.process.sampling_period / 2.0
+    return design_by_time(
+        together,
+        [_timed(loop, delay, closed_loop_time_constant) for loop in together.loops],
+        closed_loop_time_constant,
+        "Lambda tuning (Olsen and Bialkowski 2002)",
+        "First-order models by the half rule",
+    )
+
+
+def _timed(loop: PairedLoop, delay: float, given: float | None) -> TimedLoop:
+    with reasons_about(loop.pair):
+        lag = half_rule(loop.element, delay, method=METHOD)
+    integrating = FirstOrderDelay(lag.slope, math.inf, lag.delay)
+    shortest = given or _shortest_integrating(integrating, loop.largest_gain)
+    slow = lag.time_constant > NEARLY_INTEGRATING * shortest
+    model = integrating if slow else lag
+    if not slow:
+        room = 1.0 / (abs(lag.slope) * loop.largest_gain) - lag.delay
+        shortest = max(DELAYS * lag.delay, lag.time_constant, room)
+    taken = ", taken as integrating" if slow and math.isfinite(lag.time_constant) else ""
+    return TimedLoop(
+        lambda time: lambda_settings(model, time),
+        shortest,
+        f"{words.slope(lag.slope, loop.output, loop.input)}, "
+        f"{words.lag(lag.time_constant)}{taken}, delay {time_text(lag.delay)}",
+    )
+
+
+def _shortest_integrating(model: FirstOrderDelay, largest_gain: float) -> float:
+    """Return the shortest λ that delay and input allow [s]."""
+    rate = abs(model.slope) * largest_gain
+    # The gain is the largest where rate (λ + θ)² = 2 (λ + θ) − θ.
+    inside = 1.0 - rate * model.delay
+    room = (1.0 + math.sqrt(inside)) / rate - model.delay if inside > 0.0 else 0.0
+    return max(DELAYS * model.delay, room)

@@ -1,0 +1,102 @@
+"""How a robust controller behind its pre-compensator is told what was applied."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clepsydra.controllers.conditioned_linear import ConditionedMatrices
+from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors
+from clepsydra.designs.loop_shaping.robust_controller import RobustController
+from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
+from clepsydra.designs.loop_shaping.shaped_plant import ShapedPlant
+
+
+def conditioned_matrices(plant: ShapedPlant, robust: RobustController) -> ConditionedMatrices:
+    """Return observer and pre-compensator as one controller that is told what was applied.
+
+    With e = S⁻¹ (y − r), v = S u_s and the deviations Δu of the inputs from u°, the observer is
+    x̂⁺ = ξ + B u_s with ξ = (A + H C) x̂ − H e and u_s = F ξ, and the pre-compensator
+    x_w⁺ = A_w x_w + B_w v, Δu = C_w x_w + D_w v.
+
+    Where W₁ can be inverted and its inverse is stable, both get v = D_w⁻¹ (Δu − C_w x_w), what
+    W₁ should have been asked for what was applied: Hanus's conditioning of the weight, and the
+    true input of the observer. Else there is no such v, and the controller as a whole is told by
+    the observer of its own normalised coprime factors.
+
+    Parameters
+    ----------
+    plant : ShapedPlant
+    robust : RobustController
+        Of the shaped plant or a reduction of it.
+
+    References
+    ----------
+    S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section
+    9.4.5; S. Miyamoto and G. Vinnicombe, Robust control of plants with saturation nonlinearity
+    based on coprime factor representations, 35th IEEE Conference on Decision and Control, 1996,
+    2838-2840.
+
+    Examples
+    --------
+    An integrator behind a gain of 2 has an observer of one state; told its own output it does
+    as the controller alone:
+
+    >>> from clepsydra.designs.loop_shaping.precompensator import Precompensator
+    >>> from clepsydra.designs.loop_shaping.robust_controller import robust_controller
+    >>> one = np.eye(1)
+    >>> gain = SampledSystem(one[:0, :0], one[:0], one[:, :0], 2.0 * one)
+    >>> shaping = Precompensator("P", gain, ("level",), ("pump",))
+    >>> shaped = SampledSystem(one, 0.2 * one, one, 0.0 * one)
+    >>> robust = robust_controller(coprime_factors(shaped))
+    >>> found = conditioned_matrices(ShapedPlant(shaped, shaping, np.ones(1), 1.0), robust)
+    >>> alone = found.unconditioned()
+    >>> bool(np.allclose(alone.transition, robust.system.A)), found.told.round(9).tolist()
+    (True, [[0.1]])
+    """
+    A_w, B_w, C_w, D_w = plant.precompensator.system
+    sizes, weights = plant.sizes, len(A_w)
+    observed, injection = robust.prediction, robust.factors.injection / sizes
+    asked = sizes[:, None] * robust.feedback  # v = asked ξ
+    inverse = plant.precompensator.inverse_direct
+    if inverse is None:
+        return _by_own_observer(plant, robust)
+    moved = robust.factors.plant.B @ (inverse / sizes[:, None])
+    return ConditionedMatrices(
+        transition=np.block(
+            [
+                [observed, -moved @ C_w],
+                [np.zeros((weights, len(observed))), A_w - B_w @ inverse @ C_w],
+            ]
+        ),
+        entered=np.vstack([-injection, np.zeros((weights, len(sizes)))]),
+        told=np.vstack([moved, B_w @ inverse]),
+        shown=np.hstack([D_w @ asked @ observed, C_w]),
+        direct=-D_w @ asked @ injection,
+    )
+
+
+def _by_own_observer(plant: ShapedPlant, robust: RobustController) -> ConditionedMatrices:
+    """Return A = a − M c and B = b − M d with the M that an observer of the controller has."""
+    whole = _whole(plant, robust)
+    # Errors count in shares of their ranges, and the outputs in what such errors make of them.
+    size = np.abs(whole.D) @ plant.sizes
+    size = np.where(size > 0.0, size, 1.0)
+    scaled = SampledSystem(
+        whole.A, whole.B * plant.sizes, whole.C / size[:, None], np.zeros_like(whole.D)
+    )
+    told = -coprime_factors(scaled).injection / size
+    return ConditionedMatrices(
+        transition=whole.A - told @ whole.C,
+        entered=whole.B - told @ whole.D,
+        told=told,
+        shown=whole.C,
+        direct=whole.D,
+    )
+
+
+def _whole(plant: ShapedPlant, robust: RobustController) -> SampledSystem:
+    """Return the controller from y − r to Δu."""
+    a, b, c, d = robust.system
+    sizes = plant.sizes
+    errors = SampledSystem(a, b / sizes, sizes[:, None] * c, sizes[:, None] * d / sizes)
+    return errors.then(plant.precompensator.system)

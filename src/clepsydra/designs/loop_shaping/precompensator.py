@@ -1,0 +1,196 @@
+"""A pre-compensator: the linear controller that gives a loop its shape."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.linear_step_law import StepLawDerivatives
+from clepsydra.designs.loop_shaping.coprime_factors import METHOD
+from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
+from clepsydra.designs.sampled.sampled_loop import inputs_at_rest
+from clepsydra.linear.linear_model import LinearModel
+
+_SAME = 1e-9
+_SINGULAR = 1e12
+
+
+@dataclass(frozen=True, eq=False)
+class Precompensator:
+    """From the control errors r − y to the deviations of the inputs, from sample to sample.
+
+    Parameters
+    ----------
+    name : str
+        For the reader: "PI, SIMC".
+    system : SampledSystem
+        W₁
+    outputs, inputs : tuple of str
+        Controlled measurements and manipulated variables, in the order of the system.
+    slowed : float
+        How many times slower than its method asked for it is.
+
+    Raises
+    ------
+    InputError
+        The system does not have as many signals.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> gain = Precompensator("P", SampledSystem(one[:0, :0], one[:0], one[:, :0], 2.0 * one),
+    ...                       ("level",), ("pump",))
+    >>> gain.inverse_direct
+    array([[0.5]])
+    """
+
+    name: str
+    system: SampledSystem
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    slowed: float = 1.0
+
+    def __post_init__(self) -> None:
+        shape, names = self.system.D.shape, (len(self.inputs), len(self.outputs))
+        if shape != names:
+            raise InputError(
+                f"{METHOD}, precompensator",
+                f"{shape[0]} outputs and {shape[1]} inputs",
+                f"{names[0]} and {names[1]}, one for each input and output of the process",
+                "name the signals of the pre-compensator",
+            )
+
+    @property
+    def inverse_direct(self) -> np.ndarray | None:
+        """D⁻¹; None where there is none, or where the inverse of W₁ is unstable."""
+        D = self.system.D
+        if D.shape[0] != D.shape[1] or np.linalg.cond(D) > _SINGULAR:
+            return None
+        inverse = np.linalg.inv(D)
+        unwound = self.system.A - self.system.B @ inverse @ self.system.C
+        runs_away = np.max(np.abs(np.linalg.eigvals(unwound)), initial=0.0) > 1.0 - _SAME
+        return None if runs_away else inverse
+
+
+def sampled_precompensator(
+    name: str,
+    matrices: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
+    period: float,
+    outputs: tuple[str, ...],
+    inputs: tuple[str, ...],
+) -> Precompensator:
+    """Return a continuous controller of the errors as it is sampled by the trapezoidal rule.
+
+    s = 2/T (z − 1)/(z + 1), Tustin's rule: an integral stays one, and phase is lost only as the
+    frequency comes near π/T.
+
+    Parameters
+    ----------
+    name : str
+    matrices : tuple of ndarray
+        A [n, n], B [n, q], C [m, n] and D [m, q], from the errors to the inputs.
+    period : float
+        T [s]
+    outputs, inputs : tuple of str
+
+    Raises
+    ------
+    InputError
+        The matrices do not fit together or the signals, or a pole stands at 2/T.
+
+    Examples
+    --------
+    PI control with K = 2 and Ti = 10 s each second: the integral gains K T/Ti.
+
+    >>> integral = (np.zeros((1, 1)), np.array([[0.2]]), np.eye(1), 2.0 * np.eye(1))
+    >>> found = sampled_precompensator("PI", integral, 1.0, ("level",), ("pump",))
+    >>> float((found.system.C @ found.system.B)[0, 0]), float(found.system.D[0, 0])
+    (0.2, 2.1)
+    """
+    A, B, C, D = (np.atleast_2d(np.asarray(matrix, float)) for matrix in matrices)
+    n, q, m = len(A), len(outputs), len(inputs)
+    shapes = [matrix.shape for matrix in (A, B, C, D)]
+    if shapes != [(n, n), (n, q), (m, n), (m, q)]:
+        raise InputError(
+            f"{METHOD}, precompensator",
+            ", ".join(f"{rows} × {columns}" for rows, columns in shapes),
+            f"A {n} × {n}, B {n} × {q}, C {m} × {n} and D {m} × {q}",
+            "give the four matrices of one state space",
+        )
+    half, identity = 0.5 * period, np.eye(n)
+    left = identity - half * A
+    if n and np.linalg.cond(left) > _SINGULAR:
+        raise InputError(
+            f"{METHOD}, precompensator",
+            f"a pole at {2.0 / period:.3g} rad/s",
+            "no pole at 2/T",
+            "slow it down or sample faster",
+        )
+    inverse = np.linalg.inv(left)
+    system = SampledSystem(
+        inverse @ (identity + half * A),
+        period * inverse @ B,
+        C @ inverse,
+        D + half * C @ inverse @ B,
+    )
+    return Precompensator(name, system, outputs, inputs)
+
+
+def precompensator_of(controller: Controller, model: LinearModel) -> Precompensator:
+    """Return what a controller does in automatic, away from its limits, as a pre-compensator.
+
+    It is exact from sample to sample: the derivatives of the step law itself.
+
+    Parameters
+    ----------
+    controller : Controller
+        Acting on the errors of its setpoints alone, at rest at the operating point.
+    model : LinearModel
+        Of the process at this point.
+
+    Raises
+    ------
+    InputError
+        The controller answers to setpoints and to measurements in different ways, or reads
+        measurements that have no setpoint.
+
+    Examples
+    --------
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> found = precompensator_of(design_simc(analysis.model, analysis.pairing), analysis.model)
+    >>> found.system.D.round(6).tolist()
+    [[3.0, 0.0], [0.0, 3.0]]
+    """
+    given = inputs_at_rest(controller, model)
+    law = StepLawDerivatives(controller.law).at(controller.values, controller.initial_state, given)
+    place = f"{METHOD}, precompensator"
+    if sorted(controller.measurements) != sorted(controller.setpoints):
+        raise InputError(
+            place,
+            f"{controller.name}, which reads {', '.join(controller.measurements)}",
+            f"the measurements that have setpoints alone: {', '.join(controller.setpoints)}",
+            "choose a controller of the control errors, as PI control",
+        )
+    columns = [controller.measurements.index(name) for name in controller.setpoints]
+    for by_setpoint, by_measurement in (
+        (law.B_setpoint, law.B_measurement),
+        (law.D_setpoint, law.D_measurement),
+    ):
+        size = float(np.abs(by_setpoint).max(initial=0.0))
+        if np.abs(by_setpoint + by_measurement[:, columns]).max(initial=0.0) > _SAME * size:
+            raise InputError(
+                place,
+                f"{controller.name}, which answers to setpoint and measurement differently",
+                "a controller of the control errors alone",
+                "give it setpoint weights of one, and derivative action on the error",
+            )
+    system = SampledSystem(law.A, law.B_setpoint, law.C, law.D_setpoint)
+    return Precompensator(
+        controller.name, system, controller.setpoints, controller.manipulated, controller.slowed
+    )

@@ -1,0 +1,76 @@
+"""A sampled linear system in numbers: its frequency response and its largest gain."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.designs.sampled.continuous_image import continuous_image
+from clepsydra.linear.response import evaluate_transfer
+from clepsydra.linear.sensitivity import largest_gain
+
+#: An eigenvalue this near the unit circle counts as on it.
+_ROUNDING = 1e-12
+
+
+class SampledSystem(NamedTuple):
+    """x(k+1) = A x(k) + B u(k), y(k) = C x(k) + D u(k).
+
+    Parameters
+    ----------
+    A, B, C, D : ndarray [n, n], [n, m], [q, n], [q, m]
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> SampledSystem(0.5 * one, one, one, 0.0 * one).largest_gain
+    2.0
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether every eigenvalue stands inside the unit circle, and none on it."""
+        return bool(np.max(np.abs(np.linalg.eigvals(self.A)), initial=0.0) < 1.0 - _ROUNDING)
+
+    @property
+    def largest_gain(self) -> float:
+        """Largest singular value over frequency, ‖G‖∞; infinite for an unstable system."""
+        if not self.is_stable:
+            return float("inf")
+        image = self.continuous_image()
+        return largest_gain(*image).peak
+
+    def continuous_image(self) -> SampledSystem:
+        """Return the continuous system of s = (z − 1)/(z + 1).
+
+        It has the same gains, Hankel singular values and coprime factors.
+        """
+        return SampledSystem(*continuous_image(*self))
+
+    def response(self, angles: np.ndarray) -> np.ndarray:
+        """Return G(e^jωT) at angles ωT [rad], as [l, q, m]."""
+        return np.asarray(evaluate_transfer(self.A, self.B, self.C, self.D, np.exp(1j * angles)))
+
+    def then(self, second: SampledSystem) -> SampledSystem:
+        """Return second · this: the outputs of this are the inputs of the second.
+
+        Examples
+        --------
+        >>> one = np.eye(1)
+        >>> lag = SampledSystem(0.5 * one, one, one, 0.0 * one)
+        >>> lag.then(lag).largest_gain
+        4.0
+        """
+        n, r = len(self.A), len(second.A)
+        return SampledSystem(
+            np.block([[self.A, np.zeros((n, r))], [second.B @ self.C, second.A]]),
+            np.vstack([self.B, second.B @ self.D]),
+            np.hstack([second.D @ self.C, second.C]),
+            second.D @ self.D,
+        )

@@ -1,0 +1,118 @@
+"""What the designs by a closed-loop time constant share: choose it, or take the user's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from clepsydra.base.words import time_text
+from clepsydra.controllers.controller import Controller
+from clepsydra.designs.loops.control_authority import DESIGN_STEP
+from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
+from clepsydra.designs.loops.multiloop import MultiloopPid, note_on_peak
+from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.request import positive_number
+
+
+class TimedLoop(NamedTuple):
+    """One loop whose settings follow from its closed-loop time constant.
+
+    Parameters
+    ----------
+    settings_at : callable
+        Closed-loop time constant [s] to settings.
+    shortest : float
+        The closed-loop time constant to begin with [s].
+    words : str
+        Its model, for the notes.
+
+    Examples
+    --------
+    >>> TimedLoop(lambda time: PidSettings(1.0 / time), 5.0, "an integrator").settings_at(2.0).gain
+    0.5
+    """
+
+    settings_at: Callable[[float], PidSettings]
+    shortest: float
+    words: str
+
+
+def design_by_time(
+    together: MultiloopPid,
+    loops: Sequence[TimedLoop],
+    given: float | None,
+    source: str,
+    models: str,
+) -> Controller:
+    """Return the controller for the given time, or the shortest that all loops together bear.
+
+    Without a given time, all times are lengthened by one factor until the sampled loops
+    together have a sensitivity peak of 2 (`design.loops.detuning`). A given time is used as it is.
+
+    Parameters
+    ----------
+    together : MultiloopPid
+    loops : sequence of TimedLoop
+        In the order of the pairing.
+    given : float or None
+        The closed-loop time constant of all loops [s].
+    source : str
+        "SIMC (Skogestad 2003)"
+    models : str
+        What the words of the loops are: "First-order models by the half rule".
+
+    Raises
+    ------
+    NotApplicable
+        The loops together are unstable, or a setting is outside of what a controller takes.
+    InputError
+        The given time is not above zero.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.pid_form import PidForm
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("equalisation-tank"))
+    >>> together = MultiloopPid(analysis.model, analysis.pairing, PidForm(), "by hand")
+    >>> loop = TimedLoop(lambda time: PidSettings(-100.0 / time, 4 * time), 1e3, "a guess")
+    >>> design_by_time(together, [loop], 500.0, "By hand", "Models").values["integral_time_1"]
+    2000.0
+    """
+    method = together.method
+
+    def settings_at(times: Sequence[float]) -> list[PidSettings]:
+        return [loop.settings_at(time) for loop, time in zip(loops, times, strict=True)]
+
+    if given is None:
+        shortest = [loop.shortest for loop in loops]
+        found = detune(
+            lambda factor: settings_at([factor * time for time in shortest]), together.peak, method
+        )
+        times = [found.factor * time for time in shortest]
+    else:
+        time = positive_number(
+            f"{method}, closed_loop_time_constant", given, "a time above 0 s", "give it in seconds"
+        )
+        times = [time] * len(loops)
+        choice = f"a closed-loop time constant of {time:g} s"
+        found = as_given(settings_at(times), together.peak, method, choice)
+    words = "; ".join(
+        f"{paired.pair}: {loop.words}, closed-loop time constant {time_text(time)}"
+        for paired, loop, time in zip(together.loops, loops, times, strict=True)
+    )
+    return together.controller(found, source, [f"{models}: {words}.", *_notes(found)])
+
+
+def _notes(found: Detuned) -> list[str]:
+    if found.factor > 1.0:
+        return [
+            f"The closed-loop time constants were lengthened {found.factor:.3g} times, so that "
+            f"the interacting loops keep a sensitivity peak of {SENSITIVITY_LIMIT:g}."
+        ]
+    if found.peak > SENSITIVITY_LIMIT:
+        return note_on_peak(found, "choose a longer closed-loop time constant")
+    return [
+        f"A setpoint step of {100 * DESIGN_STEP:.0f} % of the range was taken for the choice "
+        "of the closed-loop time constants."
+    ]

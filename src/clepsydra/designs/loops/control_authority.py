@@ -1,0 +1,83 @@
+"""Control authority: how hard a controller may push before its input meets a limit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from clepsydra.base.signal import Signal
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.process.process import Process
+
+#: The setpoint step that must not saturate the input, as a share of the measurement's range.
+DESIGN_STEP = 0.1
+
+
+def control_authority(signal: Signal, value: float) -> float:
+    """Return the distance from a value to the nearer limit, at least a tenth of the range.
+
+    Parameters
+    ----------
+    signal : Signal
+        An input with a finite range.
+    value : float
+        Where it stands [signal unit].
+
+    Examples
+    --------
+    >>> pump = Signal("pump", "V", low=0.0, high=10.0)
+    >>> control_authority(pump, 3.0), control_authority(pump, 9.8)
+    (3.0, 1.0)
+    """
+    return max(min(value - signal.low, signal.high - value), 0.1 * signal.span)
+
+
+def check_ranges(
+    process: Process, outputs: Iterable[str], inputs: Iterable[str], method: str
+) -> None:
+    """Refuse signals with an open range: limits and design steps are read off the ranges.
+
+    Raises
+    ------
+    NotApplicable
+        A measurement or an input has no finite range.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> process = SimpleNamespace(signal={"level": Signal("level", "V")}.__getitem__)
+    >>> check_ranges(process, ["level"], [], "SIMC")
+    Traceback (most recent call last):
+        ...
+    clepsydra.designs.applicability.NotApplicable: SIMC is not applicable: level has no finite \
+range; give it one.
+    """
+    for name in (*outputs, *inputs):
+        if not math.isfinite(process.signal(name).span):
+            raise NotApplicable(method, f"{name} has no finite range; give it one")
+
+
+def largest_proportional_gain(measurement: Signal, manipulated: Signal, at: float) -> float:
+    """Return the gain at which a setpoint step of a tenth of the range just uses up the input.
+
+    Parameters
+    ----------
+    measurement, manipulated : Signal
+        Of the loop.
+    at : float
+        The input at the operating point [input unit].
+
+    Returns
+    -------
+    float
+        [input unit / measurement unit]
+
+    Examples
+    --------
+    A pump of 0 to 10 V at 3 V and a sensor of 0 to 10 V: 3 V of room for a step of 1 V.
+
+    >>> level = Signal("level", "V", low=0.0, high=10.0)
+    >>> largest_proportional_gain(level, Signal("pump", "V", low=0.0, high=10.0), 3.0)
+    3.0
+    """
+    return control_authority(manipulated, at) / (DESIGN_STEP * measurement.span)

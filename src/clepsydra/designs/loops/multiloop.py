@@ -1,0 +1,290 @@
+"""What the designs of multiloop PID controllers share: pairing checked, controller made."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.base.words import time_text
+from clepsydra.controllers.at_rest import state_at_rest
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.multiloop_pid import Decoupling, family, multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.decoupling import inverted_decoupler
+from clepsydra.designs.designed_values import applicable_values, designed_values, rounded_values
+from clepsydra.designs.loops.control_authority import check_ranges, largest_proportional_gain
+from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT, Detuned
+from clepsydra.designs.loops.law_settings import law_settings
+from clepsydra.designs.loops.pairing import Pairing, checked_pairing
+from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.loops.words import gain
+from clepsydra.designs.models.transfer_element import TransferElement, transfer_element
+from clepsydra.designs.sampled.sampled_loop import SampledLoops
+from clepsydra.designs.sampled.sampled_process import NotSampled
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+
+
+class PairedLoop(NamedTuple):
+    """One pair: measurement, input, the element between them, and the input at rest.
+
+    Examples
+    --------
+    >>> element = TransferElement(1.0, (-1.0,), (), 0)
+    >>> loop = PairedLoop(Signal("level", "V", low=0.0, high=10.0),
+    ...                   Signal("pump", "V", low=0.0, high=10.0), element, 3.0)
+    >>> loop.pair, loop.largest_gain
+    ('level by pump', 3.0)
+    """
+
+    output: Signal
+    input: Signal
+    element: TransferElement
+    resting_input: float
+
+    @property
+    def pair(self) -> str:
+        """The pair as the reader sees it."""
+        return f"{self.output.name} by {self.input.name}"
+
+    @property
+    def largest_gain(self) -> float:
+        """The largest proportional gain that the room of the input allows."""
+        return largest_proportional_gain(self.output, self.input, self.resting_input)
+
+
+class MultiloopPid:
+    """The PID controllers of one pairing on one model, for any settings.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    pairing : sequence of (output, input), mapping, or None
+        The one that the relative gains suggest for None.
+    form : PidForm
+    method : str
+        Of the design, for names and messages.
+    decoupling : {"static", "dynamic"}, optional
+        Whether the law decouples the loops (`design.decoupling`); each setting is then that of
+        its own element alone.
+
+    Raises
+    ------
+    InputError
+        The model has no operating point, or the pairing is empty, names an unknown signal or one
+        signal twice.
+    NotApplicable
+        A signal has no range, or one beyond what a controller takes, an input does not move
+        its output, dead times have no place in a transfer function or a sampled loop, or there
+        is no decoupler.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> loops = MultiloopPid(analysis.model, analysis.pairing, PidForm("PID"), "by hand")
+    >>> [(loop.pair, loop.resting_input) for loop in loops.loops]
+    [('level_1 by pump_1', 3.0), ('level_2 by pump_2', 3.0)]
+    """
+
+    def __init__(
+        self,
+        model: LinearModel,
+        pairing: Pairing | None,
+        form: PidForm,
+        method: str,
+        decoupling: Decoupling | None = None,
+    ) -> None:
+        self.method, self.form, self.decoupling = method, form, decoupling
+        self.point = operating_point_of(model)
+        self.process = self.point.process
+        outputs, inputs = checked_pairing(pairing, model)
+        check_ranges(self.process, outputs, inputs, method)
+        at = self.point.as_dict()
+        self.loops: list[PairedLoop] = []
+        for output, input_name in zip(outputs, inputs, strict=True):
+            found = transfer_element(model, output, input_name, method=method)
+            if found is None:
+                raise NotApplicable(method, f"{input_name} does not move {output}")
+            signals = self.process.signal(output), self.process.signal(input_name)
+            self.loops.append(PairedLoop(*signals, found, at[input_name]))
+        self._fixed = self._fixed_values(model)
+        self._without_settings = self._blank(outputs, inputs)
+        try:
+            self._sampled = SampledLoops(self._without_settings, model)
+        except NotSampled as refusal:
+            raise NotApplicable(
+                method, f"its sampled loops need {refusal.expected}; {refusal.remedy}"
+            ) from None
+
+    def peak(self, settings: Sequence[PidSettings]) -> float:
+        """Return the sensitivity peak of all loops closed; infinite if they are unstable."""
+        return self._sampled.at(self._values(settings)).maximum_sensitivity
+
+    def controller(self, found: Detuned, design: str, notes: Sequence[str]) -> Controller:
+        """Return the controller with these settings, at rest at the operating point.
+
+        The setpoint weight is 1 and the limits are the ranges of the inputs.
+
+        Parameters
+        ----------
+        found : Detuned
+        design : str
+            How the settings were found; their values and the peak are added.
+        notes : sequence of str
+
+        Raises
+        ------
+        NotApplicable
+            A setting is outside of what a controller takes.
+        """
+        values = applicable_values(self._law, self._values(found.settings), self.method)
+        return dataclasses.replace(
+            self._without_settings,
+            design=(
+                f"{design}: {self._in_words(found.settings)}; sensitivity peak of all loops "
+                f"together {found.peak:.2f}."
+            ),
+            values=values,
+            initial_state=self._at_rest(values),
+            notes=tuple(notes),
+            slowed=found.factor,
+        )
+
+    def _blank(self, outputs: tuple[str, ...], inputs: tuple[str, ...]) -> Controller:
+        law = multiloop_pid_law(
+            len(self.loops),
+            self.form,
+            measured=[loop.output for loop in self.loops],
+            manipulated=[loop.input for loop in self.loops],
+            decoupling=self.decoupling,
+        )
+        values = {parameter.name: parameter.initial for parameter in law.parameters} | self._fixed
+        values = designed_values(law, values, self.point, self.method)
+        self._law = law
+        return Controller(
+            name=f"{self.form.actions}, {self.method}" + self._decoupled(", "),
+            family=family(self.form) + self._decoupled(" with "),
+            design="",
+            law=law,
+            values=values,
+            initial_state=self._at_rest(values),
+            measurements=outputs,
+            setpoints=outputs,
+            manipulated=inputs,
+        )
+
+    def _decoupled(self, joined: str) -> str:
+        return "" if self.decoupling is None else f"{joined}{self.decoupling} decoupling"
+
+    def _fixed_values(self, model: LinearModel) -> dict[str, float]:
+        """Return limits and decoupling terms, which no setting of a loop changes."""
+        values: dict[str, float] = {}
+        for i, loop in enumerate(self.loops, start=1):
+            values |= {f"low_limit_{i}": loop.input.low, f"high_limit_{i}": loop.input.high}
+        if self.decoupling is None:
+            return values
+        pairs = [(loop.output.name, loop.input.name) for loop in self.loops]
+        try:
+            found = inverted_decoupler(model, pairs, kind=self.decoupling)
+        except NotApplicable as refusal:
+            raise NotApplicable(f"{self.method} with decoupling", refusal.reason) from None
+        for i, row in enumerate(found.gain):
+            for j, other in enumerate(self.loops):
+                if i == j:
+                    continue
+                place = f"{i + 1}_{j + 1}"
+                values[f"feedforward_gain_{place}"] = float(row[j])
+                values[f"feedforward_reference_{place}"] = other.resting_input
+                if self.decoupling == "dynamic":
+                    values[f"feedforward_lead_{place}"] = float(found.lead[i, j])
+                    values[f"feedforward_lag_{place}"] = float(found.lag[i, j])
+        return values
+
+    def _at_rest(self, values: dict[str, float]) -> dict[str, float]:
+        at = self.point.as_dict()
+        inputs: dict[str, float] = {}
+        for i, loop in enumerate(self.loops, start=1):
+            measured = at[loop.output.name]
+            inputs |= {f"setpoint_{i}": measured, f"measurement_{i}": measured}
+            inputs[f"tracking_{i}"] = loop.resting_input
+        return state_at_rest(self._law, values, inputs)
+
+    def _values(self, settings: Sequence[PidSettings]) -> dict[str, float]:
+        values = dict(self._without_settings.values)
+        for i, setting in enumerate(settings, start=1):
+            own = law_settings(setting, self.form, self.method)
+            own |= {"setpoint_weight": 1.0}
+            values |= {
+                f"{name}_{i}": value for name, value in own.items() if f"{name}_{i}" in values
+            }
+        return rounded_values(self._law, values, self.point)
+
+    def _in_words(self, settings: Sequence[PidSettings]) -> str:
+        return "; ".join(
+            f"{loop.pair}: K = {gain(setting.gain, loop.output, loop.input)}"
+            + (f", Ti = {time_text(setting.integral_time)}" if self.form.has_integral else "")
+            + (f", Td = {time_text(setting.derivative_time)}" if self.form.has_derivative else "")
+            for loop, setting in zip(self.loops, settings, strict=True)
+        )
+
+
+def checked_form(form: PidForm | None, method: str) -> tuple[PidForm, Literal["PI", "PID"]]:
+    """Return the form asked for, PI where none is, and its actions.
+
+    Raises
+    ------
+    InputError
+        It is no form, or has other actions than PI and PID.
+
+    Examples
+    --------
+    >>> checked_form(None, "SIMC")[1], checked_form(PidForm("PID"), "SIMC")[1]
+    ('PI', 'PID')
+    """
+    form = PidForm() if form is None else form
+    if not isinstance(form, PidForm) or form.actions not in ("PI", "PID"):
+        raise InputError(
+            f"{method}, form",
+            getattr(form, "actions", form),
+            "a PidForm with the actions PI or PID",
+            "choose one of the two",
+        )
+    return form, form.actions
+
+
+def pi_only(form: PidForm | None, method: str) -> PidForm:
+    """Return the form asked for, which must have the actions PI.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> pi_only(None, "lambda").actions
+    'PI'
+    """
+    form, actions = checked_form(form, method)
+    if actions != "PI":
+        raise InputError(f"{method}, form", actions, "PI: it has no rule for Td", "ask for PI")
+    return form
+
+
+def note_on_peak(found: Detuned, remedy: str) -> list[str]:
+    """Return a note where settings that the user chose have thin margins.
+
+    Examples
+    --------
+    >>> note_on_peak(Detuned((PidSettings(9.0, 30.0),), 1.0, 2.5), "choose a lower crossover")
+    ['The sensitivity peak is 2.50, above 2: choose a lower crossover.']
+    """
+    if found.peak <= SENSITIVITY_LIMIT:
+        return []
+    return [f"The sensitivity peak is {found.peak:.2f}, above {SENSITIVITY_LIMIT:g}: {remedy}."]

@@ -1,0 +1,119 @@
+"""What the designs by a published rule share: each loop by the rule, then all together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal, NamedTuple
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.designs.applicability import reasons_about
+from clepsydra.designs.loops.control_authority import DESIGN_STEP
+from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT, as_given, detune
+from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, checked_form, note_on_peak
+from clepsydra.designs.loops.pairing import Pairing
+from clepsydra.designs.loops.pid_settings import PidSettings, slowed_down
+from clepsydra.linear.linear_model import LinearModel
+
+RuleActions = Literal["PI", "PID"]
+#: A gain this many times what a setpoint step of a tenth of the range allows is remarked on.
+HIGH_GAIN = 3.0
+#: A loop, the delay of its sampling [s] and the actions to its settings and what they came from.
+Rule = Callable[[PairedLoop, float, RuleActions], tuple[PidSettings, str]]
+
+
+class PublishedRule(NamedTuple):
+    """A tuning rule without a parameter to tune.
+
+    Parameters
+    ----------
+    method : str
+        "AMIGO"
+    source : str
+        "Åström and Hägglund 2006"
+    settings_of : callable
+    advice : str
+        What the reader must know about the rule.
+
+    Examples
+    --------
+    >>> PublishedRule("by hand", "ours", lambda loop, delay, actions: (PidSettings(1.0), "")).advice
+    ''
+    """
+
+    method: str
+    source: str
+    settings_of: Rule
+    advice: str = ""
+
+
+def design_by_rule(
+    model: LinearModel,
+    pairing: Pairing | None,
+    rule: PublishedRule,
+    *,
+    form: PidForm | None,
+    as_published: bool,
+) -> Controller:
+    """Design a controller for each pair by a rule, then slow all down until they bear each other.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    pairing : sequence of (output, input), mapping, or None
+    rule : PublishedRule
+    form : PidForm or None
+        PI in ISA form for None.
+    as_published : bool
+        Keep the settings of the rule.
+
+    Raises
+    ------
+    NotApplicable
+        The rule does not apply to an element, the loops are unstable together, or a setting is
+        outside of what a controller takes.
+    InputError
+        The model has no operating point, the pairing is no pairing of the model, or the form is
+        neither PI nor PID.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("equalisation-tank"))
+    >>> by_hand = PublishedRule("by hand", "ours", lambda *_: (PidSettings(-1.0, 9e4), "a guess"))
+    >>> design_by_rule(analysis.model, analysis.pairing, by_hand, form=None,
+    ...                as_published=True).notes
+    ('The rule was given, level by outflow: a guess.',)
+    """
+    form, actions = checked_form(form, rule.method)
+    together = MultiloopPid(model, pairing, form, rule.method)
+    delay = together.process.sampling_period / 2.0
+    settings, origins = [], []
+    for loop in together.loops:
+        with reasons_about(loop.pair):
+            found, origin = rule.settings_of(loop, delay, actions)
+        settings.append(found)
+        origins.append(f"{loop.pair}: {origin}")
+    notes = [f"The rule was given, {'; '.join(origins)}."]
+    if as_published:
+        tuned = as_given(settings, together.peak, rule.method, "the settings of the rule")
+        notes += note_on_peak(tuned, "lower the gain")
+        notes += [rule.advice] if rule.advice else []
+    else:
+        tuned = detune(lambda factor: slowed_down(settings, factor), together.peak, rule.method)
+        if tuned.factor > 1.0:
+            notes.append(
+                f"The gains of the rule were divided by {tuned.factor:.3g} and its integral times "
+                f"multiplied by it, so that the loops together keep a sensitivity peak of "
+                f"{SENSITIVITY_LIMIT:g}."
+            )
+    notes += [
+        f"{loop.pair}: its gain is so high that a setpoint step of "
+        f"{100.0 * DESIGN_STEP * loop.largest_gain / abs(setting.gain):.2g} % of the range "
+        "saturates the input; the rule looks at delays alone."
+        for loop, setting in zip(together.loops, tuned.settings, strict=True)
+        if abs(setting.gain) > HIGH_GAIN * loop.largest_gain
+    ]
+    return together.controller(tuned, f"{rule.method} ({rule.source})", notes)

@@ -1,0 +1,135 @@
+"""One element g(s) of a linear model, by its poles, zeros, gain and dead time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.linear.dead_time_structure import lags_of
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.minimal_realisation import minimal_realisation
+from clepsydra.linear.pade import at_rest
+from clepsydra.linear.poles import origin_radius, rightmost_first
+from clepsydra.linear.response import evaluate_transfer
+from clepsydra.linear.zeros import zeros
+
+
+@dataclass(frozen=True)
+class TransferElement:
+    """g(s) = e^(−sθ) · gain / s^integrators · Π(1 − s/z) / Π(1 − s/p).
+
+    Parameters
+    ----------
+    gain : float
+        Static gain, [output unit / input unit]; per second for each integrator.
+    poles, zeros : tuple of complex
+        Those away from the origin [rad/s].
+    integrators : int
+        Poles at the origin; negative for zeros there.
+    dead_time : float
+        θ [s]
+
+    Examples
+    --------
+    >>> tank = TransferElement(2.0, (-0.02,), (), 0)
+    >>> tank.magnitude(0.02) * math.sqrt(2.0), math.degrees(tank.phase(0.02))
+    (2.0, -45.0)
+    """
+
+    gain: float
+    poles: tuple[complex, ...]
+    zeros: tuple[complex, ...]
+    integrators: int
+    dead_time: float = 0.0
+
+    @property
+    def sign(self) -> float:
+        """The direction in which the output finally moves: 1 or −1."""
+        return math.copysign(1.0, self.gain)
+
+    def magnitude(self, omega: float) -> float:
+        """Return |g(jω)| at ω [rad/s]."""
+        size = abs(self.gain) / omega**self.integrators
+        for zero in self.zeros:
+            size *= abs(1.0 - 1j * omega / zero)
+        for pole in self.poles:
+            size /= abs(1.0 - 1j * omega / pole)
+        return float(size)
+
+    def phase(self, omega: float) -> float:
+        """Return the phase of sign·g(jω) [rad], continuous in ω > 0, for a stable g.
+
+        Each root turns by atan((ω − b)/a) with the root at −a + jb, so no multiple of 2π is
+        lost.
+        """
+        angle = -0.5 * math.pi * self.integrators - omega * self.dead_time
+        angle += sum(math.atan((omega - z.imag) / -z.real) for z in map(complex, self.zeros))
+        angle -= sum(math.atan((omega - p.imag) / -p.real) for p in map(complex, self.poles))
+        return angle
+
+
+def transfer_element(
+    model: LinearModel, output: str, input_name: str, *, method: str = "transfer function"
+) -> TransferElement | None:
+    """Return the element from an input to an output; None where the input does not move it.
+
+    Dead time is exact where all ways from the input to the output take the same.
+
+    Parameters
+    ----------
+    model : LinearModel
+    output, input_name : str
+    method : str
+        For the message.
+
+    Raises
+    ------
+    InputError
+        A name is unknown.
+    NotApplicable
+        Ways of different dead time lead from the input to the output, or one stands in a loop.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(-0.02 * one, 0.04 * one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> round(transfer_element(tank, "level", "pump").gain, 9)
+    2.0
+    """
+    chosen = model.select(outputs=[output], inputs=[input_name])
+    lags = lags_of(chosen)
+    if lags is None:
+        raise NotApplicable(
+            method,
+            f"{input_name} acts on {output} by ways of different dead time, or by a loop with "
+            "dead time in it, so that one dead time and a rational function do not describe it",
+        )
+    dead_time = float(lags.outputs[0] - lags.inputs[0])
+    chosen = at_rest(chosen)
+    A, B, C, D = minimal_realisation(chosen.A, chosen.B, chosen.C, chosen.D)
+    if not len(A) and D[0, 0] == 0.0:
+        return None
+    radius = origin_radius(model.A)
+    roots = rightmost_first(np.linalg.eigvals(A)) if len(A) else np.zeros(0)
+    found_zeros = zeros(chosen)
+    moving_poles = _away_from_origin(roots, radius)
+    moving_zeros = _away_from_origin(found_zeros, radius)
+    integrators = (len(roots) - len(moving_poles)) - (len(found_zeros) - len(moving_zeros))
+    # The gain is read off where g is neither near a root nor far from all of them.
+    rates = [abs(root) for root in (*moving_poles, *moving_zeros)]
+    point = 2.0 * max(rates, default=1.0)
+    value = evaluate_transfer(A, B, C, D, np.array([point]))[0, 0, 0]
+    shape = math.prod((1.0 - point / zero for zero in moving_zeros), start=1.0 + 0.0j)
+    shape /= point**integrators
+    shape /= math.prod((1.0 - point / pole for pole in moving_poles), start=1.0 + 0.0j)
+    return TransferElement(
+        float((value / shape).real), moving_poles, moving_zeros, integrators, dead_time
+    )
+
+
+def _away_from_origin(roots: np.ndarray, radius: float) -> tuple[complex, ...]:
+    return tuple(complex(root) for root in roots if abs(root) > radius)

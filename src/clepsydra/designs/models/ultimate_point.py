@@ -1,0 +1,120 @@
+"""The ultimate gain and period of a loop: where proportional control alone swings for ever."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from typing import NamedTuple
+
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.models.transfer_element import TransferElement
+
+_BISECTIONS = 80
+_POINTS_A_DECADE = 60
+
+
+class UltimatePoint(NamedTuple):
+    """The gain at which a proportional loop swings with constant amplitude, and its period.
+
+    Parameters
+    ----------
+    gain : float
+        Ku, signed as the controller's [input unit / output unit].
+    period : float
+        Tu [s]
+
+    Examples
+    --------
+    >>> UltimatePoint(8.0, 3.6).gain
+    8.0
+    """
+
+    gain: float
+    period: float
+
+
+def ultimate_point(element: TransferElement, delay: float, *, method: str) -> UltimatePoint:
+    """Return the ultimate gain and period of an element, exact with its dead time.
+
+    At the ultimate frequency ω the loop is delayed by half a turn, arg g(jω) − ω θ = −π
+    (or whole turns more), and Ku = 1/|g(jω)|, Tu = 2π/ω. Of several such frequencies it is
+    the one where |g| is largest, which limits the gain first.
+
+    Parameters
+    ----------
+    element : TransferElement
+        Stable, or integrating.
+    delay : float
+        θ of the loop outside the element: half a sampling period [s].
+    method : str
+        For the message.
+
+    Raises
+    ------
+    NotApplicable
+        The element is unstable, holds no output, or is never late by half a turn.
+
+    References
+    ----------
+    J. G. Ziegler and N. B. Nichols, Optimum settings for automatic controllers,
+    Transactions of the ASME 64(8), 1942, 759-765, doi 10.1115/1.4019264.
+
+    Examples
+    --------
+    1/(s + 1)³ has Ku = 8 and Tu = 2π/√3:
+
+    >>> lags = TransferElement(1.0, (-1.0, -1.0, -1.0), (), 0)
+    >>> found = ultimate_point(lags, 0.0, method="by hand")
+    >>> round(found.gain, 9), round(found.period * math.sqrt(3.0) / math.tau, 9)
+    (8.0, 1.0)
+    """
+    _check(element, method)
+    total = delay + element.dead_time
+    rates = [abs(root) for root in (*element.poles, *element.zeros)]
+    rates += [1.0 / total] if total > 0.0 else []
+    if not rates:
+        raise NotApplicable(method, _NEVER)
+    slowest, fastest = 1e-4 * min(rates), 1e4 * max(rates)
+    count = int(_POINTS_A_DECADE * math.log10(fastest / slowest)) + 2
+    grid = [slowest * (fastest / slowest) ** (k / (count - 1)) for k in range(count)]
+
+    def half_turns_late(omega: float) -> float:
+        """Return how far the loop is behind −π, in whole turns."""
+        return (-math.pi - element.phase(omega) + omega * delay) / math.tau
+
+    found: list[float] = []
+    for low, high in pairwise(grid):
+        before, after = half_turns_late(low), half_turns_late(high)
+        # Whole numbers between the two are crossings; the first is enough of many.
+        crossed = math.ceil(min(before, after))
+        if crossed <= max(before, after) and crossed >= 0:
+            found.append(_crossing(half_turns_late, crossed, low, high))
+    if not found:
+        raise NotApplicable(method, _NEVER)
+    omega = max(found, key=element.magnitude)
+    return UltimatePoint(element.sign / element.magnitude(omega), math.tau / omega)
+
+
+_NEVER = "the element is never late by half a turn, so no gain is too large for it"
+
+
+def _crossing(function: Callable[[float], float], level: float, low: float, high: float) -> float:
+    """Return where a function meets a level between two frequencies."""
+    rising = function(high) > function(low)
+    for _ in range(_BISECTIONS):
+        middle = math.sqrt(low * high)
+        if (function(middle) < level) == rising:
+            low = middle
+        else:
+            high = middle
+    return math.sqrt(low * high)
+
+
+def _check(element: TransferElement, method: str) -> None:
+    if any(root.real >= 0.0 for root in element.poles):
+        raise NotApplicable(method, "the element is unstable without control")
+    if element.integrators < 0:
+        raise NotApplicable(method, "the input cannot hold the output: its static gain is zero")
+    if element.integrators > 1:
+        raise NotApplicable(method, f"the element integrates {element.integrators} times")

@@ -1,0 +1,234 @@
+"""Multiloop PI and PID from a phase margin and a crossover frequency."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Literal
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.designs.applicability import NotApplicable, reasons_about
+from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT, Detuned, as_given, detune
+from clepsydra.designs.loops.margin_settings import (
+    METHOD,
+    lag_needed,
+    margin_of,
+    pi_for_margin,
+    pid_for_margin,
+)
+from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, checked_form, note_on_peak
+from clepsydra.designs.loops.pairing import Pairing
+from clepsydra.designs.loops.pid_settings import slowed_down
+from clepsydra.designs.models.transfer_element import TransferElement
+from clepsydra.designs.request import positive_number
+from clepsydra.linear.linear_model import LinearModel
+
+#: The lag of the PI at the default crossover is at least this, which makes ω Ti at most 3.
+SMALLEST_LAG = math.atan(1.0 / 3.0)
+#: The lead of the PID at the default crossover is at most this [rad].
+LARGEST_LEAD = math.radians(30.0)
+_BISECTIONS = 60
+_POINTS_A_DECADE = 50
+
+
+def default_crossover(
+    element: TransferElement,
+    delay: float,
+    phase_margin: float,
+    largest_gain: float,
+    actions: Literal["PI", "PID"] = "PI",
+) -> float:
+    """Return the highest crossover [rad/s] with a gain within the input's room.
+
+    A PI must have ω Ti ≤ 3 there, a PID must not have to lead by more than 30°.
+
+    Parameters
+    ----------
+    element : TransferElement
+    delay : float
+        [s]
+    phase_margin : float
+        [rad]
+    largest_gain : float
+        Largest magnitude of the proportional gain, `control_authority.largest_proportional_gain`.
+    actions : {"PI", "PID"}
+
+    Raises
+    ------
+    NotApplicable
+        There is no such frequency.
+
+    Examples
+    --------
+    1/(s + 1)² with a margin of 60°: the PI lags by 18.4° where the element lags by 101.6°.
+
+    >>> element = TransferElement(1.0, (-1.0, -1.0), (), 0)
+    >>> crossover = default_crossover(element, 0.0, math.pi / 3, 1e9)
+    >>> round(2 * math.degrees(math.atan(crossover)), 1)
+    101.6
+    """
+    rates = [abs(root) for root in (*element.poles, *element.zeros)]
+    total = delay + element.dead_time
+    rates += [1.0 / total] if total > 0.0 else []
+    slowest, fastest = 1e-3 * min(rates, default=1.0), 1e3 * max(rates, default=1.0)
+    count = max(2, int(_POINTS_A_DECADE * math.log10(fastest / slowest)))
+    grid = [slowest * (fastest / slowest) ** (k / (count - 1)) for k in range(count)]
+
+    rule, smallest = (
+        (pi_for_margin, SMALLEST_LAG) if actions == "PI" else (pid_for_margin, -LARGEST_LEAD)
+    )
+
+    def too_fast(omega: float) -> bool:
+        lag = lag_needed(element, delay, phase_margin, omega)
+        if lag < smallest:
+            return True
+        if lag >= math.pi / 2.0:
+            return False
+        return abs(rule(element, delay, phase_margin, omega).gain) > largest_gain
+
+    # The lowest frequency that is too fast: beyond it the phase has run out for good.
+    first = next((k for k, omega in enumerate(grid) if too_fast(omega)), None)
+    within = "ω Ti ≤ 3" if actions == "PI" else f"a lead of {math.degrees(LARGEST_LEAD):.0f}°"
+    impossible = (
+        f"a {actions} cannot give a margin of {math.degrees(phase_margin):.0f}° with {within}"
+    )
+    if first is None:
+        raise NotApplicable(METHOD, "nothing bounds the crossover from above: give one")
+    if first == 0:
+        raise NotApplicable(METHOD, impossible)
+    low, high = grid[first - 1], grid[first]
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if too_fast(middle) else (middle, high)
+    if lag_needed(element, delay, phase_margin, low) >= math.pi / 2.0:
+        raise NotApplicable(METHOD, impossible)
+    return low
+
+
+def design_phase_margin(
+    model: LinearModel,
+    pairing: Pairing | None = None,
+    *,
+    form: PidForm | None = None,
+    phase_margin: float = math.pi / 3.0,
+    crossover: float | None = None,
+) -> Controller:
+    """Design a PI or PID controller for each pair from its phase margin.
+
+    Each loop by itself, taken as continuous with half a sampling period of delay, gets exactly
+    this margin. Without a given crossover each takes the highest at which a PI has ω Ti ≤ 3, or
+    a PID has to lead by no more than 30°, and a setpoint step of a tenth of the measurement's
+    range does not saturate the input; then all are slowed down by one factor, K/F and F·Ti,
+    until the sampled loops together have a sensitivity peak of 2 (`design.loops.detuning`), which
+    changes the margins: the notes give what they became. A given crossover is used as it is,
+    and where no form is given a loop that a PI cannot lead enough gets a PID.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
+    form : PidForm, optional
+        PI in ISA form if left out, and PID where the crossover asks for it.
+    phase_margin : float
+        Of each loop by itself [rad].
+    crossover : float, optional
+        Of all loops [rad/s].
+
+    Returns
+    -------
+    Controller
+        Loop i for the i-th pair.
+
+    Raises
+    ------
+    NotApplicable
+        No such controller gives this margin, an element is unstable, the loops are unstable
+        together, or a setting is outside of what a controller takes.
+    InputError
+        The model has no operating point, the pairing is no pairing of the model, the form is
+        neither PI nor PID, or a number is out of range.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_phase_margin(analysis.model, analysis.pairing)
+    >>> round(controller.values["proportional_gain_1"], 6)
+    3.0
+    """
+    _check(phase_margin, crossover)
+    asked, actions = checked_form(form, METHOD)
+    together = MultiloopPid(model, pairing, asked, METHOD)
+    delay = together.process.sampling_period / 2.0
+    for loop in together.loops:
+        with reasons_about(loop.pair):
+            _check_element(loop.element)
+    if form is None and crossover is not None:
+        lags = [lag_needed(loop.element, delay, phase_margin, crossover) for loop in together.loops]
+        if min(lags) <= 0.0:
+            actions = "PID"
+            together = MultiloopPid(model, pairing, replace(asked, actions=actions), METHOD)
+    crossovers, settings = [], []
+    for loop in together.loops:
+        with reasons_about(loop.pair):
+            frequency = crossover or default_crossover(
+                loop.element, delay, phase_margin, loop.largest_gain, actions
+            )
+            needs_lead = lag_needed(loop.element, delay, phase_margin, frequency) <= 0.0
+            rule = pid_for_margin if actions == "PID" and (needs_lead or form) else pi_for_margin
+            settings.append(rule(loop.element, delay, phase_margin, frequency))
+        crossovers.append(frequency)
+    if crossover is None:
+        found = detune(lambda factor: slowed_down(settings, factor), together.peak, METHOD)
+    else:
+        choice = f"a crossover of {crossover:g} rad/s"
+        found = as_given(settings, together.peak, METHOD, choice)
+    return together.controller(
+        found,
+        f"Phase margin of {math.degrees(phase_margin):.0f}° at "
+        + ", ".join(f"{frequency:.3g} rad/s" for frequency in crossovers)
+        + (f", slowed down {found.factor:.3g} times" if found.factor > 1.0 else ""),
+        _notes(found, together.loops, delay),
+    )
+
+
+def _check(phase_margin: float, crossover: float | None) -> None:
+    if not is_finite_number(phase_margin) or not 0.0 < phase_margin < math.pi:
+        raise InputError(
+            f"{METHOD}, phase_margin",
+            phase_margin,
+            "an angle between 0 and π rad",
+            "give it in radians, as math.radians(60)",
+        )
+    if crossover is not None:
+        place = f"{METHOD}, crossover"
+        positive_number(place, crossover, "a frequency above 0 rad/s", "give it in rad/s")
+
+
+def _check_element(element: TransferElement) -> None:
+    if any(root.real >= 0.0 for root in element.poles):
+        raise NotApplicable(METHOD, "the element is unstable without control")
+    if element.integrators < 0:
+        raise NotApplicable(METHOD, "the input cannot hold the output: its static gain is zero")
+
+
+def _notes(found: Detuned, loops: list[PairedLoop], delay: float) -> list[str]:
+    if found.factor > 1.0:
+        margins = [
+            margin_of(loop.element, delay, setting)
+            for loop, setting in zip(loops, found.settings, strict=True)
+        ]
+        reached = " and ".join(
+            f"{math.degrees(margin):.0f}° at {crossover:.3g} rad/s" for crossover, margin in margins
+        )
+        return [
+            f"The loops were slowed down {found.factor:.3g} times, so that together they keep a "
+            f"sensitivity peak of {SENSITIVITY_LIMIT:g}; by itself each now has {reached}."
+        ]
+    return note_on_peak(found, "choose a lower crossover or a larger margin")

@@ -1,0 +1,319 @@
+"""State feedback with a precompensator by placed poles."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.words import time_text
+from clepsydra.controllers.controller import Controller
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.bryson import slowest_time_constant
+from clepsydra.designs.kalman import process_noise
+from clepsydra.designs.loops.control_authority import DESIGN_STEP, check_ranges, control_authority
+from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.designs.request import positive_number
+from clepsydra.designs.states.estimation import Estimation, input_noise, with_loads
+from clepsydra.designs.states.feedback_controller import feedback_controller, states_to_feed_back
+from clepsydra.designs.states.linear_quadratic import check_independent, refuse_feedthrough
+from clepsydra.designs.states.observed_process import ObservedProcess
+from clepsydra.designs.states.observer_placement import bessel_correction, placed_correction
+from clepsydra.designs.states.placement import checked_poles, placed_gain
+from clepsydra.designs.states.precompensator import precompensator
+from clepsydra.designs.states.slow_modes import place_slow_modes
+from clepsydra.designs.states.slowing_down import SlowedDown, note_on_slowing, slow_down
+from clepsydra.designs.states.state_controllers import sensitivity_peak
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+
+NAME = "State feedback, pole placement"
+METHOD = "pole placement"
+#: The observer is at most this much faster than the regulator.
+OBSERVER_RATIO = 4.0
+#: However noisy the sensors are, it is not slower than this.
+SLOWEST_RATIO = 0.25
+#: The noise of the sensors may move an input by this share of its range (standard deviation).
+INPUT_NOISE = 0.02
+#: At least so many samples in the time of the fastest pole, 1/ω.
+_SAMPLES = 2.0
+_ITERATIONS = 50
+#: The bandwidth is found to this share.
+_ACCURACY = 1e-3
+
+
+class Placed(NamedTuple):
+    """What was asked of a placement: poles or a bandwidth, of regulator and observer.
+
+    Parameters
+    ----------
+    poles, observer_poles : sequence of complex or None
+    bandwidth, ratio : float
+        Of Bessel's pattern [rad/s], and of the observer's over it; where no poles are given.
+
+    Examples
+    --------
+    >>> Placed(None, None, 0.02, 4.0).slower(2.0).bandwidth
+    0.01
+    """
+
+    poles: Sequence[complex] | None
+    observer_poles: Sequence[complex] | None
+    bandwidth: float
+    ratio: float
+
+    def slower(self, factor: float) -> Placed:
+        """Return the same pattern for a lower bandwidth."""
+        return self._replace(bandwidth=self.bandwidth / factor)
+
+
+def design_pole_placement(
+    model: LinearModel,
+    *,
+    poles: Sequence[complex] | None = None,
+    bandwidth: float | None = None,
+    observer_poles: Sequence[complex] | None = None,
+    measurements: Sequence[str] | None = None,
+) -> Controller:
+    """Design state feedback with a precompensator by placing the poles of the sampled loop.
+
+    u = u° − F x + N (r − r°). By default the poles have Bessel's pattern
+    (`design.states.bessel_poles`) with the largest bandwidth at which a setpoint step of a tenth
+    of a measurement's range does not saturate an input, and at which a sample is at most half of
+    the pattern's time 1/ω.
+
+    Where sensors show every state they are fed back as measured. Else a Luenberger observer
+    estimates the states and a constant load at each input, which is taken off the input. Its
+    poles have Bessel's pattern too, four times as fast, or slower where the noise of the
+    sensors would move an input by more than 2 % of its range. Where the sensitivity peak of
+    the sampled loop is above 2, regulator and observer are slowed down by one factor until it is
+    2. Poles and a bandwidth that are given are used as they are.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point; its outputs follow the setpoints. It may have more
+        inputs than outputs.
+    poles : sequence of complex, optional
+        Of the regulator, z = e^(sT), one for each state that acts on the outputs.
+    bandwidth : float, optional
+        Of Bessel's pattern [rad/s].
+    observer_poles : sequence of complex, optional
+        One for each state and each input.
+    measurements : sequence of str, optional
+        What an observer reads; naming them asks for the observer. See
+        `design.states.observed_process.observed_process`.
+
+    Returns
+    -------
+    Controller
+
+    Raises
+    ------
+    NotApplicable
+        The process has dead time, a mode is out of reach or not shown, the outputs cannot be
+        held independently, the loop is unstable, or no slowing down makes it robust.
+    InputError
+        The model has no operating point, a signal is unknown, poles are of a wrong number,
+        outside of the unit circle or without their conjugates, the bandwidth is not above zero
+        or given beside poles, or observer poles are given where nothing is estimated.
+
+    References
+    ----------
+    K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, chapter 4.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("three-tanks")).model
+    >>> controller = design_pole_placement(model, poles=[0.97, 0.95, 0.93])
+    >>> round(1e4 * controller.values["feedback_1_1"], 3)  # [cm²/s]
+    2.779
+    """
+    process = operating_point_of(model).process
+    refuse_feedthrough(model, METHOD)
+    if model.delays is not None:
+        raise NotApplicable(
+            METHOD,
+            "the process has dead time, and the poles of what is on its way cannot be chosen; "
+            "LQI with a Kalman filter takes dead time",
+        )
+    check_ranges(process, model.outputs, model.inputs, METHOD)
+    check_independent(model, METHOD)
+    observed, measured = states_to_feed_back(model, measurements, METHOD)
+    _check_request(poles, bandwidth, observer_poles, observed, measured)
+    moves = np.array(
+        [
+            control_authority(process.signal(name), operating_point_of(model).as_dict()[name])
+            for name in model.inputs
+        ]
+    )
+    request = Placed(poles, observer_poles, bandwidth or 0.0, OBSERVER_RATIO)
+    if poles is None and bandwidth is None:
+        request = request._replace(bandwidth=_largest_bandwidth(observed, moves))
+    if not measured and observer_poles is None:
+        request = _quiet(request, observed, moves)
+
+    def designed(factor: float) -> tuple[Controller, np.ndarray, Estimation | None]:
+        asked = request.slower(factor)
+        feedback, regulator_poles = _feedback(observed, asked, moves)
+        estimation = None if measured else _observer(observed, asked, regulator_poles)
+        fading = slowest_time_constant(regulator_poles, observed.period)
+        controller = feedback_controller(NAME, observed, feedback, moves, fading, estimation)
+        return controller, regulator_poles, estimation
+
+    if poles is not None or bandwidth is not None:
+        design = designed(1.0)
+        found = SlowedDown(design, 1.0, sensitivity_peak(design[0], model))
+        if math.isinf(found.peak):
+            raise NotApplicable(METHOD, "the sampled loop is unstable with these poles")
+    else:
+        found = slow_down(designed, lambda each: sensitivity_peak(each[0], model), METHOD)
+    controller, regulator_poles, estimation = found.design
+    slowed = note_on_slowing(
+        found, "the regulator with its observer" if estimation else "the regulator"
+    )
+    return dataclasses.replace(
+        controller,
+        design=_in_words(request.slower(found.factor), observed, regulator_poles, estimation)
+        + f", sensitivity peak {found.peak:.2f}.",
+        notes=(*controller.notes, *slowed, *_note_on_peak(found.peak)),
+        slowed=found.factor,
+    )
+
+
+def _check_request(
+    poles: Sequence[complex] | None,
+    bandwidth: float | None,
+    observer_poles: Sequence[complex] | None,
+    observed: ObservedProcess,
+    measured: bool,
+) -> None:
+    n, m = observed.moved.shape
+    if bandwidth is not None:
+        place = f"{METHOD}, bandwidth"
+        positive_number(place, bandwidth, "a bandwidth above 0 rad/s", "give it in rad/s")
+        if poles is not None:
+            raise InputError(place, bandwidth, "poles or a bandwidth", "give one of the two")
+    if poles is not None:
+        checked_poles(poles, n, f"{METHOD}, poles")
+    if observer_poles is not None:
+        place = f"{METHOD}, observer_poles"
+        if measured:
+            raise InputError(
+                place,
+                list(observer_poles),
+                "none, since sensors show every state",
+                "leave them out, or name the measurements of an observer",
+            )
+        checked_poles(observer_poles, n + m, place)
+
+
+def _feedback(
+    observed: ObservedProcess, asked: Placed, moves: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return F and the poles of the regulator."""
+    held, moved, period = observed.held, observed.moved, observed.period
+    scales = observed.sizes, moves, period, METHOD
+    if asked.poles is None:
+        feedback = place_slow_modes(held, moved, asked.bandwidth, *scales).gain
+    else:
+        feedback = placed_gain(held, moved, asked.poles, *scales)
+    return feedback, np.linalg.eigvals(held - moved @ feedback)
+
+
+def _observer(observed: ObservedProcess, asked: Placed, regulator_poles: np.ndarray) -> Estimation:
+    """Return the observer of the states and of a load at each input."""
+    whole = with_loads(observed)
+    period = observed.period
+    process = operating_point_of(observed.model).process
+    spans = np.array([process.signal(name).span for name in observed.measurements])
+    matrices = whole.held, whole.shown
+    if asked.observer_poles is None:
+        bandwidth = asked.bandwidth or 1.0 / slowest_time_constant(regulator_poles, period)
+        correction = bessel_correction(
+            *matrices, asked.ratio * bandwidth, whole.sizes, spans, period
+        )
+    else:
+        correction = placed_correction(*matrices, asked.observer_poles, whole.sizes, spans, period)
+    return Estimation(whole.estimated, whole.held, whole.moved, whole.shown, correction)
+
+
+def _largest_bandwidth(observed: ObservedProcess, moves: np.ndarray) -> float:
+    """Return the bandwidth at which a design step just does not saturate an input [rad/s]."""
+    process = operating_point_of(observed.model).process
+    steps = DESIGN_STEP * np.array([process.signal(name).span for name in observed.model.outputs])
+    rows = [number - 1 for number in observed.controlled]
+
+    def demand(bandwidth: float) -> float:
+        feedback, _ = _feedback(observed, Placed(None, None, bandwidth, OBSERVER_RATIO), moves)
+        ahead = precompensator(
+            observed.held, observed.moved, observed.shown[rows], feedback, moves, METHOD
+        )
+        return float(np.max(np.abs(ahead) * steps / moves[:, None]))
+
+    high = 1.0 / (_SAMPLES * observed.period)
+    if demand(high) <= 1.0:
+        return high
+    low = high
+    for _ in range(_ITERATIONS):
+        low /= 2.0
+        if demand(low) <= 1.0:
+            break
+    else:
+        raise NotApplicable(METHOD, "a setpoint step saturates an input however slow the loop is")
+    while high / low > 1.0 + _ACCURACY:
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if demand(middle) <= 1.0 else (low, middle)
+    return low
+
+
+def _quiet(request: Placed, observed: ObservedProcess, moves: np.ndarray) -> Placed:
+    """Return the request with an observer so slow that noise hardly moves the inputs."""
+    model = observed.model
+    process = operating_point_of(model).process
+    spans = np.array([process.signal(name).span for name in model.inputs])
+    noise = process_noise(observed, 1.0).measurement
+    feedback, poles = _feedback(observed, request, moves)
+    whole = np.hstack([feedback, np.eye(len(feedback))])
+    while request.ratio > SLOWEST_RATIO:
+        estimation = _observer(observed, request, poles)
+        if np.all(input_noise(estimation, whole, noise) <= INPUT_NOISE * spans):
+            break
+        request = request._replace(ratio=request.ratio / 2.0**0.25)
+    return request
+
+
+def _note_on_peak(peak: float) -> tuple[str, ...]:
+    if peak <= SENSITIVITY_LIMIT:
+        return ()
+    return (
+        f"The sensitivity peak is {peak:.2f}, above {SENSITIVITY_LIMIT:g}: choose slower poles.",
+    )
+
+
+def _in_words(
+    request: Placed,
+    observed: ObservedProcess,
+    regulator_poles: np.ndarray,
+    estimation: Estimation | None,
+) -> str:
+    pattern = (
+        "given poles"
+        if request.poles is not None
+        else f"Bessel's pattern with a bandwidth of {request.bandwidth:.3g} rad/s"
+    )
+    words = f"Pole placement, {pattern}"
+    if estimation is not None:
+        words += (
+            f"; Luenberger observer for {', '.join(each.name for each in estimation.estimated)}"
+        )
+        if request.observer_poles is None:
+            words += f", {request.ratio:.3g} times as fast"
+    slowest = slowest_time_constant(regulator_poles, observed.period)
+    return f"{words}; slowest closed-loop time constant {time_text(slowest)}"

@@ -1,0 +1,205 @@
+"""The gains of a law in increments, and the controller of paired loops that they make."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+from clepsydra.controllers.at_rest import state_at_rest
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.polynomial_controller import PolynomialShape
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.designed_values import applicable_values, rounded_values
+from clepsydra.designs.gain_units import percent_gain
+from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.designs.polynomial.paired_models import ModelledPair
+from clepsydra.designs.polynomial.two_degree_of_freedom import TwoDegreeOfFreedom
+from clepsydra.designs.sampled.sampled_loop import SampledLoops
+from clepsydra.designs.sampled.sampled_process import NotSampled
+from clepsydra.designs.states.slowing_down import SlowedDown, note_on_slowing, slow_down
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.program.step_law import StepLaw
+
+
+class LoopGains(NamedTuple):
+    """The gains of one loop, see `controllers.polynomial_controller.polynomial_law`.
+
+    Parameters
+    ----------
+    error : float
+        r0 [input unit / output unit]
+    measurement, setpoint : tuple of float
+        g1, g2, … and s1, s2, …
+    increment : tuple of float
+        p1, p2, … [1]
+    words : str
+        How they were found.
+
+    Examples
+    --------
+    >>> LoopGains(0.1, (2.0,), (), (), "by hand").shape
+    PolynomialShape(measurement_gains=1, setpoint_gains=0, increment_gains=0)
+    """
+
+    error: float
+    measurement: tuple[float, ...]
+    setpoint: tuple[float, ...]
+    increment: tuple[float, ...]
+    words: str
+
+    @property
+    def shape(self) -> PolynomialShape:
+        """How many there are of each."""
+        return PolynomialShape(len(self.measurement), len(self.setpoint), len(self.increment))
+
+    def values(self, number: int) -> dict[str, float]:
+        """Return the law's parameters of loop i."""
+        found = {f"reference_gain_{number}": self.error}
+        for stem in ("measurement", "setpoint", "increment"):
+            for j, value in enumerate(getattr(self, stem), start=1):
+                found[f"{stem}_gain_{number}_{j}"] = value
+        return found
+
+
+def of_two_degrees(found: TwoDegreeOfFreedom, words: str) -> LoopGains:
+    """Return the gains of a polynomial controller.
+
+    Examples
+    --------
+    >>> from clepsydra.designs.polynomial.diophantine import rational
+    >>> pi = TwoDegreeOfFreedom(rational([1]), rational([2.125, -2.0]), 0.125)
+    >>> of_two_degrees(pi, "by hand").measurement
+    (2.0,)
+    """
+    return LoopGains(found.reference_gain, found.difference_gains, (), found.increment_gains, words)
+
+
+class PairedDesign(NamedTuple):
+    """What a design of paired loops needs to make its controller.
+
+    Parameters
+    ----------
+    name, family, method : str
+    model : LinearModel
+    point : OperatingPoint
+    pairs : sequence of ModelledPair
+    law : StepLaw
+    fixed : mapping
+        Parameters that no slowing down changes; the limits are added.
+    gains_at : callable
+        A factor from 1 on to the gains of all loops, slower by it.
+    """
+
+    name: str
+    family: str
+    method: str
+    model: LinearModel
+    point: OperatingPoint
+    pairs: Sequence[ModelledPair]
+    law: StepLaw
+    fixed: Mapping[str, float]
+    gains_at: Callable[[float], list[LoopGains]]
+
+    def controller(self, source: str, notes: Sequence[str], given: str) -> Controller:
+        """Return the controller, at rest at the operating point.
+
+        Where nothing is given all loops are slowed down by one factor until together they have a
+        sensitivity peak of 2; what a user asked for is used as it is.
+
+        Parameters
+        ----------
+        source : str
+            How the gains were found.
+        notes : sequence of str
+        given : str
+            What was asked for; empty for nothing.
+
+        Raises
+        ------
+        NotApplicable
+            The loops together are unstable, or cannot be made robust, a dead time leaves no
+            sampled loop, or a gain is outside of what a controller takes.
+        """
+        blank = self._with(self.gains_at(1.0))
+        try:
+            loops = SampledLoops(blank, self.model)
+        except NotSampled as refusal:
+            raise NotApplicable(
+                self.method, f"its sampled loops need {refusal.expected}; {refusal.remedy}"
+            ) from None
+
+        def peak(gains: list[LoopGains]) -> float:
+            return loops.at(self._values(gains)).maximum_sensitivity
+
+        if given:
+            gains = self.gains_at(1.0)
+            found = SlowedDown(gains, 1.0, peak(gains))
+            if found.peak == float("inf"):
+                raise NotApplicable(
+                    self.method, f"the loops together are unstable at {given}; ask for less"
+                )
+            more = _thin(found.peak)
+        else:
+            found = slow_down(self.gains_at, peak, self.method)
+            more = note_on_slowing(found, "the controller")
+        words = "; ".join(
+            f"{pair.words}: {loop.words}, gain on a sudden rise "
+            f"{percent_gain(_sudden(loop), pair.output, pair.input):.3g} %/%"
+            for pair, loop in zip(self.pairs, found.design, strict=True)
+        )
+        return dataclasses.replace(
+            self._with(found.design),
+            design=f"{source}: {words}; sensitivity peak of all loops together {found.peak:.2f}.",
+            notes=(*notes, *more, self._period_note()),
+            slowed=found.factor,
+        )
+
+    def _period_note(self) -> str:
+        period = self.point.process.sampling_period
+        return f"Its gains hold for a sampling period of {period:g} s and no other."
+
+    def _values(self, gains: Sequence[LoopGains]) -> dict[str, float]:
+        values = dict(self.fixed)
+        for i, (loop, pair) in enumerate(zip(gains, self.pairs, strict=True), start=1):
+            values |= loop.values(i)
+            values |= {f"low_limit_{i}": pair.input.low, f"high_limit_{i}": pair.input.high}
+        return rounded_values(self.law, values, self.point)
+
+    def _with(self, gains: Sequence[LoopGains]) -> Controller:
+        values = applicable_values(self.law, self._values(gains), self.method)
+        at_rest: dict[str, float] = {}
+        for i, pair in enumerate(self.pairs, start=1):
+            at_rest |= {f"setpoint_{i}": pair.resting_output, f"tracking_{i}": pair.resting_input}
+            at_rest[f"measurement_{i}"] = pair.resting_output
+        outputs = tuple(pair.output.name for pair in self.pairs)
+        return Controller(
+            name=self.name,
+            family=self.family,
+            design="",
+            law=self.law,
+            values=values,
+            initial_state=_zeroed(state_at_rest(self.law, values, at_rest)),
+            measurements=outputs,
+            setpoints=outputs,
+            manipulated=tuple(pair.input.name for pair in self.pairs),
+        )
+
+
+def _zeroed(state: dict[str, float]) -> dict[str, float]:
+    """Return the state with minus zeros as zeros."""
+    return {name: value + 0.0 for name, value in state.items()}
+
+
+def _sudden(gains: LoopGains) -> float:
+    return gains.error + (gains.measurement[0] if gains.measurement else 0.0)
+
+
+def _thin(peak: float) -> tuple[str, ...]:
+    if peak <= SENSITIVITY_LIMIT:
+        return ()
+    return (
+        f"The sensitivity peak is {peak:.2f}, above {SENSITIVITY_LIMIT:g}: choose a larger q_u or "
+        "slower assigned poles.",
+    )

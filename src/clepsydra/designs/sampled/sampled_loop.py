@@ -1,0 +1,195 @@
+"""The linear model of a sampled loop, exact at the sampling instants."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.linear_step_law import LinearStepLaw, StepLawDerivatives
+from clepsydra.designs.sampled.continuous_image import continuous_image
+from clepsydra.designs.sampled.sampled_process import sampled_process
+from clepsydra.designs.sampled.sampling_period import check_sampling_period
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.sensitivity import largest_gain
+
+#: An eigenvalue this near to the unit circle stands on it.
+_ROUNDING = 1e-10
+
+
+@dataclass(frozen=True, eq=False)
+class SampledLoop:
+    """x(k+1) = A x(k) + B d(k), e(k) = C x(k) + D d(k): the output sensitivity of a loop.
+
+    d is added to the controlled measurements as they reach the step law, and e is what the
+    law then sees of them, both as shares of the measurements' ranges. So D is the identity.
+
+    Parameters
+    ----------
+    A, B, C, D : ndarray
+
+    Examples
+    --------
+    An integrator under proportional control that takes half of the error in each sample,
+    S = (z − 1)/(z − 0.5), has its peak at half the sampling frequency, z = −1:
+
+    >>> one = np.eye(1)
+    >>> loop = SampledLoop(0.5 * one, -0.5 * one, one, one)
+    >>> loop.is_stable, round(loop.maximum_sensitivity, 6)
+    (True, 1.333333)
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether every eigenvalue stands inside the unit circle, and none on it."""
+        return bool(np.max(np.abs(np.linalg.eigvals(self.A)), initial=0.0) < 1.0 - _ROUNDING)
+
+    @property
+    def maximum_sensitivity(self) -> float:
+        """Largest singular value of S(e^jωT) over frequency [1]; infinite if unstable."""
+        if not self.is_stable:
+            return float("inf")
+        return largest_gain(*continuous_image(self.A, self.B, self.C, self.D)).peak
+
+
+def sampled_loop(controller: Controller, model: LinearModel) -> SampledLoop:
+    """Join the process, held over each sample, and the derivatives of the step law.
+
+    S is that of the measurements which the controller has setpoints for.
+
+    Parameters
+    ----------
+    controller : Controller
+    model : LinearModel
+        Of a process at an operating point, with the measurements that the controller reads.
+
+    Raises
+    ------
+    InputError
+        The model has no operating point, lacks a signal of the controller, has a direct way
+        from an input to an output, or is sampled too slowly (`design.sampled.sampling_period`).
+    NotSampled
+        The model has dead time that a sampled model cannot hold (`design.sampled.sampled_process`).
+
+    Examples
+    --------
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> round(sampled_loop(controller, analysis.model).maximum_sensitivity, 3)
+    2.0
+    """
+    return SampledLoops(controller, model).at(controller.values)
+
+
+def inputs_at_rest(controller: Controller, model: LinearModel) -> dict[str, float]:
+    """Return what the inputs of a controller are at the operating point of a model.
+
+    Examples
+    --------
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> inputs = inputs_at_rest(design_simc(analysis.model, analysis.pairing), analysis.model)
+    >>> inputs["time_step"], inputs["setpoint_1"] == inputs["measurement_1"]
+    (1.0, True)
+    """
+    point = operating_point_of(model)
+    at = point.as_dict()
+    wires = {name: wire.removesuffix(".setpoint") for name, wire in controller.input_wires.items()}
+    given = {name: at[wire] for name, wire in wires.items() if wire in at}
+    return given | {**controller.free_inputs, "time_step": point.process.sampling_period}
+
+
+class SampledLoops:
+    """The sampled loops of one controller, for any values of its parameters.
+
+    What does not depend on the values is computed once, so that a design can try many.
+
+    Parameters
+    ----------
+    controller : Controller
+        Its law, wiring and initial state count, not its values.
+    model : LinearModel
+        As for `sampled_loop`.
+
+    Examples
+    --------
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> loops = SampledLoops(controller, analysis.model)
+    >>> loops.at(controller.values | {"proportional_gain_1": -3.0}).is_stable
+    False
+    """
+
+    def __init__(self, controller: Controller, model: LinearModel) -> None:
+        period = check_sampling_period(model)
+        point = operating_point_of(model)
+        process = point.process
+        controlled = tuple(dict.fromkeys(controller.setpoints))
+        seen = model.select(tuple(dict.fromkeys(controller.measurements)), controller.manipulated)
+        if np.any(seen.D != 0.0):
+            raise InputError(
+                "linear model, D",
+                seen.D.tolist(),
+                "zeros: a sampled law reads its measurements before it moves the inputs",
+                "let the input act through a state",
+            )
+        self._derivatives = StepLawDerivatives(controller.law)
+        self._state = controller.initial_state
+        self._inputs = inputs_at_rest(controller, model)
+        self._held, self._moved = sampled_process(seen, period)
+        rows = [seen.outputs.index(name) for name in controller.measurements]
+        self._measured = self._widened(seen.C[rows])
+        self._enters = np.array(
+            [[float(y == name) for name in controlled] for y in controller.measurements]
+        )
+        self._controlled = self._widened(model.select(outputs=controlled).C)
+        spans = np.array([process.signal(name).span for name in controlled])
+        self._sizes = np.where(np.isfinite(spans), spans, 1.0)
+
+    def at(self, values: Mapping[str, float]) -> SampledLoop:
+        """Return the loop with these parameter values."""
+        law = self._derivatives.at(values, self._state, self._inputs)
+        B = np.vstack([self._moved @ law.D_measurement, law.B_measurement]) @ self._enters
+        shown, sizes = self._shown(law), self._sizes
+        return SampledLoop(self._closed(law), B * sizes, shown / sizes[:, None], np.eye(len(sizes)))
+
+    def from_setpoints(
+        self, values: Mapping[str, float]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return A, B and C of x⁺ = A x + B r, y = C x from setpoints to what they belong to."""
+        law = self._derivatives.at(values, self._state, self._inputs)
+        B = np.vstack([self._moved @ law.D_setpoint, law.B_setpoint])
+        return self._closed(law), B, self._shown(law)
+
+    def _closed(self, law: LinearStepLaw) -> np.ndarray:
+        C, moved = self._measured, self._moved
+        return np.block(
+            [
+                [self._held + moved @ law.D_measurement @ C, moved @ law.C],
+                [law.B_measurement @ C, law.A],
+            ]
+        )
+
+    def _shown(self, law: LinearStepLaw) -> np.ndarray:
+        return np.hstack([self._controlled, np.zeros((len(self._sizes), len(law.A)))])
+
+    def _widened(self, C: np.ndarray) -> np.ndarray:
+        """Return C for the sampled states: what is on its way does not show."""
+        return np.hstack([C, np.zeros((len(C), len(self._held) - C.shape[1]))])

@@ -1,0 +1,300 @@
+"""Digital Smith predictors with a polynomial or a PI controller as primary controller."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Literal, get_args
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.words import time_text
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.smith_predictor import FAMILY, PredictorShape, smith_predictor_law
+from clepsydra.designs.applicability import NotApplicable, reasons_about
+from clepsydra.designs.loops.pairing import Pairing
+from clepsydra.designs.models.first_order_delay import half_rule
+from clepsydra.designs.models.transfer_element import TransferElement
+from clepsydra.designs.polynomial.loop_gains import LoopGains, PairedDesign, of_two_degrees
+from clepsydra.designs.polynomial.paired_models import (
+    ModelledPair,
+    Request,
+    characteristic,
+    checked_request,
+    modelled_pairs,
+)
+from clepsydra.designs.polynomial.polynomial_control import models_note, settings_words
+from clepsydra.designs.polynomial.sampled_model import ON_THE_CIRCLE, SampledModel
+from clepsydra.designs.polynomial.two_degree_of_freedom import two_degree_of_freedom
+from clepsydra.designs.request import positive_number
+from clepsydra.designs.simc import simc_settings
+from clepsydra.linear.linear_model import LinearModel
+
+METHOD = "Smith predictor"
+Primary = Literal["polynomial", "PI"]
+#: Phase margin of the loop that keeps an integrating model with its process, as Mataušek and
+#: Micić's rule κ = 1/(2 k L) has it [rad].
+_PHASE_MARGIN = math.pi / 2 - 0.5
+#: A pair of poles damped at least so well is taken for two equal lags.
+_DAMPED = 0.5
+_POINTS = 4000
+
+
+def design_smith_predictor(
+    model: LinearModel,
+    pairing: Pairing | None = None,
+    *,
+    primary: Primary = "polynomial",
+    penalty: float | None = None,
+    assigned_poles: Sequence[float] | None = None,
+    closed_loop_time_constant: float | None = None,
+    models: Sequence[SampledModel] | None = None,
+) -> Controller:
+    """Design a digital Smith predictor for each pair.
+
+    Each paired element is sampled, of second order at most with whole samples of delay
+    (`design.polynomial.element_sampling`). The primary controller is designed for the model
+    without its delay and with B(1) z^-1 in the place of B:
+
+    - "polynomial": the spectral factor of A and B for q_u and the assigned poles make D, and
+      A (1 − z^-1) P + B(1) z^-1 Q = D with r0 = D(1)/B(1) the controller. q_u and poles are
+      chosen as in `design.polynomial.polynomial_control` where they are not given.
+    - "PI": SIMC for the lags of the model, with half a sampling period as delay.
+
+    Where nothing is given all loops are slowed down by one factor until together they have a
+    sensitivity peak of 2.
+
+    The plain predictor keeps an offset under a load where the model integrates. There the
+    predicted error also moves the model, by a gain κ that leaves that loop a phase margin of
+    61 degrees (Mataušek and Micić). An unstable element is refused.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
+    primary : {"polynomial", "PI"}
+    penalty, assigned_poles
+        Of the polynomial controller, as in `design_polynomial`.
+    closed_loop_time_constant : float, optional
+        τc of the PI controller [s].
+    models : sequence of SampledModel, optional
+        One for each pair, an identified one say, in the place of the process's own.
+
+    Returns
+    -------
+    Controller
+        Loop i for the i-th pair.
+
+    Raises
+    ------
+    NotApplicable
+        No element has a delay, one is unstable, has no sampled model or no lags for a PI
+        controller, the loops are unstable together, or a gain is outside of what a controller
+        takes.
+    InputError
+        The model has no operating point, the pairing is no pairing of the model, the primary
+        controller is unknown, a setting is given that it does not have or is out of range, or a
+        given model is unstable or does not fit.
+
+    References
+    ----------
+    V. Bobál, S. Talaš, P. Dostál, M. Kubalčík, Polynomial Digital Control of a Series Equal
+    Liquid Tanks, sections 4 and 5; M. R. Mataušek, A. D. Micić, A modified Smith predictor for
+    controlling a process with an integrator and long dead-time, IEEE Transactions on Automatic
+    Control 41(8), 1996, 1199-1203.
+
+    Examples
+    --------
+    The design of Fig. 8, for the model that the document prints:
+
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("eight-tanks"))
+    >>> printed = SampledModel((0.0309 * 60, 0.0286 * 60), (-1.777, 0.7964), 5, 60.0)
+    >>> controller = design_smith_predictor(
+    ...     analysis.model, analysis.pairing, penalty=10 * 3600, assigned_poles=[0.5],
+    ...     models=[printed])
+    >>> round(60 * controller.values["reference_gain_1"], 4)  # [m³/min/m]
+    0.2232
+    """
+    if primary not in get_args(Primary):
+        raise InputError(f"{METHOD}, primary", primary, "polynomial or PI", "choose one of the two")
+    request = checked_request(penalty, assigned_poles, METHOD)
+    _refuse_other_settings(primary, request, closed_loop_time_constant)
+    point, pairs = modelled_pairs(model, pairing, models, METHOD)
+    for pair in pairs:
+        _check(pair, models is not None)
+    if not any(pair.model.delay for pair in pairs):
+        raise NotApplicable(
+            METHOD,
+            "no pair has a delay of a sampling period, so that there is nothing to predict; "
+            "2DOF polynomial control is the same without a predictor",
+        )
+
+    def gains_at(factor: float) -> list[LoopGains]:
+        if primary == "PI":
+            return [_simc(pair, closed_loop_time_constant, factor) for pair in pairs]
+        return [_polynomial(pair, request, factor) for pair in pairs]
+
+    feedback = [_error_feedback(pair.model) for pair in pairs]
+    shapes = [
+        PredictorShape(
+            loop.shape, pair.model.order, len(pair.model.numerator), pair.model.delay, bool(kappa)
+        )
+        for loop, pair, kappa in zip(gains_at(1.0), pairs, feedback, strict=True)
+    ]
+    law = smith_predictor_law(
+        shapes,
+        measured=[pair.output for pair in pairs],
+        manipulated=[pair.input for pair in pairs],
+    )
+    kind = "LQ" if primary == "polynomial" else "PI"
+    given = request.in_words()
+    if closed_loop_time_constant is not None:
+        given = f"a closed-loop time constant of {closed_loop_time_constant:g} s"
+    design = PairedDesign(
+        f"{METHOD}, {kind}", f"{FAMILY} with {'polynomial' if kind == 'LQ' else kind} control",
+        METHOD, model, point, pairs, law, _fixed(pairs, feedback), gains_at,
+    )  # fmt: skip
+    source = (
+        "Diophantine equation with an LQ spectral factor and assigned poles"
+        if primary == "polynomial"
+        else "SIMC (Skogestad 2003) for the model without its delay"
+    )
+    return design.controller(source, [models_note(pairs), *_notes(pairs, feedback)], given)
+
+
+def _refuse_other_settings(
+    primary: Primary, request: Request, closed_loop_time_constant: float | None
+) -> None:
+    if primary == "PI" and not request.is_open:
+        raise InputError(
+            f"{METHOD}, penalty and assigned_poles", request.in_words(), "none for a PI controller",
+            "give closed_loop_time_constant, or primary = polynomial",
+        )  # fmt: skip
+    if closed_loop_time_constant is None:
+        return
+    if primary == "polynomial":
+        raise InputError(
+            f"{METHOD}, closed_loop_time_constant", closed_loop_time_constant,
+            "none for a polynomial controller", "give penalty or assigned_poles, or primary = PI",
+        )  # fmt: skip
+    positive_number(
+        f"{METHOD}, closed_loop_time_constant", closed_loop_time_constant, "a time above 0 s",
+        "give it in seconds",
+    )  # fmt: skip
+
+
+def _check(pair: ModelledPair, given: bool) -> None:
+    """Refuse a model whose poles the open loop of the predictor would not bear."""
+    model = pair.model
+    outside = np.sum(np.abs(model.poles) >= 1.0 - ON_THE_CIRCLE)
+    if outside > (1 if model.is_integrating else 0):
+        words = f"{pair.words}: the model is unstable without control, or integrates twice"
+        if given:
+            raise InputError(
+                f"{METHOD}, models", model.in_words(),
+                "a stable model, or one that integrates once",
+                "use 2DOF polynomial control, which holds unstable processes",
+            )  # fmt: skip
+        raise NotApplicable(METHOD, f"{words}; 2DOF polynomial control can hold it")
+    total = float(np.sum(np.abs(model.B)))
+    if abs(math.fsum(model.B)) <= 1e-9 * total:
+        raise NotApplicable(METHOD, f"{pair.words}: the input cannot hold the output")
+
+
+def _polynomial(pair: ModelledPair, request: Request, factor: float) -> LoopGains:
+    D, penalty, poles = characteristic(pair, request, factor, pair.model.B)
+    found = two_degree_of_freedom(tuple(pair.model.A), (0.0, math.fsum(pair.model.B)), D)
+    return of_two_degrees(found, settings_words(penalty, poles))
+
+
+def _simc(pair: ModelledPair, given: float | None, factor: float) -> LoopGains:
+    """Return the gains of a PI controller for the model without its delay."""
+    model = pair.model
+    with reasons_about(pair.words):
+        lags = half_rule(_without_delay(model), model.period / 2.0, method=METHOD)
+    if given is None:
+        room = 1.0 / math.sqrt(pair.usual_penalty)
+        shortest = max(lags.delay, 1.0 / (abs(lags.slope) * room) - lags.delay)
+        time = factor * shortest
+    else:
+        time = given
+    settings = simc_settings(lags, time)
+    gain = settings.gain
+    return LoopGains(
+        gain * model.period / settings.integral_time, (gain,), (gain,), (),
+        f"Ti = {time_text(settings.integral_time)}, τc = {time_text(time)}",
+    )  # fmt: skip
+
+
+def _without_delay(model: SampledModel) -> TransferElement:
+    """Return the continuous element of the model's gain and poles.
+
+    A well damped pair of poles is taken for two equal lags of its natural frequency.
+    """
+    poles: list[complex] = []
+    integrators = 0
+    for pole in model.poles:
+        if abs(pole - 1.0) <= ON_THE_CIRCLE:
+            integrators += 1
+            continue
+        if abs(pole) < 1e-12 or (pole.imag == 0.0 and pole.real < 0.0):
+            raise NotApplicable(METHOD, f"the pole {pole.real:.3g} of its model is that of no lag")
+        rate = complex(np.log(pole)) / model.period
+        if rate.imag and -rate.real < _DAMPED * abs(rate):
+            raise NotApplicable(METHOD, "its model oscillates; choose the polynomial controller")
+        poles.append(rate if not rate.imag else complex(-abs(rate)))
+    gain = model.static_gain
+    if integrators:
+        rest = np.polydiv(model.A, [1.0, -1.0])[0]
+        gain = math.fsum(model.B) / float(np.sum(rest)) / model.period
+    return TransferElement(gain, tuple(poles), (), integrators)
+
+
+def _error_feedback(model: SampledModel) -> float:
+    """Return κ for an integrating model, zero for others."""
+    if not model.is_integrating:
+        return 0.0
+    frequencies = np.geomspace(1e-7, 1.0, _POINTS) * math.pi
+    values = model.response(np.exp(1j * frequencies))
+    sign = math.copysign(1.0, math.fsum(model.B) / float(np.sum(np.polydiv(model.A, [1, -1])[0])))
+    phase = np.unwrap(np.angle(sign * values))
+    passed = int(np.argmax(phase <= _PHASE_MARGIN - math.pi))
+    if passed == 0:
+        passed = len(phase) - 1
+    below, above = phase[passed - 1], phase[passed]
+    share = (below - (_PHASE_MARGIN - math.pi)) / (below - above)
+    sizes = np.log(np.abs(values[passed - 1 : passed + 1]))
+    return sign * float(np.exp(-(sizes[0] + share * (sizes[1] - sizes[0]))))
+
+
+def _fixed(pairs: Sequence[ModelledPair], feedback: Sequence[float]) -> dict[str, float]:
+    """Return the parameters of the models, of B, A and the operating point."""
+    values: dict[str, float] = {}
+    for i, (pair, kappa) in enumerate(zip(pairs, feedback, strict=True), start=1):
+        model = pair.model
+        total = math.fsum(model.B)
+        values |= {f"model_gain_{i}": total, f"bias_{i}": pair.resting_input}
+        values |= {f"model_feedback_{i}_{j}": a for j, a in enumerate(model.denominator, start=1)}
+        values |= {
+            f"model_share_{i}_{j}": b / total for j, b in enumerate(model.numerator, start=1)
+        }
+        if kappa:
+            values |= {
+                f"error_feedback_{i}": kappa, f"reference_measurement_{i}": pair.resting_output,
+            }  # fmt: skip
+    return values
+
+
+def _notes(pairs: Sequence[ModelledPair], feedback: Sequence[float]) -> list[str]:
+    integrating = [pair.words for pair, kappa in zip(pairs, feedback, strict=True) if kappa]
+    if not integrating:
+        return []
+    return [
+        f"{', '.join(integrating)}: the process integrates, so that its model follows it by the "
+        "predicted error (Mataušek and Micić); a plain predictor would keep an offset under loads."
+    ]

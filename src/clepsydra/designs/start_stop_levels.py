@@ -1,0 +1,255 @@
+"""Start and stop levels from the starts that a pump may make in an hour."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.units import from_si
+from clepsydra.controllers.at_rest import state_at_rest
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.controllers.start_stop_levels import FAMILY, start_stop_law
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.designed_values import designed_values
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.process.pump import Pump
+
+METHOD = "start/stop levels"
+#: Shares of the tank's height that the levels keep to.
+LOWEST, HIGHEST = 0.2, 0.8
+_HOUR = 3600.0
+
+
+def design_start_stop_levels(model: LinearModel, *, starts_per_hour: float = 10.0) -> Controller:
+    """Return levels at which pumps start and stop, with duty and standby.
+
+    A pump of capacity Q that starts and stops over the volume V has its shortest cycle where the
+    inflow is Q/2: T = 4 V/Q. So that it starts at most z times an hour,
+
+        V = Q · 3600 s / (4 z),  or V = 0.9 Q/z with V in m³, Q in l/s and z per hour,
+
+    with Q the largest flow of a pump between the levels. The stages have this volume each, and
+    every further one stands higher than the one before it by an equal share of the room that is
+    left. All levels lie between 20 and 80 % of the tank's height. Where pumps alternate, each
+    starts more seldom than that.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    starts_per_hour : float
+        z, of one pump.
+
+    Returns
+    -------
+    Controller
+        Without a setpoint.
+
+    Raises
+    ------
+    InputError
+        The model has no operating point, or the number of starts is none above zero.
+    NotApplicable
+        The process has not one controlled level of a tank that pumps, and nothing else, empty or
+        fill, the pumps have level switches of their own, the tank is too small for the volume or
+        there to smooth the flow, or all pumps together do not master the flow.
+
+    References
+    ----------
+    ATV-DVWK-A 134, Planung und Bau von Abwasserpumpanlagen, 2000; Metcalf & Eddy, Wastewater
+    Engineering: Collection and Pumping of Wastewater, McGraw-Hill 1981.
+
+    Examples
+    --------
+    A pump of the wet well lifts at most 41.2 l/s, hence V = 0.9 · 41.2/10 = 3.71 m³ or 0.31 m:
+
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("wet-well:start-stop"))
+    >>> for words in design_start_stop_levels(analysis.model).design.split("; "):
+    ...     print(words.partition(": ")[2] or words)
+    41.2 l/s need 3.71 m³ between start and stop
+    stage 1 starts at 1.11 m and stops at 0.8 m
+    stage 2 starts at 2.15 m and stops at 1.85 m.
+    """
+    if not is_finite_number(starts_per_hour) or starts_per_hour <= 0.0:
+        raise InputError(
+            f"{METHOD}, starts_per_hour", starts_per_hour, "a number above 0",
+            "give how often the motor may be started in an hour, often 6 to 15",
+        )  # fmt: skip
+    return _Station(operating_point_of(model)).controller(starts_per_hour)
+
+
+class _Station:
+    """One tank and its pumps."""
+
+    def __init__(self, point: OperatingPoint) -> None:
+        self.point, self.process = point, point.process
+        self.level = self._controlled_level()
+        self.tank = self.process.measured_state[self.level].removesuffix(".level")
+        self.pumps = self._pumps()
+        self.empties = self.pumps[0].source == self.tank
+        self._place = [s.name for s in self.process.state].index(f"{self.tank}.level")
+        state = self.process.state[self._place]
+        self.low = state.low + LOWEST * (state.high - state.low)
+        self.high = state.low + HIGHEST * (state.high - state.low)
+        self._check_mastered()
+
+    def controller(self, starts_per_hour: float) -> Controller:
+        ends = self.low, self.high
+        capacity = max(self._capacity(pump, level) for pump in self.pumps for level in ends)
+        volume = capacity * _HOUR / (4.0 * starts_per_hour)
+        stages = self._stages(volume, capacity, starts_per_hour)
+        manipulated = tuple(pump.name for pump in self.pumps)
+        measured = self.process.signal(self.level)
+        law = start_stop_law(
+            len(self.pumps),
+            measured=measured,
+            manipulated=[self.process.signal(name) for name in manipulated],
+        )
+        values = {parameter.name: parameter.initial for parameter in law.parameters}
+        for j, (start, stop) in enumerate(stages, start=1):
+            values |= {f"start_level_{j}": self._shown(start), f"stop_level_{j}": self._shown(stop)}
+        for i, pump in enumerate(self.pumps, start=1):
+            values |= {f"running_value_{i}": pump.high, f"stopped_value_{i}": pump.low}
+            values |= {f"low_limit_{i}": pump.low, f"high_limit_{i}": pump.high}
+        values = designed_values(law, values, self.point, METHOD)
+        at = self.point.as_dict()
+        resting = {f"tracking_{i}": pump.low for i, pump in enumerate(self.pumps, start=1)}
+        return Controller(
+            name="Start/stop levels",
+            family=FAMILY,
+            design=(
+                f"Start and stop levels for at most {starts_per_hour:g} starts an hour of a pump: "
+                f"{_litres(capacity)} need {volume:.3g} m³ between start and stop; "
+                + "; ".join(self._in_words(j, stage) for j, stage in enumerate(stages, start=1))
+                + "."
+            ),
+            law=law,
+            values=values,
+            initial_state=state_at_rest(law, values, {"measurement_1": at[self.level], **resting}),
+            measurements=(self.level,),
+            setpoints=(),
+            manipulated=manipulated,
+            notes=("It follows no setpoint: the level goes to and fro between start and stop.",),
+        )
+
+    def _controlled_level(self) -> str:
+        process = self.process
+        if len(process.controlled) != 1:
+            raise NotApplicable(
+                METHOD, f"it keeps one level, and {process.name} has {len(process.controlled)}"
+            )
+        (level,) = process.controlled
+        if not process.measured_state.get(level, "").endswith(".level"):
+            raise NotApplicable(METHOD, f"{level} does not show the level of a tank")
+        if level in process.averaging:
+            raise NotApplicable(
+                METHOD, f"the tank of {level} is to smooth a flow, which pumps would send in bursts"
+            )
+        return level
+
+    def _pumps(self) -> tuple[Pump, ...]:
+        by_name = {element.name: element for element in self.process.elements}
+        found: list[Pump] = []
+        for signal in self.process.inputs:
+            element = by_name.get(signal.name)
+            if not isinstance(element, Pump):
+                raise NotApplicable(METHOD, f"{signal.name} is no pump")
+            if element.starter is not None:
+                raise NotApplicable(METHOD, f"{signal.name} has level switches of its own")
+            if self.tank not in (element.source, element.destination):
+                raise NotApplicable(METHOD, f"{signal.name} neither empties nor fills {self.tank}")
+            found.append(element)
+        if len({pump.source == self.tank for pump in found}) > 1:
+            raise NotApplicable(METHOD, f"some pumps empty {self.tank} and others fill it")
+        return tuple(found)
+
+    def _check_mastered(self) -> None:
+        middle = (self.low + self.high) / 2.0
+        off = self._rate(middle, ())
+        on = self._rate(middle, self.pumps)
+        rises, falls = (off, on) if self.empties else (on, off)
+        if not (rises > 0.0 and falls < 0.0):
+            raise NotApplicable(
+                METHOD,
+                f"at the nominal flows the level of {self.tank} does not go up and down as all "
+                "pumps stop and start",
+            )
+
+    def _rate(self, level: float, running: Sequence[Pump]) -> float:
+        """Return how fast the level rises with some pumps at full speed [m/s]."""
+        process, names = self.process, [pump.name for pump in running]
+        state, inputs = self.point.state.copy(), self.point.inputs.copy()
+        state[self._place] = level
+        for pump in self.pumps:
+            value = pump.high if pump.name in names else pump.low
+            inputs[[s.name for s in process.inputs].index(pump.name)] = value
+            for place, signal in enumerate(process.state):
+                if signal.name == f"{pump.name}.actual":
+                    state[place] = value
+        rates = process.dynamics(state, inputs, self.point.disturbances, process.parameter_values)
+        return float(rates[self._place])
+
+    def _volume(self, level: float) -> float:
+        """Return the liquid in the plant with the level of this tank there [m³]."""
+        motion, parameters = self.process.motion, self.process.parameter_values
+        state = self.point.state.copy()
+        state[self._place] = level
+        stored = motion.stored(motion.to_contents(state, parameters), parameters)
+        return float(stored[motion.stored_names.index("liquid")])
+
+    def _capacity(self, pump: Pump, level: float) -> float:
+        """Return the flow of a pump alone at full speed [m³/s]."""
+        change = 1e-3 * (self.high - self.low)
+        area = (self._volume(level + change) - self._volume(level - change)) / (2.0 * change)
+        return abs(self._rate(level, (pump,)) - self._rate(level, ())) * area
+
+    def _stages(
+        self, volume: float, capacity: float, starts_per_hour: float
+    ) -> list[tuple[float, float]]:
+        """Return start and stop of each stage [m]."""
+        first, last = (self.low, self.high) if self.empties else (self.high, self.low)
+        room = abs(self._volume(last) - self._volume(first))
+        count = len(self.pumps)
+        if volume >= room:
+            raise NotApplicable(
+                METHOD,
+                f"{starts_per_hour:g} starts an hour of a pump of {_litres(capacity)} need "
+                f"{volume:.3g} m³ between start and stop, and {self.tank} has {room:.3g} m³ from "
+                f"{LOWEST:.0%} to {HIGHEST:.0%} of its height",
+            )
+        shares = [(room - volume) * j / count for j in range(count)]
+        return [
+            (self._level_after(first, last, share + volume), self._level_after(first, last, share))
+            for share in shares
+        ]
+
+    def _level_after(self, first: float, last: float, volume: float) -> float:
+        """Return the level that lies so much liquid from the first, on the way to the last."""
+        from scipy.optimize import brentq
+
+        if volume == 0.0:
+            return first
+        start = self._volume(first)
+        return float(brentq(lambda h: abs(self._volume(h) - start) - volume, first, last))
+
+    def _shown(self, level: float) -> float:
+        """Return what the sensor shows [measurement unit]."""
+        state = self.point.state.copy()
+        state[self._place] = level
+        readings = self.process.measure(state, self.process.parameter_values)
+        names = [signal.name for signal in self.process.measurements]
+        return float(readings[names.index(self.level)])
+
+    def _in_words(self, number: int, stage: tuple[float, float]) -> str:
+        unit = self.process.state[self._place].shown_unit
+        start, stop = (f"{from_si(level, 'm', unit):.3g} {unit}" for level in stage)
+        return f"stage {number} starts at {start} and stops at {stop}"
+
+
+def _litres(flow: float) -> str:
+    return f"{1e3 * flow:.3g} l/s"

@@ -1,0 +1,142 @@
+"""An observer's matrices, its quantities and how good it is."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.observers.current_observer import observer_values
+from clepsydra.controllers.observers.structure import ObserverStructure
+from clepsydra.designs.states.observed_process import ObservedProcess
+
+
+class Estimation(NamedTuple):
+    """A current observer: x̂ + M (y − C x̂) now, Φ x̂ + Γ u for the next sample.
+
+    Parameters
+    ----------
+    estimated : tuple of Signal [N]
+    held, moved, shown, correction : ndarray [N, N], [N, m], [p, N], [N, p]
+        Φ, Γ, C and M.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> found = Estimation((Signal("tank.level", "m"),), 0.9 * one, one, one, 0.5 * one)
+    >>> found.error_poles
+    array([0.45])
+    """
+
+    estimated: tuple[Signal, ...]
+    held: np.ndarray
+    moved: np.ndarray
+    shown: np.ndarray
+    correction: np.ndarray
+
+    @property
+    def error_poles(self) -> np.ndarray:
+        """Eigenvalues of (I − M C) Φ, with which the error of the estimate dies away."""
+        poles: np.ndarray = np.linalg.eigvals(self.held - self.correction @ self.shown @ self.held)
+        return poles
+
+    def structure(self) -> ObserverStructure:
+        """Return where the matrices have numbers."""
+        matrices = (self.held, self.moved, self.shown, self.correction)
+        return ObserverStructure(self.estimated, *(matrix != 0.0 for matrix in matrices))
+
+    def values(self) -> dict[str, float]:
+        """Return the values of the law's parameters."""
+        return observer_values(self.structure(), self.held, self.moved, self.shown, self.correction)
+
+
+def with_loads(observed: ObservedProcess) -> ObservedProcess:
+    """Return the process with a constant load at each input as a further state.
+
+    x(k+1) = Φ x + Γ (u + d), d(k+1) = d. An observer that estimates d has no bias under a
+    constant load, wherever it enters, and a feedback that takes d̂ off the input leaves no
+    offset.
+
+    References
+    ----------
+    G. Pannocchia and J. B. Rawlings, Disturbance models for offset-free model-predictive
+    control, AIChE Journal 49(2), 2003, 426-437, doi 10.1002/aic.690490213.
+
+    Examples
+    --------
+    >>> from clepsydra.designs.states.observed_process import observed_process
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> seen = observed_process(analyse(load_process("wet-well")).model, None, "observer")
+    >>> [signal.name for signal in with_loads(seen).estimated]
+    ['well.level', 'duty.actual', 'load at duty']
+    """
+    from dataclasses import replace
+
+    from clepsydra.linear.linearise import operating_point_of
+
+    N, m = observed.moved.shape
+    process = operating_point_of(observed.model).process
+    loads = tuple(
+        replace(process.signal(name), name=f"load at {name}") for name in observed.model.inputs
+    )
+    return replace(
+        observed,
+        estimated=(*observed.estimated, *loads),
+        held=np.block([[observed.held, observed.moved], [np.zeros((m, N)), np.eye(m)]]),
+        moved=np.vstack([observed.moved, np.zeros((m, m))]),
+        shown=np.hstack([observed.shown, np.zeros((len(observed.shown), m))]),
+    )
+
+
+def input_noise(estimation: Estimation, feedback: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """Return the standard deviation of the inputs that the noise of the sensors makes.
+
+    Parameters
+    ----------
+    estimation : Estimation
+        States that the inputs do not move are left to the observer.
+    feedback : ndarray [m, N]
+        F of u = −F x̂.
+    noise : ndarray [p, p]
+        Covariance of the sensors' noise, white from sample to sample.
+
+    Returns
+    -------
+    ndarray [m]
+        [input unit]
+
+    Examples
+    --------
+    x⁺ = x + u with u = −0.5 (x + v): the variance of x is 1/3 and that of u (1/3 + 1)/4.
+
+    >>> one = np.eye(1)
+    >>> whole = Estimation((Signal("tank.level", "m"),), one, one, one, one)
+    >>> round(float(input_noise(whole, 0.5 * one, one)[0] ** 2), 6)
+    0.333333
+    """
+    from scipy.linalg import solve_discrete_lyapunov
+
+    _, held, moved, shown, correction = estimation
+    N = len(held)
+    # x̂c = x̂ + M (C x + v − C x̂), u = −F x̂c. The states of the process, then the estimate.
+    kept = np.eye(N) - correction @ shown
+    of_state = np.hstack([correction @ shown, kept])
+    u_of_state, u_of_noise = -feedback @ of_state, -feedback @ correction
+    A = np.vstack(
+        [
+            np.hstack([held, np.zeros((N, N))]) + moved @ u_of_state,
+            held @ of_state + moved @ u_of_state,
+        ]
+    )
+    B = np.vstack([moved @ u_of_noise, held @ correction + moved @ u_of_noise])
+    free = np.any(moved != 0.0, axis=1) | np.any(np.abs(held - np.eye(N)) > 0.0, axis=1)
+    kept_rows = np.concatenate([free, np.ones(N, bool)])
+    # A constant load of the process itself is no part of the noise: it stands at zero.
+    A, B = A[np.ix_(kept_rows, kept_rows)], B[kept_rows]
+    u_of_state = u_of_state[:, kept_rows]
+    P = solve_discrete_lyapunov(A, B @ noise @ B.T)
+    variances = u_of_state @ P @ u_of_state.T + u_of_noise @ noise @ u_of_noise.T
+    deviations: np.ndarray = np.sqrt(np.maximum(np.diag(variances), 0.0))
+    return deviations

@@ -1,0 +1,126 @@
+"""State feedback with its precompensator, from measurements or from an estimate."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.designs.states.estimation import Estimation
+from clepsydra.designs.states.measured_states import all_states_are_measured, measurements_of_states
+from clepsydra.designs.states.observed_process import ObservedProcess, observed_process
+from clepsydra.designs.states.precompensator import precompensator
+from clepsydra.designs.states.relevant_states import without_idle_states
+from clepsydra.designs.states.state_controllers import state_feedback_controller
+from clepsydra.linear.linear_model import LinearModel
+
+_NOTE_ON_OFFSET = (
+    "It has no integral action: a load or an error of the model leaves an offset that stays."
+)
+_NOTE_ON_LOADS = (
+    "The observer estimates a constant load at each input, which is taken off the input: a load "
+    "leaves no offset."
+)
+
+
+def states_to_feed_back(
+    model: LinearModel, measurements: Sequence[str] | None, method: str
+) -> tuple[ObservedProcess, bool]:
+    """Return the process by its relevant states, and whether sensors show them all.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point; its outputs are controlled.
+    measurements : sequence of str or None
+        Naming them asks for an observer.
+    method : str
+        For the message.
+
+    Raises
+    ------
+    InputError
+        A measurement is unknown or named twice, or a controlled output is not among them.
+    NotApplicable
+        A controlled output shows a state that another sensor shows, or dead times leave no
+        sampled model of a moderate size.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> observed, measured = states_to_feed_back(
+    ...     analyse(load_process("three-tanks")).model, None, "LQR")
+    >>> observed.measurements, measured
+    (('level_1', 'level_2', 'level_3'), True)
+    """
+    relevant = without_idle_states(model)
+    if measurements is None and all_states_are_measured(relevant):
+        return observed_process(model, measurements_of_states(relevant, method), method), True
+    return observed_process(model, measurements, method), False
+
+
+def feedback_controller(
+    name: str,
+    observed: ObservedProcess,
+    feedback: np.ndarray,
+    moves: np.ndarray,
+    fading_time: float,
+    estimation: Estimation | None,
+) -> Controller:
+    """Return the controller u = u° − F x + N (r − r°).
+
+    Parameters
+    ----------
+    name : str
+    observed : ObservedProcess
+        Without an estimation its measurements show every state.
+    feedback : ndarray [m, N]
+        F of the states.
+    moves : ndarray [m]
+        Largest acceptable moves, by which inputs share what one output needs.
+    fading_time : float
+        [s]
+    estimation : Estimation or None
+        Of the states and of a load at each input.
+
+    Raises
+    ------
+    NotApplicable
+        The outputs cannot be held independently, or a number is outside of what a controller
+        takes.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> seen = observed_process(analyse(load_process("equalisation-tank")).model, None, "by hand")
+    >>> gain = np.array([[-0.5]])  # a higher level asks for more outflow
+    >>> controller = feedback_controller("by hand", seen, gain, np.ones(1), 60.0, None)
+    >>> round(controller.values["precompensator_1_1"], 9) == controller.values["feedback_1_1"]
+    True
+    """
+    model = observed.model
+    rows = [number - 1 for number in observed.controlled]
+    ahead = precompensator(
+        observed.held, observed.moved, observed.shown[rows], feedback, moves, name
+    )
+    if estimation is None:
+        # The law sees measurements: F x = (F C⁻¹) y where y = C x.
+        feedback = np.linalg.solve(observed.shown.T, feedback.T).T
+        note = _NOTE_ON_OFFSET
+    else:
+        feedback = np.hstack([feedback, np.eye(len(feedback))])
+        note = _NOTE_ON_LOADS
+    controller = state_feedback_controller(
+        name,
+        model,
+        observed.measurements,
+        feedback,
+        ahead,
+        max(fading_time, observed.period),
+        estimation,
+    )
+    return dataclasses.replace(controller, notes=(*controller.notes, note))

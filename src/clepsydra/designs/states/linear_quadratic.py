@@ -1,0 +1,333 @@
+"""Gains of sampled linear-quadratic control, with and without integral action."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.sampled.sampled_cost import SampledCost, sampled_cost
+from clepsydra.designs.sampled.sampled_process import sampled_process
+from clepsydra.designs.states.quadratic_weights import QuadraticWeights
+from clepsydra.designs.states.riccati import Regulator, optimal_regulator
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.pade import at_rest
+
+METHOD = "LQI"
+_SINGULAR = 1e-10
+
+
+class LqiGains(NamedTuple):
+    """u(k) = −F x(k) − G w(k) for the deviation x and the sum w of the outputs, and its poles.
+
+    Parameters
+    ----------
+    feedback : ndarray [m, N]
+        F, [input unit / state unit]; with dead time also from what is on its way.
+    integral : ndarray [m, q]
+        G, [input unit / (output unit · s)].
+    eigenvalues : ndarray [N + q], complex
+        Of the closed loop from one sample to the next.
+
+    Examples
+    --------
+    >>> gains = LqiGains(np.array([[1.7]]), np.eye(1), np.array([0.5, 0.25]))
+    >>> [float(abs(each)) for each in gains.eigenvalues]
+    [0.5, 0.25]
+    """
+
+    feedback: np.ndarray
+    integral: np.ndarray
+    eigenvalues: np.ndarray
+
+
+def bryson_weights(
+    model: LinearModel,
+    maximum_errors: np.ndarray,
+    maximum_moves: np.ndarray,
+    settling_horizon: float,
+) -> QuadraticWeights:
+    """Return Bryson's weights, each the inverse square of the largest acceptable deviation.
+
+    The cost is ∫ Σ (y_j/ȳ_j)² + Σ (u_i/ū_i)² dt + Δt Σ_k Σ_j (w_j(k)/(ȳ_j T))², where T is the
+    time for which a largest error may last.
+
+    Parameters
+    ----------
+    model : LinearModel
+    maximum_errors : ndarray [q]
+        ȳ [output unit]
+    maximum_moves : ndarray [m]
+        ū [input unit]
+    settling_horizon : float
+        T [s]
+
+    References
+    ----------
+    A. E. Bryson and Y.-C. Ho, Applied Optimal Control, Hemisphere 1975, chapter 5.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(0.0 * one, one, one[:, :0], 5.0 * one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> float(bryson_weights(tank, np.ones(1), np.array([2.0]), 10.0).states[0, 0])
+    25.0
+    """
+    errors, moves = np.asarray(maximum_errors, float), np.asarray(maximum_moves, float)
+    return QuadraticWeights(
+        states=model.C.T @ np.diag(errors**-2) @ model.C,
+        inputs=np.diag(moves**-2),
+        integrals=np.diag((errors * settling_horizon) ** -2),
+    )
+
+
+def lqi_gains(
+    model: LinearModel,
+    maximum_errors: np.ndarray,
+    maximum_moves: np.ndarray,
+    settling_horizon: float,
+    sampling_period: float,
+) -> LqiGains:
+    """Return the gains of LQI with Bryson's weights.
+
+    Parameters
+    ----------
+    model, maximum_errors, maximum_moves, settling_horizon
+        As for `bryson_weights`.
+    sampling_period : float
+        Δt [s]
+
+    Raises
+    ------
+    NotApplicable
+        As for `lqi_gains_by_weights`.
+
+    Examples
+    --------
+    ẋ = u, y = x, all deviations and T one. Sampled fast it is the continuous LQI, whose poles
+    are those of s² + √3 s + 1, so F = √3 and G = 1:
+
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(0.0 * one, one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> gains = lqi_gains(tank, np.ones(1), np.ones(1), 1.0, 1e-5)
+    >>> round(float(gains.feedback[0, 0]), 4), round(float(gains.integral[0, 0]), 4)
+    (1.732, 1.0)
+    """
+    weights = bryson_weights(model, maximum_errors, maximum_moves, settling_horizon)
+    return lqi_gains_by_weights(model, weights, sampling_period, settling_horizon)
+
+
+def lqi_gains_by_weights(
+    model: LinearModel,
+    weights: QuadraticWeights,
+    sampling_period: float,
+    horizon: float,
+    method: str = METHOD,
+) -> LqiGains:
+    """Return the gains that minimise the quadratic cost of the sampled model with integrators.
+
+    The process ẋ = A x + B u, y = C x is held over each sampling period Δt. Its integrators are
+    those of the step law, w(k+1) = w(k) + Δt y(k), so that the law with these gains is the
+    optimal one and no approximation of it. The cost counts what x does between the samples
+    (`design.sampled.sampled_cost`). As Δt tends to zero this is the continuous LQI. With dead time
+    the states of the sampled model are those of the process and what is on its way
+    (`design.sampled.sampled_process`), and the cost counts the sampling instants.
+
+    Parameters
+    ----------
+    model : LinearModel
+        From all manipulated inputs to the controlled outputs, without feedthrough.
+    weights : QuadraticWeights
+        With those of the integrals.
+    sampling_period : float
+        Δt [s]
+    horizon : float
+        About how long a response takes [s]: it scales the numbers, not the result.
+    method : str
+        For the message.
+
+    Raises
+    ------
+    NotApplicable
+        The outputs cannot be held independently, or the Riccati equation has no stabilising
+        solution.
+    NotSampled
+        The model has dead time that a sampled model cannot hold.
+
+    References
+    ----------
+    G. F. Franklin, J. D. Powell and M. Workman, Digital Control of Dynamic Systems, 3rd
+    edition, Addison-Wesley 1998, chapter 9.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(0.0 * one, one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> gains = lqi_gains_by_weights(tank, QuadraticWeights(one, one, one), 1e-5, 1.0)
+    >>> round(float(gains.feedback[0, 0]), 4)
+    1.732
+    """
+    refuse_feedthrough(model, method)
+    check_independent(model, method)
+    assert weights.integrals is not None
+    q = len(model.outputs)
+    cost, sizes, moves = scaled_cost(model, weights, sampling_period, horizon)
+    n = len(sizes)
+    sums = 1.0 / np.sqrt(np.diag(weights.integrals))
+    C = np.zeros((q, n))
+    C[:, : len(model.states)] = model.C * sizes[: len(model.states)]
+    held = np.block(
+        [[cost.held, np.zeros((n, q))], [sampling_period * C / sums[:, None], np.eye(q)]]
+    )
+    moved = np.vstack([cost.moved, np.zeros((q, len(moves)))])
+    Q = np.zeros((n + q, n + q))
+    Q[:n, :n], Q[n:, n:] = cost.Q, sums[:, None] * weights.integrals * sums
+    N = np.vstack([cost.N, np.zeros((q, len(moves)))])
+    found = optimal_regulator(held, moved, Q, N, cost.R, method)
+    gain = moves[:, None] * found.gain
+    return LqiGains(gain[:, :n] / sizes, gain[:, n:] / sums, found.eigenvalues)
+
+
+def lqr_gains(
+    model: LinearModel,
+    weights: QuadraticWeights,
+    sampling_period: float,
+    horizon: float,
+    method: str = "LQR",
+) -> Regulator:
+    """Return the regulator u(k) = −F x(k) that minimises the quadratic cost without integrals.
+
+    Parameters
+    ----------
+    model, weights, sampling_period, horizon, method
+        As for `lqi_gains_by_weights`; the weights of integrals do not count.
+
+    Returns
+    -------
+    Regulator
+        Its gain is F [input unit / state unit]; its cost is in scaled states.
+
+    Raises
+    ------
+    NotApplicable
+        There is feedthrough, or the Riccati equation has no stabilising solution.
+    NotSampled
+        The model has dead time that a sampled model cannot hold.
+
+    Examples
+    --------
+    ẋ = u with Q = R = 1, sampled fast: F = 1.
+
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(0.0 * one, one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> round(float(lqr_gains(tank, QuadraticWeights(one, one), 1e-5, 1.0).gain[0, 0]), 4)
+    1.0
+    """
+    refuse_feedthrough(model, method)
+    cost, sizes, moves = scaled_cost(model, weights, sampling_period, horizon)
+    found = optimal_regulator(cost.held, cost.moved, cost.Q, cost.N, cost.R, method)
+    return found._replace(gain=moves[:, None] * found.gain / sizes)
+
+
+def scaled_cost(
+    model: LinearModel, weights: QuadraticWeights, period: float, horizon: float
+) -> tuple[SampledCost, np.ndarray, np.ndarray]:
+    """Return the sampled cost per second in scaled states and inputs, and their sizes.
+
+    In units of what weighs one, all numbers are near one, as a Riccati solver likes it.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> tank = LinearModel(0.0 * one, one, one[:, :0], one, 0.0 * one,
+    ...                    ("tank.level",), ("pump",), (), ("level",))
+    >>> cost, sizes, moves = scaled_cost(tank, QuadraticWeights(one, 0.25 * one), 1.0, 10.0)
+    >>> sizes, moves  # a move of 2 goes as far as 20 in 10 s
+    (array([20.]), array([2.]))
+    """
+    moves = 1.0 / np.sqrt(np.diag(weights.inputs))
+    sizes = _state_sizes(model, moves, horizon)
+    Q = sizes[:, None] * weights.states * sizes
+    R = moves[:, None] * weights.inputs * moves
+    if model.delays is None:
+        A = model.A * sizes / sizes[:, None]
+        B = model.B * moves / sizes[:, None]
+        cost = sampled_cost(A, B, Q, R, period)
+        of_a_second = [matrix / period for matrix in (cost.Q, cost.N, cost.R)]
+        return SampledCost(cost.held, cost.moved, *of_a_second), sizes, moves
+    held, moved = sampled_process(model, period)
+    n, N = len(model.states), len(held)
+    sizes = np.concatenate([sizes, np.ones(N - n)])
+    whole = np.zeros((N, N))
+    whole[:n, :n] = Q
+    scaled = SampledCost(
+        held * sizes / sizes[:, None],
+        moved * moves / sizes[:, None],
+        whole,
+        np.zeros((N, len(moves))),
+        R,
+    )
+    return scaled, sizes, moves
+
+
+def refuse_feedthrough(model: LinearModel, method: str) -> None:
+    """Refuse a model in which an input acts on a controlled output at once.
+
+    Raises
+    ------
+    NotApplicable
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> refuse_feedthrough(LinearModel(-one, one, one[:, :0], one, one, ("x",), ("u",), (), ("y",)),
+    ...                    "LQR")
+    Traceback (most recent call last):
+        ...
+    clepsydra.designs.applicability.NotApplicable: LQR is not applicable: an input acts on a \
+controlled output at once.
+    """
+    if np.any(model.D != 0.0):
+        raise NotApplicable(method, "an input acts on a controlled output at once")
+
+
+def check_independent(model: LinearModel, method: str) -> None:
+    """Refuse outputs that cannot all be held: it takes full row rank of [A B; C 0].
+
+    Raises
+    ------
+    NotApplicable
+        There are fewer inputs than outputs, or a zero at the origin.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> check_independent(LinearModel(-one, one, one[:, :0], one, 0 * one,
+    ...                               ("x",), ("u",), (), ("y",)), "LQI")
+    """
+    model = at_rest(model)
+    n, q = len(model.states), len(model.outputs)
+    if len(model.inputs) < q:
+        raise NotApplicable(
+            method, f"{len(model.inputs)} inputs cannot hold {q} outputs at their setpoints"
+        )
+    system = np.block([[model.A, model.B], [model.C, np.zeros((q, len(model.inputs)))]])
+    system = system / np.linalg.norm(system, axis=1, keepdims=True)
+    system = system / np.maximum(np.linalg.norm(system, axis=0), np.finfo(float).tiny)
+    if np.linalg.svd(system, compute_uv=False)[n + q - 1] < _SINGULAR:
+        raise NotApplicable(
+            method, "the outputs cannot be held independently: there is a zero at the origin"
+        )
+
+
+def _state_sizes(model: LinearModel, moves: np.ndarray, horizon: float) -> np.ndarray:
+    """Return how far the largest moves drive each state in one horizon, never zero."""
+    driven = horizon * np.abs(model.B) @ moves
+    fed = horizon * np.abs(model.A - np.diag(np.diag(model.A))) @ driven
+    sizes = driven + fed
+    return np.where(sizes > 0.0, sizes, max(float(sizes.max(initial=0.0)), np.finfo(float).tiny))

@@ -1,0 +1,89 @@
+"""The measurements that show the states of a model."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import linearise, operating_point_of
+
+
+def measurements_of_states(model: LinearModel, method: str) -> tuple[str, ...]:
+    """Return a measurement for each state of a model, in the order of the states.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    method : str
+        For the message.
+
+    Raises
+    ------
+    NotApplicable
+        A state is not measured, or a controlled output shows one that another sensor shows.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> measurements_of_states(analyse(load_process("quadruple-tank")).model, "LQI")
+    ('level_1', 'level_2', 'level_3', 'level_4')
+    """
+    process = operating_point_of(model).process
+    chosen = []
+    for state in model.states:
+        # Where two sensors show a state, the one that is controlled is meant.
+        showing = [name for name, shown in process.measured_state.items() if shown == state]
+        if not showing:
+            raise NotApplicable(method, f"{state} is not measured, and it needs every state")
+        chosen.append(next((name for name in showing if name in model.outputs), showing[0]))
+    for name in model.outputs:
+        if name not in chosen:
+            raise NotApplicable(method, f"{name} shows a state that another sensor shows too")
+    return tuple(chosen)
+
+
+def all_states_are_measured(model: LinearModel) -> bool:
+    """Tell whether a sensor shows each state of a model without dead time.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> all_states_are_measured(analyse(load_process("eight-tanks")).model)
+    False
+    """
+    shown = operating_point_of(model).process.measured_state.values()
+    return model.delays is None and all(state in shown for state in model.states)
+
+
+def with_outputs(model: LinearModel, measurements: tuple[str, ...]) -> LinearModel:
+    """Return the model with other measurements of its process as outputs.
+
+    Raises
+    ------
+    InputError
+        The process has no such measurement.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> with_outputs(model, ("level_4",)).C
+    array([[ 0.,  0.,  0., 50.]])
+    """
+    shown = linearise(operating_point_of(model)).select(measurements, model.inputs)
+    columns = [shown.states.index(name) for name in model.states]
+    delays = model.delays
+    if delays is not None:
+        assert shown.delays is not None
+        delays = dataclasses.replace(delays, to_outputs=shown.delays.to_outputs)
+    no_feedthrough = np.zeros((len(measurements), len(model.inputs)))
+    return dataclasses.replace(
+        model, C=shown.C[:, columns], D=no_feedthrough, outputs=measurements, delays=delays
+    )

@@ -1,0 +1,187 @@
+"""A process as an observer sees it: sampled, with what is measured and what must be estimated."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.observers.structure import MOST_ESTIMATES
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.sampled.sampled_process import NotSampled, sampled_process, sampled_states
+from clepsydra.designs.sampled.sampling_period import check_sampling_period
+from clepsydra.designs.states.measured_states import all_states_are_measured, with_outputs
+from clepsydra.designs.states.relevant_states import without_idle_states
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+
+#: An effect this small, as a share of the ranges within a sample, is rounding.
+_NOTHING = 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class ObservedProcess:
+    """x(k+1) = Φ x + Γ u, y = C x in deviations from the operating point.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Continuous, with the relevant states and the controlled outputs.
+    period : float
+        [s]
+    measurements : tuple of str [p]
+        What corrects the estimate; the controlled outputs are among them.
+    estimated : tuple of Signal [N]
+        The states; with dead time also what is on its way.
+    held, moved, shown : ndarray [N, N], [N, m], [p, N]
+        Φ, Γ and C.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> seen = observed_process(analyse(load_process("eight-tanks")).model, None, "Kalman filter")
+    >>> len(seen.estimated), seen.measurements, seen.controlled
+    (8, ('level_8',), (1,))
+    """
+
+    model: LinearModel
+    period: float
+    measurements: tuple[str, ...]
+    estimated: tuple[Signal, ...]
+    held: np.ndarray
+    moved: np.ndarray
+    shown: np.ndarray
+
+    @property
+    def controlled(self) -> tuple[int, ...]:
+        """For each controlled output the number (from 1) of its measurement."""
+        return tuple(self.measurements.index(name) + 1 for name in self.model.outputs)
+
+    @property
+    def sizes(self) -> np.ndarray:
+        """The ranges of what is estimated, one where they are open."""
+        spans = np.array([signal.span for signal in self.estimated])
+        return np.where(np.isfinite(spans) & (spans > 0.0), spans, 1.0)
+
+
+def observed_process(
+    model: LinearModel, measurements: Sequence[str] | None, method: str
+) -> ObservedProcess:
+    """Return the process as an observer of these measurements sees it.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point; its outputs are controlled.
+    measurements : sequence of str or None
+        None for the controlled outputs alone where sensors show every state, since then a
+        controller without an observer has use for the others; else for all sensors that show
+        a state which acts on the controlled outputs.
+    method : str
+        For the message.
+
+    Raises
+    ------
+    InputError
+        A measurement is unknown or named twice, or a controlled output is not among them.
+    NotApplicable
+        Dead times leave no sampled model of a moderate size.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> observed_process(model, None, "Kalman filter").measurements
+    ('level_1', 'level_2')
+    """
+    period = check_sampling_period(model)
+    process = operating_point_of(model).process
+    chosen = _chosen(model, measurements, method)
+    seen = without_idle_states(with_outputs(model, chosen))
+    try:
+        held, moved = sampled_process(seen, period)
+        ages = sampled_states(seen, period)
+    except NotSampled as refusal:
+        raise NotApplicable(
+            method, f"its sampled model needs {refusal.expected}; {refusal.remedy}"
+        ) from None
+    if len(held) > MOST_ESTIMATES:
+        raise NotApplicable(
+            method,
+            f"{len(held)} quantities would have to be estimated, and a law takes at most "
+            f"{MOST_ESTIMATES}; with dead time a longer sampling period makes them fewer",
+        )
+    estimated = tuple(_aged(process.signal(name), age) for name, age in ages)
+    shown = np.zeros((len(chosen), len(held)))
+    shown[:, : len(seen.states)] = seen.C
+    rows = [chosen.index(name) for name in model.outputs]
+    found = ObservedProcess(
+        dataclasses.replace(
+            seen,
+            C=seen.C[rows],
+            D=seen.D[rows],
+            outputs=model.outputs,
+            delays=None
+            if seen.delays is None
+            else seen.delays.select(rows, range(len(seen.inputs))),
+        ),
+        period,
+        chosen,
+        estimated,
+        held,
+        moved,
+        shown,
+    )
+    moves = np.array([process.signal(name).span for name in model.inputs])
+    return dataclasses.replace(
+        found,
+        held=_without_rounding(held, found.sizes, found.sizes),
+        moved=_without_rounding(moved, found.sizes, np.where(np.isfinite(moves), moves, 1.0)),
+    )
+
+
+def _chosen(model: LinearModel, measurements: Sequence[str] | None, method: str) -> tuple[str, ...]:
+    process = operating_point_of(model).process
+    if measurements is None:
+        relevant = without_idle_states(model)
+        if all_states_are_measured(relevant):
+            return model.outputs
+        others = [
+            name
+            for name, state in process.measured_state.items()
+            if state in relevant.states and name not in model.outputs
+        ]
+        return (*model.outputs, *others)
+    place, known = f"{method}, measurements", [signal.name for signal in process.measurements]
+    listed = isinstance(measurements, (list, tuple))
+    if not listed or any(name not in known for name in measurements):
+        raise InputError(place, measurements, f"some of {', '.join(known)}", "correct the names")
+    if len(set(measurements)) < len(measurements):
+        raise InputError(place, list(measurements), "each name once", "name each once")
+    missing = [name for name in model.outputs if name not in measurements]
+    if missing:
+        raise InputError(
+            place,
+            list(measurements),
+            "the controlled measurements among them",
+            f"add {', '.join(missing)}",
+        )
+    return tuple(measurements)
+
+
+def _aged(signal: Signal, age: float) -> Signal:
+    """Return the signal, named by how long ago it was."""
+    if age == 0.0:
+        return signal
+    return dataclasses.replace(signal, name=f"{signal.name} {age:g} s before")
+
+
+def _without_rounding(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    share = np.abs(matrix) * columns / rows[:, None]
+    return np.where(share > _NOTHING, matrix, 0.0)

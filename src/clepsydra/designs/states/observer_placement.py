@@ -1,0 +1,116 @@
+"""The Luenberger observer: an estimate whose error dies away with given poles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+import numpy as np
+
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.states.placement import placed_gain
+from clepsydra.designs.states.slow_modes import place_slow_modes
+
+METHOD = "Luenberger observer"
+
+
+def placed_correction(
+    held: np.ndarray,
+    shown: np.ndarray,
+    poles: Sequence[complex] | np.ndarray,
+    sizes: np.ndarray,
+    spans: np.ndarray,
+    period: float,
+) -> np.ndarray:
+    """Return M of the current observer with which (I − M C) Φ has the given eigenvalues.
+
+    Φ − M (C Φ) is the dual of Φ − Γ F, so that it is placed as a feedback is
+    (`design.states.placement`).
+
+    Parameters
+    ----------
+    held, shown : ndarray [N, N], [p, N]
+        Φ and C.
+    poles : sequence of complex [N]
+    sizes, spans : ndarray [N], [p]
+        Ranges of the states and of the measurements: they scale the numbers.
+    period : float
+        The sampling period [s].
+
+    Raises
+    ------
+    NotApplicable
+        The measurements do not show a mode, or the poles cannot be placed accurately.
+    InputError
+        The poles are not N numbers inside the unit circle with their conjugates, or one stands
+        more often than there are measurements.
+
+    References
+    ----------
+    D. G. Luenberger, An introduction to observers, IEEE Transactions on Automatic Control
+    16(6), 1971, 596-602, doi 10.1109/TAC.1971.1099826.
+
+    Examples
+    --------
+    x⁺ = 0.9 x, y = x and an error that halves in each sample: (1 − M) 0.9 = 0.5.
+
+    >>> one = np.eye(1)
+    >>> found = placed_correction(0.9 * one, one, [0.5], np.ones(1), np.ones(1), 1.0)
+    >>> round(float(found[0, 0]), 9)
+    0.444444444
+    """
+    C = shown / spans[:, None]
+    with _said_of_measurements():
+        ones = np.ones(len(C))
+        dual = placed_gain(held.T, (C @ held).T, poles, 1.0 / sizes, ones, period, METHOD)
+    correction: np.ndarray = dual.T / spans
+    return correction
+
+
+def bessel_correction(
+    held: np.ndarray,
+    shown: np.ndarray,
+    bandwidth: float,
+    sizes: np.ndarray,
+    spans: np.ndarray,
+    period: float,
+) -> np.ndarray:
+    """Return M with which the slow modes of the estimate's error have Bessel's pattern.
+
+    Errors that die away faster by themselves are left alone (`design.states.slow_modes`).
+
+    Parameters
+    ----------
+    held, shown, sizes, spans, period
+        As for `placed_correction`.
+    bandwidth : float
+        Of the pattern [rad/s].
+
+    Raises
+    ------
+    NotApplicable
+        The measurements do not show a slow mode, or the poles cannot be placed accurately.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> found = bessel_correction(one, one, np.log(2.0), np.ones(1), np.ones(1), 1.0)
+    >>> round(float(found[0, 0]), 9)
+    0.5
+    """
+    C = shown / spans[:, None]
+    with _said_of_measurements():
+        ones = np.ones(len(C))
+        dual = place_slow_modes(held.T, (C @ held).T, bandwidth, 1.0 / sizes, ones, period, METHOD)
+    correction: np.ndarray = dual.gain.T / spans
+    return correction
+
+
+@contextmanager
+def _said_of_measurements() -> Iterator[None]:
+    """Say of the measurements what the placement says of the inputs of the dual process."""
+    try:
+        yield
+    except NotApplicable as refusal:
+        reason = refusal.reason.replace("out of reach", "not shown by the measurements")
+        raise NotApplicable(METHOD, reason) from refusal

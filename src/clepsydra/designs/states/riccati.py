@@ -1,0 +1,144 @@
+"""The discrete algebraic Riccati equation, and the gain that follows from it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.designs.applicability import NotApplicable
+
+_REFINEMENTS = 2
+#: A solution with a larger residual, as a share of its largest term, is none.
+LARGEST_RESIDUAL = 1e-9
+
+
+class Regulator(NamedTuple):
+    """u(k) = −K x(k), the cost xᵀ P x to go, and the eigenvalues of the closed loop.
+
+    Parameters
+    ----------
+    gain : ndarray [m, n]
+    cost : ndarray [n, n]
+    eigenvalues : ndarray [n], complex
+
+    Examples
+    --------
+    >>> Regulator(np.eye(1), np.eye(1), np.array([0.5])).eigenvalues
+    array([0.5])
+    """
+
+    gain: np.ndarray
+    cost: np.ndarray
+    eigenvalues: np.ndarray
+
+
+def optimal_regulator(
+    held: np.ndarray,
+    moved: np.ndarray,
+    Q: np.ndarray,
+    N: np.ndarray,
+    R: np.ndarray,
+    method: str,
+) -> Regulator:
+    """Return the regulator of x(k+1) = Φ x + Γ u that minimises Σ xᵀ Q x + 2 xᵀ N u + uᵀ R u.
+
+    P solves Φᵀ P Φ − P − (Φᵀ P Γ + N)(R + Γᵀ P Γ)⁻¹(Γᵀ P Φ + Nᵀ) + Q = 0.
+
+    Parameters
+    ----------
+    held, moved : ndarray [n, n], [n, m]
+        Φ and Γ.
+    Q, N, R : ndarray [n, n], [n, m], [m, m]
+    method : str
+        For the message.
+
+    Raises
+    ------
+    NotApplicable
+        There is no stabilising solution, or it cannot be computed to nine digits.
+
+    References
+    ----------
+    W. F. Arnold and A. J. Laub, Generalized eigenproblem algorithms and software for algebraic
+    Riccati equations, Proceedings of the IEEE 72(12), 1984, 1746-1754,
+    doi 10.1109/PROC.1984.13083.
+
+    Examples
+    --------
+    x⁺ = x + u with Q = R = 1: P is the golden ratio, and K = P/(1 + P) = 1/P.
+
+    >>> one = np.eye(1)
+    >>> found = optimal_regulator(one, one, one, 0.0 * one, one, "LQR")
+    >>> round(float(found.cost[0, 0]), 6), round(float(found.gain[0, 0]), 6)
+    (1.618034, 0.618034)
+    """
+    from scipy.linalg import solve_discrete_are
+
+    if not all(np.all(np.isfinite(matrix)) for matrix in (held, moved, Q, N, R)):
+        raise NotApplicable(method, "the cost of a sample is beyond what numbers can hold")
+    try:
+        P = solve_discrete_are(held, moved, Q, R, s=N)
+    except np.linalg.LinAlgError as error:
+        raise NotApplicable(
+            method, "the Riccati equation has no stabilising solution: a mode is out of reach"
+        ) from error
+    P = _refined(held, moved, Q, N, R, P)
+    if riccati_residual(held, moved, Q, N, R, P) > LARGEST_RESIDUAL:
+        raise NotApplicable(method, "the Riccati equation cannot be solved to nine digits")
+    gain = np.linalg.solve(R + moved.T @ P @ moved, moved.T @ P @ held + N.T)
+    eigenvalues = np.linalg.eigvals(held - moved @ gain)
+    if not np.all(np.abs(eigenvalues) < 1.0):
+        raise NotApplicable(method, "the Riccati solution does not stabilise the model")
+    return Regulator(gain, P, eigenvalues)
+
+
+def _refined(
+    held: np.ndarray, moved: np.ndarray, Q: np.ndarray, N: np.ndarray, R: np.ndarray, P: np.ndarray
+) -> np.ndarray:
+    """Return P after Newton's steps with a residual in higher precision.
+
+    Two processors otherwise differ in the tenth digit of a gain. A step is that of Kleinman:
+    Aᵀ δ A − δ is minus the residual, with A closed by the gain of P.
+    """
+    exact = [matrix.astype(np.longdouble) for matrix in (held, moved, Q, N, R)]
+    for _ in range(_REFINEMENTS):
+        gain = np.linalg.solve(R + moved.T @ P @ moved, moved.T @ P @ held + N.T)
+        closed = held - moved @ gain
+        if not np.all(np.abs(np.linalg.eigvals(closed)) < 1.0):
+            return P
+        A, B, weight, cross, effort = exact
+        K, cost = gain.astype(np.longdouble), P.astype(np.longdouble)
+        left = A - B @ K
+        rest = left.T @ cost @ left - cost + weight - cross @ K - (cross @ K).T + K.T @ effort @ K
+        P = (cost + _summed(closed, rest.astype(float))).astype(float)
+        P = (P + P.T) / 2.0
+    return P
+
+
+def _summed(closed: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """Return the sum of (Aᵀ)ᵏ M Aᵏ over all k, twice as many terms in each step."""
+    total, power = rest, closed
+    while np.abs(power).max(initial=0.0) > np.finfo(float).eps:
+        total = total + power.T @ total @ power
+        power = power @ power
+    return total
+
+
+def riccati_residual(
+    held: np.ndarray, moved: np.ndarray, Q: np.ndarray, N: np.ndarray, R: np.ndarray, P: np.ndarray
+) -> float:
+    """Return what is left of the Riccati equation, as a share of its largest number.
+
+    Examples
+    --------
+    >>> one = np.eye(1)
+    >>> P = (1.0 + np.sqrt(5.0)) / 2.0 * one
+    >>> riccati_residual(one, one, one, 0.0 * one, one, P) < 1e-15
+    True
+    """
+    cross = held.T @ P @ moved + N
+    closed = cross @ np.linalg.solve(R + moved.T @ P @ moved, cross.T)
+    terms = (held.T @ P @ held, -P, -closed, Q)
+    largest = max(float(np.abs(term).max(initial=0.0)) for term in terms)
+    return float(np.abs(sum(terms)).max(initial=0.0)) / max(largest, np.finfo(float).tiny)

@@ -1,0 +1,177 @@
+"""Variable-structure PI and PID: any PID settings, and a rate that keeps them from winding up."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+from clepsydra.base.arguments import sequence_of
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.controllers.variable_structure_pid import (
+    family,
+    variable_structure_form,
+    variable_structure_pid_law,
+)
+from clepsydra.designs.designed_values import designed_values
+from clepsydra.designs.loops.detuning import as_given
+from clepsydra.designs.loops.multiloop import MultiloopPid, checked_form
+from clepsydra.designs.loops.pairing import Pairing
+from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.sampled.setpoint_response import settling_times
+from clepsydra.designs.saturation_rate import rates_in_words, saturation_rates
+from clepsydra.designs.simc import design_simc
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+
+METHOD = "variable-structure PID"
+
+
+def design_variable_structure_pid(
+    model: LinearModel,
+    pairing: Pairing | None = None,
+    *,
+    form: PidForm | None = None,
+    settings: Sequence[PidSettings] | None = None,
+    alpha: float | Sequence[float] | None = None,
+) -> Controller:
+    """Design variable-structure PI or PID control for each pair.
+
+    The settings are those of SIMC, or the user's. α follows from the loops as designed: while
+    an integral saturates it settles three times faster than its loop, and no α is taken that
+    would settle less than two or more than five times faster (`design.saturation_rate`).
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
+    form : PidForm, optional
+        PI in ISA form if left out; its anti-windup does not count.
+    settings : sequence of PidSettings, optional
+        One for each pair; by SIMC if left out.
+    alpha : float or sequence of float, optional
+        α of all loops or of each [1/s].
+
+    Returns
+    -------
+    Controller
+        Loop i for the i-th pair.
+
+    Raises
+    ------
+    NotApplicable
+        SIMC has no settings, the loops are unstable together or do not settle.
+    InputError
+        The model has no operating point, the pairing is no pairing of the model, the form has
+        no integral, the settings are not one for each pair or have an integral gain that is not
+        above zero in the direction of its pair, or α is outside of its rule.
+
+    References
+    ----------
+    A. S. Hodel and C. E. Hall, Variable-structure PID control to prevent integrator windup,
+    IEEE Transactions on Industrial Electronics 48(2), 2001, 442-451, doi 10.1109/41.915424.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_variable_structure_pid(analysis.model, analysis.pairing)
+    >>> controller.name, round(controller.values["saturation_rate_1"], 3)
+    ('PI, variable structure', 0.245)
+    """
+    chosen, _ = checked_form(form, METHOD)
+    plain = variable_structure_form(chosen).plain
+    if settings is None:
+        base = design_simc(model, pairing, form=plain)
+    else:
+        base = _as_given(model, pairing, plain, settings)
+    settling = settling_times(base, model)
+    rates = saturation_rates(settling, base.setpoints, alpha, METHOD)
+    found = with_variable_structure(base, plain, rates, model)
+    words = rates_in_words(rates, settling, base.setpoints)
+    return dataclasses.replace(found, design=f"{base.design} α {words}.")
+
+
+def with_variable_structure(
+    base: Controller, form: PidForm, rates: Sequence[float], model: LinearModel
+) -> Controller:
+    """Return a multiloop PID controller with the variable structure, α not judged by any rule.
+
+    Parameters
+    ----------
+    base : Controller
+        Multiloop PID without anti-windup.
+    form : PidForm
+        Its form.
+    rates : sequence of float
+        α of each loop [1/s].
+    model : LinearModel
+        Of a process at an operating point.
+
+    Raises
+    ------
+    NotApplicable
+        A number is outside of what a controller takes.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> form = PidForm(anti_windup="none")
+    >>> base = design_simc(analysis.model, analysis.pairing, form=form)
+    >>> with_variable_structure(base, form, [0.1, 0.1], analysis.model).family
+    'variable-structure PI'
+    """
+    process = operating_point_of(model).process
+    law = variable_structure_pid_law(
+        len(base.manipulated),
+        form,
+        measured=[process.signal(name) for name in base.measurements],
+        manipulated=[process.signal(name) for name in base.manipulated],
+    )
+    values = base.values | {
+        f"saturation_rate_{number}": float(rate) for number, rate in enumerate(rates, start=1)
+    }
+    values = designed_values(law, values, operating_point_of(model), METHOD)
+    return dataclasses.replace(
+        base,
+        name=f"{form.actions}, variable structure",
+        family=family(form),
+        law=law,
+        values=values,
+    )
+
+
+def _as_given(
+    model: LinearModel, pairing: Pairing | None, form: PidForm, settings: Sequence[PidSettings]
+) -> Controller:
+    together = MultiloopPid(model, pairing, form, METHOD)
+    settings = sequence_of(
+        settings, PidSettings, f"{METHOD}, settings", "a list of PidSettings",
+        "write as in [PidSettings(3.0, 30.0)]",
+    )  # fmt: skip
+    if len(settings) != len(together.loops):
+        raise InputError(
+            f"{METHOD}, settings",
+            len(settings),
+            f"{len(together.loops)} settings",
+            "give one for each pair",
+        )
+    for loop, setting in zip(together.loops, settings, strict=True):
+        integral_gain = setting.gain / setting.integral_time
+        if not integral_gain * loop.element.sign > 0.0:
+            direction = "above" if loop.element.sign > 0.0 else "below"
+            raise InputError(
+                f"{METHOD}, integral gain K/Ti of {loop.pair}",
+                integral_gain,
+                f"a number {direction} zero, the direction in which {loop.input.name} moves "
+                f"{loop.output.name}",
+                "give K that sign and a finite Ti",
+            )
+    found = as_given(settings, together.peak, METHOD, "these settings")
+    return together.controller(found, "Settings as given", ())

@@ -1,0 +1,183 @@
+"""The rules of Ziegler and Nichols, from the ultimate point and from the reaction curve."""
+
+from __future__ import annotations
+
+from typing import Literal, get_args
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.base.words import time_text
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.designs.loops.multiloop import PairedLoop
+from clepsydra.designs.loops.pairing import Pairing
+from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.loops.published_rule import PublishedRule, RuleActions, design_by_rule
+from clepsydra.designs.loops.words import gain, slope
+from clepsydra.designs.models.reaction_curve import reaction_curve
+from clepsydra.designs.models.ultimate_point import UltimatePoint, ultimate_point
+from clepsydra.linear.linear_model import LinearModel
+
+METHOD = "Ziegler-Nichols"
+Experiment = Literal["ultimate_point", "step_response"]
+SOURCE = "Ziegler and Nichols 1942"
+
+
+def ziegler_nichols_settings(point: UltimatePoint, actions: RuleActions = "PI") -> PidSettings:
+    """Return the settings from ultimate gain and period.
+
+    PI: K = 0.45 Ku, Ti = Tu/1.2. PID: K = 0.6 Ku, Ti = Tu/2, Td = Tu/8.
+
+    References
+    ----------
+    J. G. Ziegler and N. B. Nichols, Optimum settings for automatic controllers,
+    Transactions of the ASME 64(8), 1942, 759-765, doi 10.1115/1.4019264.
+
+    Examples
+    --------
+    >>> ziegler_nichols_settings(UltimatePoint(10.0, 8.0), "PID")
+    PidSettings(gain=6.0, integral_time=4.0, derivative_time=1.0)
+    """
+    if actions == "PID":
+        return PidSettings(0.6 * point.gain, point.period / 2.0, point.period / 8.0)
+    return PidSettings(0.45 * point.gain, point.period / 1.2)
+
+
+def ziegler_nichols_step_settings(
+    slope: float, delay: float, actions: RuleActions = "PI"
+) -> PidSettings:
+    """Return the settings from the slope R and the delay L of the reaction curve.
+
+    PI: K = 0.9/(R L), Ti = L/0.3. PID: K = 1.2/(R L), Ti = 2 L, Td = L/2.
+
+    Parameters
+    ----------
+    slope : float
+        R of the response to a unit step [output unit/(input unit·s)].
+    delay : float
+        L [s]
+    actions : {"PI", "PID"}
+
+    References
+    ----------
+    J. G. Ziegler and N. B. Nichols, Optimum settings for automatic controllers,
+    Transactions of the ASME 64(8), 1942, 759-765, doi 10.1115/1.4019264.
+
+    Examples
+    --------
+    >>> ziegler_nichols_step_settings(0.5, 4.0, "PID")
+    PidSettings(gain=0.6, integral_time=8.0, derivative_time=2.0)
+    """
+    if actions == "PID":
+        return PidSettings(1.2 / (slope * delay), 2.0 * delay, 0.5 * delay)
+    return PidSettings(0.9 / (slope * delay), delay / 0.3)
+
+
+def design_ziegler_nichols(
+    model: LinearModel,
+    pairing: Pairing | None = None,
+    *,
+    form: PidForm | None = None,
+    experiment: Experiment = "ultimate_point",
+    as_published: bool = False,
+) -> Controller:
+    """Design a PI or PID controller for each pair by the rules of Ziegler and Nichols.
+
+    What their experiments would find is computed from the model, with its dead time and half
+    a sampling period of delay. The rules aim at a decay by a quarter from swing to swing,
+    which is oscillatory and fragile: unless `as_published`, all loops are slowed down by one
+    factor until together they have a sensitivity peak of 2 (`design.loops.detuning`).
+
+    Parameters
+    ----------
+    model : LinearModel
+        Of a process at an operating point.
+    pairing : sequence of (output, input), or mapping, optional
+        The one that the relative gains suggest if left out.
+    form : PidForm, optional
+        PI in ISA form if left out.
+    experiment : {"ultimate_point", "step_response"}
+    as_published : bool
+        Keep the settings of the rules.
+
+    Returns
+    -------
+    Controller
+        Loop i for the i-th pair.
+
+    Raises
+    ------
+    NotApplicable
+        An element has no ultimate point or no reaction curve, the loops are unstable together,
+        or a setting is outside of what a controller takes.
+    InputError
+        The model has no operating point, the pairing is no pairing of the model, or the form
+        or the experiment is none of these rules.
+
+    References
+    ----------
+    J. G. Ziegler and N. B. Nichols, Optimum settings for automatic controllers,
+    Transactions of the ASME 64(8), 1942, 759-765, doi 10.1115/1.4019264.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("equalisation-tank"))
+    >>> controller = design_ziegler_nichols(analysis.model, analysis.pairing, as_published=True)
+    >>> round(controller.values["integral_time_1"], 6)
+    100.0
+    """
+    if experiment not in get_args(Experiment):
+        raise InputError(
+            f"{METHOD}, experiment",
+            experiment,
+            f"one of {', '.join(get_args(Experiment))}",
+            "correct the name",
+        )
+    rule = _from_ultimate_point if experiment == "ultimate_point" else _from_step_response
+    return design_by_rule(
+        model,
+        pairing,
+        PublishedRule(METHOD, SOURCE, rule, _ADVICE),
+        form=form,
+        as_published=as_published,
+    )
+
+
+_ADVICE = (
+    "The rules of Ziegler and Nichols let a swing decay by no more than a quarter: expect "
+    "oscillation."
+)
+
+
+def _from_ultimate_point(
+    loop: PairedLoop, delay: float, actions: RuleActions
+) -> tuple[PidSettings, str]:
+    point = ultimate_point(loop.element, delay, method=METHOD)
+    return ziegler_nichols_settings(point, actions), words_on_ultimate(
+        point, loop.output, loop.input
+    )
+
+
+def _from_step_response(
+    loop: PairedLoop, delay: float, actions: RuleActions
+) -> tuple[PidSettings, str]:
+    curve = reaction_curve(loop.element, delay, method=METHOD)
+    steepest = slope(curve.slope, loop.output, loop.input)
+    words = f"steepest {steepest}, delay {time_text(curve.delay)}"
+    return ziegler_nichols_step_settings(curve.slope, curve.delay, actions), words
+
+
+def words_on_ultimate(point: UltimatePoint, output: Signal, manipulated: Signal) -> str:
+    """Return an ultimate point in words.
+
+    Examples
+    --------
+    >>> level = Signal("level", "V", low=0.0, high=5.0)
+    >>> pump = Signal("pump", "V", low=0.0, high=10.0)
+    >>> words_on_ultimate(UltimatePoint(8.0, 3.628), level, pump)
+    'ultimate gain 4 %/%, ultimate period 3.63 s'
+    """
+    ultimate = gain(point.gain, output, manipulated)
+    return f"ultimate gain {ultimate}, ultimate period {time_text(point.period)}"

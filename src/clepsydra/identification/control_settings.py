@@ -1,0 +1,124 @@
+"""The settings of a PI or PID controller that an identified model leads to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from clepsydra.base.signal import Signal
+from clepsydra.base.units import from_si
+from clepsydra.base.words import time_text
+from clepsydra.designs.loops.pid_settings import PidSettings
+from clepsydra.designs.models.first_order_delay import FirstOrderDelay
+from clepsydra.designs.models.second_order_delay import SecondOrderDelay
+from clepsydra.designs.simc import simc_pid_settings, simc_settings
+from clepsydra.identification.estimate import ratio_signal
+
+SIMC = "SIMC (S. Skogestad, 2003, doi 10.1016/S0959-1524(02)00062-8)"
+
+
+@dataclass(frozen=True)
+class ControlSettings:
+    """Settings by SIMC, for a controller that is sampled as the record was.
+
+    Parameters
+    ----------
+    settings : PidSettings
+        In ISA form, SI.
+    gain : Signal
+        Unit of its gain.
+    delay : float
+        θ, dead time and half a sampling period [s].
+    closed_loop_time_constant : float
+        τc [s]
+    tightest : ControlSettings or None
+        Those with τc = θ, where these are calmer.
+
+    Examples
+    --------
+    >>> unit = Signal("gain", "V/m", display_unit="V/cm")
+    >>> ControlSettings(PidSettings(50.0, 30.0), unit, 3.5, 3.5).words
+    'PI with a gain of 0.5 V/cm and an integral time of 30 s'
+    """
+
+    settings: PidSettings
+    gain: Signal
+    delay: float
+    closed_loop_time_constant: float
+    tightest: ControlSettings | None = None
+
+    @property
+    def words(self) -> str:
+        """The settings in words."""
+        gain, integral, derivative = self.settings
+        shown = from_si(gain, self.gain.unit, self.gain.shown_unit)
+        unit = "" if self.gain.shown_unit == "1" else f" {self.gain.shown_unit}"
+        parts = [f"a gain of {shown:.4g}{unit}".replace("-", "−")]
+        parts.append(f"an integral time of {time_text(integral)}")
+        if derivative:
+            parts.append(f"a derivative time of {time_text(derivative)}")
+        form = "PID" if derivative else "PI"
+        return f"{form} with {', '.join(parts[:-1])} and {parts[-1]}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the settings [SI], for JSON."""
+        gain, integral, derivative = self.settings
+        return {
+            "rule": SIMC,
+            "gain": gain,
+            "gain_unit": self.gain.unit,
+            "integral_time": integral,
+            "derivative_time": derivative,
+            "closed_loop_time_constant": self.closed_loop_time_constant,
+            "tightest": None if self.tightest is None else self.tightest.as_dict(),
+        }
+
+
+def control_settings(
+    model: FirstOrderDelay | SecondOrderDelay,
+    output: Signal,
+    manipulated: Signal,
+    period: float,
+    reach: tuple[float, float],
+) -> ControlSettings:
+    """Return SIMC's settings of a fitted model that stay within what the record saw.
+
+    The closed-loop time constant is the shortest from θ on with a proportional gain of at most
+    Δu/Δy, so that a setpoint step over all that the output moved asks the input for no more than
+    it moved: beyond that the model has not been seen to hold.
+
+    Parameters
+    ----------
+    model : FirstOrderDelay or SecondOrderDelay
+        With the dead time of the process alone: half a sampling period is added here.
+    output, manipulated : Signal
+    period : float
+        Sampling period of record and controller [s].
+    reach : (float, float)
+        Δy and Δu, how far output and input moved in the record.
+
+    Examples
+    --------
+    >>> model = FirstOrderDelay(slope=0.02, time_constant=50.0, delay=2.0)
+    >>> found = control_settings(model, Signal("level", "m"), Signal("pump", "V"), 1.0, (0.5, 1.0))
+    >>> found.settings.gain, found.closed_loop_time_constant
+    (2.0, 22.5)
+    >>> found.tightest.settings
+    PidSettings(gain=10.0, integral_time=20.0, derivative_time=0.0)
+    """
+    delay = model.delay + 0.5 * period
+    moved, asked = reach
+    shortest = max(delay, moved / (abs(model.slope) * asked) - delay)
+    gain = ratio_signal("gain", manipulated, output, "gain of the controller")
+    tightest = ControlSettings(_settings(model, delay, delay), gain, delay, delay)
+    if shortest <= delay:
+        return tightest
+    return ControlSettings(_settings(model, delay, shortest), gain, delay, shortest, tightest)
+
+
+def _settings(
+    model: FirstOrderDelay | SecondOrderDelay, delay: float, closed_loop_time_constant: float
+) -> PidSettings:
+    if isinstance(model, SecondOrderDelay):
+        return simc_pid_settings(replace(model, delay=delay), closed_loop_time_constant)
+    return simc_settings(replace(model, delay=delay), closed_loop_time_constant)

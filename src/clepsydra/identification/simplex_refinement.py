@@ -1,0 +1,212 @@
+"""Refinement of a sampled model by the simplex search of Nelder and Mead."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.designs.polynomial.element_sampling import sampled_transfer
+from clepsydra.designs.polynomial.sampled_model import SampledModel
+from clepsydra.identification.arx import checked_records, whole_number
+
+#: The search ends when its simplex is this small, and the cost this flat.
+_PARAMETERS, _COST = 1e-9, 1e-12
+_EVALUATIONS = 20_000
+#: A candidate whose output leaves all numbers behind.
+_USELESS = 1e300
+
+
+@dataclass(frozen=True, eq=False)
+class SimplexFit:
+    """What the search found.
+
+    Parameters
+    ----------
+    model : SampledModel
+    parameters : ndarray
+        That the model was made from.
+    cost : float
+        Sum of squared differences between record and simulated output.
+    evaluations : int
+        How often the model was simulated.
+
+    Examples
+    --------
+    See `refined_coefficients`.
+    """
+
+    model: SampledModel
+    parameters: np.ndarray
+    cost: float
+    evaluations: int
+
+
+def simplex_fit(
+    model_at: Callable[[np.ndarray], SampledModel],
+    start: np.ndarray,
+    signal: np.ndarray,
+    output: np.ndarray,
+) -> SimplexFit:
+    """Fit the simulated output of a model to a record, from a start on, without derivatives.
+
+    Other than least squares, which predicts one sample ahead from what was measured, the model
+    runs by itself over the whole record, so that its static gain counts.
+
+    Parameters
+    ----------
+    model_at : callable
+        Parameters to a model.
+    start : ndarray
+        Parameters to begin with, scaled so that changes of 5 % are reasonable.
+    signal, output : ndarray [N]
+        u and y as deviations from rest.
+
+    Raises
+    ------
+    InputError
+        The records are not usable (`identify.arx.checked_records`), or the search does not end.
+
+    References
+    ----------
+    J. C. Lagarias, J. A. Reeds, M. H. Wright, P. E. Wright, Convergence properties of the
+    Nelder-Mead simplex method in low dimensions, SIAM Journal on Optimization 9, 1998, 112-147.
+
+    Examples
+    --------
+    A gain of 2, from a guess of 1:
+
+    >>> u = np.array([0.0, 1.0, 1.0, -1.0, 0.0, 1.0])
+    >>> fit = simplex_fit(lambda p: SampledModel((p[0],), (), 0, 1.0), np.array([1.0]),
+    ...                   u, SampledModel((2.0,), (), 0, 1.0).output(u))
+    >>> round(float(fit.parameters[0]), 6)
+    2.0
+    """
+    from scipy.optimize import minimize
+
+    signal, output = checked_records(signal, output)
+    scale = float(output @ output)
+
+    def cost(parameters: np.ndarray) -> float:
+        with np.errstate(all="ignore"):
+            try:
+                difference = output - model_at(parameters).output(signal)
+            except (InputError, OverflowError):
+                return _USELESS
+            value = float(difference @ difference) / scale
+        return value if math.isfinite(value) else _USELESS
+
+    found = minimize(
+        cost, np.asarray(start, dtype=float), method="Nelder-Mead",
+        options={"xatol": _PARAMETERS, "fatol": _COST, "maxfev": _EVALUATIONS,
+                 "maxiter": _EVALUATIONS},
+    )  # fmt: skip
+    if not found.success or found.fun >= _USELESS:
+        raise InputError(
+            "simplex search", f"no end after {found.nfev} simulations",
+            "a record that the model can follow", "start nearer, or take fewer parameters",
+        )  # fmt: skip
+    return SimplexFit(model_at(found.x), found.x, float(found.fun) * scale, int(found.nfev))
+
+
+def refined_coefficients(model: SampledModel, signal: np.ndarray, output: np.ndarray) -> SimplexFit:
+    """Refine all coefficients of a model, with its delay, so that its simulated output fits.
+
+    Parameters
+    ----------
+    model : SampledModel
+        By least squares, say (`identify.arx`).
+    signal, output : ndarray [N]
+
+    Raises
+    ------
+    InputError
+        As for `simplex_fit`.
+
+    Examples
+    --------
+    >>> u = np.sign(np.sin(1.7 * np.arange(60) ** 1.3))
+    >>> right, guess = (SampledModel((b,), (a,), 2, 1.0) for b, a in ((0.2, -0.9), (0.3, -0.8)))
+    >>> fit = refined_coefficients(guess, u, right.output(u))
+    >>> fit.model.in_words()
+    '(0.2 z^-1) / (1 − 0.9 z^-1) z^-2'
+    """
+    n = model.order
+    given = np.array([*model.denominator, *model.numerator])
+    sizes = np.where(given == 0.0, float(np.max(np.abs(given))), given)
+
+    def model_at(shares: np.ndarray) -> SampledModel:
+        values = shares * sizes
+        return SampledModel(tuple(values[n:]), tuple(values[:n]), model.delay, model.period)
+
+    return simplex_fit(model_at, given / sizes, signal, output)
+
+
+def second_order_of_gain(
+    signal: np.ndarray,
+    output: np.ndarray,
+    *,
+    gain: float,
+    delay: int,
+    period: float,
+    start: tuple[float, float],
+) -> SimplexFit:
+    """Fit k ω²/(s² + 2 ζ ω s + ω²), without zeros and with a known static gain, held and delayed.
+
+    Parameters
+    ----------
+    signal, output : ndarray [N]
+    gain : float
+        k, from a step that was waited for, say.
+    delay : int
+        d [samples]
+    period : float
+        [s]
+    start : (float, float)
+        ω [rad/s] and ζ to begin with, above zero.
+
+    Returns
+    -------
+    SimplexFit
+        Its parameters are ln ω and ln ζ.
+
+    Raises
+    ------
+    InputError
+        A number is out of its range, or as for `simplex_fit`.
+
+    Examples
+    --------
+    >>> u = np.ones(60)
+    >>> right = sampled_transfer([2 * 0.04], [1.0, 0.32, 0.04], 3.0, 1.0)
+    >>> fit = second_order_of_gain(u, right.output(u) + 0.0 * u, gain=2.0, delay=3, period=1.0,
+    ...                            start=(0.1, 1.2))
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: record of the input: got '1 in all 60 samples', expected a \
+signal that moves; record while the input moves the process.
+    >>> u[:2] = 0.0
+    >>> fit = second_order_of_gain(u, right.output(u), gain=2.0, delay=3, period=1.0,
+    ...                            start=(0.1, 1.2))
+    >>> [round(float(value), 6) for value in np.exp(fit.parameters)]
+    [0.2, 0.8]
+    """
+    delay = whole_number("second order, delay", delay, 0)
+    for name, value in (("frequency", start[0]), ("damping", start[1])):
+        if not is_finite_number(value) or value <= 0.0:
+            raise InputError(f"second order, {name}", value, "a number above 0", "guess one")
+    if not is_finite_number(gain) or gain == 0.0:
+        raise InputError("second order, gain", gain, "a number that is not zero", "measure it")
+
+    def model_at(logarithms: np.ndarray) -> SampledModel:
+        frequency, damping = np.exp(logarithms)
+        square = frequency**2
+        return sampled_transfer(
+            [gain * square], [1.0, 2.0 * damping * frequency, square], delay * period, period
+        )
+
+    return simplex_fit(model_at, np.log(start), signal, output)

@@ -1,0 +1,190 @@
+"""A study file to begin with, made for one process."""
+
+from __future__ import annotations
+
+import json
+from string import Template
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.base.units import from_si
+from clepsydra.base.words import time_text
+from clepsydra.controllers.controller import Controller
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.gain_units import percent_gain
+from clepsydra.linear.analysis import Analysis, analyse
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.scenario import Scenario
+from clepsydra.process.process import Process
+from clepsydra.studies.file.design_names import DESIGN_NAMES
+
+#: Designs of single loops, from the one that is preferred; what the reader calls each.
+_LOOPS = {
+    "simc": "PI, SIMC",
+    "lambda": "PI, lambda",
+    "phase_margin": "PI, phase margin",
+    "amigo": "PI, AMIGO",
+    "arrest_time": "PI, arrest time",
+}
+#: The second design, from the one that is preferred.
+_OTHERS = {"lqi": "LQI", "lqi_kalman": "LQI, Kalman", "lqr": "LQR", **_LOOPS}
+#: How far the bounds that are shown lie from the design, up and down.
+_WIDTH = 5.0
+#: A line for the first design where it takes a closed-loop time constant.
+_FASTER = """# How fast the loops are to be; left out, as fast as is robust.
+# closed_loop_time_constant = "5 min"
+"""
+
+
+def new_study(process: Process, named: str, template: str) -> str:
+    """Return a commented study file for a process that works as it stands.
+
+    Parameters
+    ----------
+    process : Process
+    named : str
+        What the file calls the process.
+    template : str
+        The file with places such as $process.
+
+    Raises
+    ------
+    InputError
+        No design of single loops applies to the process.
+    NoEquilibrium
+        It has no operating point.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("equalisation-tank")
+    >>> print(new_study(process, "equalisation-tank", "$loops"))
+    [controllers.by-hand.loops.level]
+    measurement = "level"
+    output = "outflow"
+    actions = "PI"
+    action = "direct"
+    gain = "0.4416 %/%"
+    integral_time = "25.14 h"
+    """
+    analysis = analyse(process)
+    scenario = default_scenario(analysis.model)
+    first, designed = _first(analysis)
+    second = _second(analysis, first)
+    pairs = zip(designed.setpoints, designed.manipulated, strict=True)
+    pairing = ", ".join(f'{output} = "{moved}"' for output, moved in pairs)
+    return Template(template).substitute(
+        process=_quoted(named),
+        title=_quoted(f"Controllers for {process.title}"),
+        duration=time_text(scenario.duration, 4),
+        noise=time_text(max(s.start for s in scenario.segments if s.kind == "noise"), 4),
+        steps=_steps(process, scenario),
+        output=process.controlled[0],
+        first=first,
+        first_name=_LOOPS[first],
+        second=second,
+        second_name=_OTHERS[second],
+        pairing=f"{{ {pairing} }}",
+        more=_FASTER if first in ("simc", "lambda") else "",
+        loops=_written_out(process, designed),
+        **_bounds(process, designed),
+    )
+
+
+def _first(analysis: Analysis) -> tuple[str, Controller]:
+    """Return a design of single loops that applies, and its controller."""
+    reasons = []
+    averages = bool(analysis.operating_point.process.averaging)
+    for name in sorted(_LOOPS, key=lambda name: averages and name != "arrest_time"):
+        try:
+            return name, _designed(name, analysis)
+        except NotApplicable as refusal:
+            reasons.append(str(refusal).rstrip("."))
+    process = analysis.operating_point.process
+    raise InputError(
+        "--process",
+        process.name,
+        "a process to which a design of single loops applies",
+        f"write the study file by hand ({'; '.join(reasons)[:300]})",
+    )
+
+
+def _second(analysis: Analysis, first: str) -> str:
+    for name in _OTHERS:
+        if name == first:
+            continue
+        try:
+            _designed(name, analysis)
+        except NotApplicable:
+            continue
+        return name
+    return next(name for name in _LOOPS if name != first)
+
+
+def _designed(name: str, analysis: Analysis) -> Controller:
+    design = DESIGN_NAMES[name].load()
+    if name not in _LOOPS:
+        return design(analysis.model)
+    if not analysis.pairing:
+        raise NotApplicable(_LOOPS[name], "the relative gains suggest no pairing")
+    return design(analysis.model, analysis.pairing)
+
+
+def _steps(process: Process, scenario: Scenario) -> str:
+    lines = []
+    for segment in scenario.segments:
+        if segment.kind == "noise":
+            continue
+        signal = process.signal(segment.signal)
+        lines += [
+            "",
+            f"[[scenario.{segment.kind}]]",
+            f'signal = "{segment.signal}"',
+            f'at = "{time_text(segment.start, 4)}"',
+            f'by = "{_shown(segment.size, signal)}"',
+        ]
+    lines += ["# Or to a value: to = ..., in place of by."]
+    return "\n".join(lines) + "\n"
+
+
+def _written_out(process: Process, designed: Controller) -> str:
+    pairs = zip(designed.measurements, designed.manipulated, strict=True)
+    loops = []
+    for number, (output, moved) in enumerate(pairs, start=1):
+        gain = designed.values[f"proportional_gain_{number}"]
+        shown = percent_gain(gain, process.signal(output), process.signal(moved))
+        loops.append(
+            "\n".join(
+                (
+                    f"[controllers.by-hand.loops.{output}]",
+                    f'measurement = "{output}"',
+                    f'output = "{moved}"',
+                    'actions = "PI"',
+                    f'action = "{"reverse" if gain > 0.0 else "direct"}"',
+                    f'gain = "{abs(shown):.4g} %/%"',
+                    f'integral_time = "{time_text(designed.values[f"integral_time_{number}"], 4)}"',
+                )
+            )
+        )
+    return "\n\n".join(loops)
+
+
+def _bounds(process: Process, designed: Controller) -> dict[str, str]:
+    """Return bounds around the settings of the first loop."""
+    output, moved = designed.measurements[0], designed.manipulated[0]
+    gain = designed.values["proportional_gain_1"]
+    shown = abs(percent_gain(gain, process.signal(output), process.signal(moved)))
+    time = designed.values["integral_time_1"]
+    gains = [f"{shown * factor:.2g} %/%" for factor in (1.0 / _WIDTH, _WIDTH)]
+    times = [time_text(time * factor, 4) for factor in (1.0 / _WIDTH, _WIDTH)]
+    return {"gain_bounds": json.dumps(gains), "time_bounds": json.dumps(times)}
+
+
+def _shown(value: float, signal: Signal) -> str:
+    unit = "" if signal.shown_unit == "1" else f" {signal.shown_unit}"
+    return f"{from_si(value, signal.unit, signal.shown_unit):.6g}{unit}"
+
+
+def _quoted(text: str) -> str:
+    """Return a text as TOML writes it."""
+    return json.dumps(text, ensure_ascii=False)

@@ -1,0 +1,92 @@
+"""What a study file asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.linear.analysis import Analysis
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.scenario import Scenario
+from clepsydra.process.process import Process
+from clepsydra.studies.file.tuning_request import TuningRequest
+
+#: Takes the analysis of the process and its linear model with all measurements.
+Maker = Callable[[Analysis, LinearModel], Controller]
+
+
+@dataclass(frozen=True, eq=False)
+class ControllerRequest:
+    """One controller of a study file.
+
+    Parameters
+    ----------
+    name : str
+        As the reader sees it.
+    make : callable
+        (analysis, model) → Controller. It raises `NotApplicable` where a design does not apply
+        to the process, and an `InputError` that names line and key where the file is wrong. What
+        is asked of a tuning is checked as well.
+    tune : TuningRequest or None
+        How it is tuned by simulation after that; None if it is not.
+    place : str
+        Where it stands in the file.
+
+    Examples
+    --------
+    See `clepsydra.studies.file.reader.read_study`.
+    """
+
+    name: str
+    make: Maker
+    tune: TuningRequest | None
+    place: str
+
+
+@dataclass(frozen=True, eq=False)
+class StudyRequest:
+    """A study as its file asks for it.
+
+    Parameters
+    ----------
+    path : Path
+        Of the file.
+    title : str
+        One line for the reader.
+    process : Process
+    analysis : Analysis
+        Of the process at its operating point, where the scenario begins.
+    scenario : Scenario
+    controllers : tuple of ControllerRequest
+        In the order of the file; empty where it names none and every design that applies is
+        wanted.
+    scores : tuple of str
+        What to rank by, from `clepsydra.scores.catalogue`: "iae" of all its signals or
+        "iae[level]" of one; empty for the usual rule.
+    seed : int
+        Of noise and searches.
+
+    Examples
+    --------
+    See `clepsydra.studies.file.reader.read_study`.
+    """
+
+    path: Path
+    title: str
+    process: Process
+    analysis: Analysis
+    scenario: Scenario
+    controllers: tuple[ControllerRequest, ...]
+    scores: tuple[str, ...]
+    seed: int
+
+    @property
+    def file_stem(self) -> str:
+        """What reports and data of the study are called: the file's own name.
+
+        >>> StudyRequest(Path("a/basin.toml"), "", *[None] * 3, (), (), 1).file_stem
+        'basin'
+        """
+        return self.path.stem

@@ -1,0 +1,215 @@
+"""What happens in a study: steps of setpoints and loads at their times."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.base.suggestion import suggestion
+from clepsydra.base.words import time_text
+from clepsydra.linear.analysis import Analysis
+from clepsydra.loop.default_scenario import MOST_SAMPLES, add_noise, default_scenario
+from clepsydra.loop.duration import samples_before
+from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.process.process import Process
+from clepsydra.process.table_reader import TableReader
+from clepsydra.studies.file.gains import check_in_range, read_value
+
+SCENARIO_KEYS = ("duration", "noise", "setpoint", "load")
+STEP_KEYS = ("signal", "at", "to", "by")
+_STEPS = "add a step, as in [[scenario.setpoint]], or leave [scenario] out for the usual one"
+
+
+@dataclass(frozen=True)
+class _Step:
+    kind: Literal["setpoint", "load"]
+    table: TableReader
+    signal: Signal
+    sample: int
+
+
+def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenario:
+    """Read the scenario of a study file, the default scenario where it has none.
+
+    Steps come one at a time: each begins a segment that lasts until the next one, whatever its
+    signal, so that every score knows what it is of. A step between two samples acts from the
+    later one on. Noise is that of the process, over the whole scenario, or in a stretch of its
+    own after the last step, by which it is judged how quiet a controller is.
+
+    Parameters
+    ----------
+    general : TableReader
+        The whole study file.
+    analysis : Analysis
+        Of the process at the operating point where the scenario begins.
+    seed : int
+        Of the noise.
+
+    Raises
+    ------
+    InputError
+        There is no step; a signal is unknown; a step changes nothing, leaves the range of its
+        signal, comes after the end, or together with another one.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.document import parse
+    >>> from clepsydra.process.reader import load_process
+    >>> text = b'''[scenario]
+    ... duration = "6 h"
+    ... [[scenario.setpoint]]
+    ... signal = "level"
+    ... at = "10 min"
+    ... to = "60 %"
+    ... '''
+    >>> general = TableReader(parse(text, "study.toml"), (), None)
+    >>> scenario = read_scenario(general, analyse(load_process("equalisation-tank")), seed=1)
+    >>> [(s.start, s.stop, round(s.size, 9)) for s in scenario.segments]
+    [(600.0, 21600.0, 0.1)]
+    """
+    if not general.has("scenario"):
+        return default_scenario(analysis.model, seed)
+    table = general.table("scenario", "a table", "write [scenario]", SCENARIO_KEYS)
+    process = analysis.operating_point.process
+    period = process.sampling_period
+    duration = table.quantity(
+        "duration", "s", "a length of time", "say how long the scenario lasts", above=0.0
+    )
+    samples = samples_before(duration, period)
+    if samples > MOST_SAMPLES:
+        raise table.refused(
+            "duration",
+            table.written("duration"),
+            f"at most {time_text(MOST_SAMPLES * period, 4)}, {MOST_SAMPLES:,} sampling periods",
+            "shorten it, or lengthen the sampling period of the process",
+        )
+    quiet = _noise_begins(table, period, samples)
+    steps = _steps(table, process, samples if quiet is None else quiet)
+    at = analysis.operating_point.as_dict()
+    setpoints = np.tile([at[name] for name in process.controlled], (samples, 1))
+    disturbances = np.tile([at[signal.name] for signal in process.disturbances], (samples, 1))
+    noise = np.zeros((samples, len(process.measurements)))
+    ends = [step.sample for step in steps[1:]] + [samples if quiet is None else quiet]
+    segments: list[Segment] = []
+    for step, end in zip(steps, ends, strict=True):
+        if step.kind == "setpoint":
+            column = setpoints[:, process.controlled.index(step.signal.name)]
+        else:
+            place = [signal.name for signal in process.disturbances].index(step.signal.name)
+            column = disturbances[:, place]
+        before = float(column[step.sample])
+        value = _value(step, before)
+        column[step.sample :] = value
+        start, stop = step.sample * period, end * period
+        segments.append(Segment(step.kind, step.signal.name, start, stop, value - before))
+    if quiet is not None:
+        segments.append(Segment("noise", "", quiet * period, samples * period, 0.0))
+    if quiet is not None or table.flag("noise", default=True):
+        add_noise(process, noise, disturbances, slice(quiet, None), seed)
+    return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed)
+
+
+def _noise_begins(table: TableReader, period: float, samples: int) -> int | None:
+    """Return the sample from which on there is noise and nothing else; None without such a time."""
+    if not table.has("noise") or isinstance(table.raw("noise"), bool):
+        return None
+    remedy = 'write true, false, or when a stretch of noise without steps begins, as in "5 h"'
+    time = table.quantity("noise", "s", "a time", remedy, above=0.0)
+    sample = samples_before(time, period)
+    if sample >= samples:
+        raise table.refused(
+            "noise",
+            table.written("noise"),
+            f"a time before the end of the scenario at {time_text(samples * period, 4)}",
+            "lengthen the duration, or let the noise begin earlier",
+        )
+    return sample
+
+
+def _steps(table: TableReader, process: Process, samples: int) -> list[_Step]:
+    """Return the steps in order of time, all of them before the sample `samples`."""
+    controlled = [process.signal(name) for name in process.controlled]
+    steps = []
+    kinds: tuple[tuple[Literal["setpoint", "load"], list[Signal], str], ...] = (
+        ("setpoint", controlled, "a controlled measurement"),
+        ("load", list(process.disturbances), "a disturbance"),
+    )
+    for kind, known, words in kinds:
+        rows = table.tables(
+            kind, "a list of steps", f"write each as [[scenario.{kind}]]", STEP_KEYS
+        )
+        for row in rows:
+            signal = _signal(row, known, words, process)
+            steps.append(_Step(kind, row, signal, _sample(row, process.sampling_period, samples)))
+    if not steps:
+        raise InputError(table.place(), "no step", "at least one step", _STEPS)
+    steps.sort(key=lambda step: step.sample)
+    for first, second in pairwise(steps):
+        if first.sample == second.sample:
+            raise second.table.refused(
+                "at",
+                second.table.written("at"),
+                f"a time at which {first.signal.name} does not step as well, so that it is known "
+                "what the response is to",
+                "let one step follow the other",
+            )
+    return steps
+
+
+def _signal(row: TableReader, known: list[Signal], words: str, process: Process) -> Signal:
+    by_name = {signal.name: signal for signal in known}
+    name = row.name("signal", f"the name of {words}")
+    if name in by_name:
+        return by_name[name]
+    names = ", ".join(by_name) or "none"
+    raise row.refused(
+        "signal",
+        name[:60],
+        f"{words} of {process.name} ({names})",
+        suggestion(name, by_name, "choose one of them"),
+    )
+
+
+def _sample(row: TableReader, period: float, samples: int) -> int:
+    time = row.quantity("at", "s", "a time", "say when it steps", at_least=0.0)
+    sample = samples_before(time, period)
+    if sample >= samples:
+        raise row.refused(
+            "at",
+            row.written("at"),
+            f"a time before the end of the steps at {time_text(samples * period, 4)}",
+            "lengthen the duration, or let it step earlier",
+        )
+    return sample
+
+
+def _value(step: _Step, before: float) -> float:
+    """Return the value after a step [SI]."""
+    table, signal = step.table, step.signal
+    if table.has("to") == table.has("by"):
+        raise table.refused(
+            "by" if table.has("by") else "to",
+            "both to and by" if table.has("to") else "neither to nor by",
+            "one of the two: the value after the step, or the size of the step",
+            'write as in to = "60 %" or by = "10 %"',
+        )
+    if table.has("to"):
+        value = read_value(table, "to", signal, "a value", "give the value after the step")
+        key = "to"
+    else:
+        change = read_value(
+            table, "by", signal, "a change", "give the size of the step", change=True
+        )
+        value, key = before + change, "by"
+    check_in_range(table, key, signal, value, "a setpoint" if step.kind == "setpoint" else "a load")
+    if value == before:
+        raise table.refused(
+            key, table.written(key), f"a change of {signal.name}", "let it step, or leave it out"
+        )
+    return value

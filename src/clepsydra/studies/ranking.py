@@ -1,0 +1,361 @@
+"""The order of the controllers of a study by a printed rule."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.loop.run import Run
+from clepsydra.process.process import Process
+from clepsydra.scores.catalogue import SCORES
+from clepsydra.studies.ranking_words import (
+    IDLE,
+    STANDINGS,
+    TIE,
+    in_sentence,
+    peak_sentence,
+    percent,
+    reason,
+    with_article,
+)
+from clepsydra.studies.result import Candidate, Standing
+from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.warnings.harm import harms
+from clepsydra.studies.warnings.loop_response import LoopResponse
+from clepsydra.studies.warnings.margins import LARGEST_PEAK
+
+_GROUPS = (
+    "safe, robust and quiet controllers first (levels stay in their tanks, nothing runs dry, "
+    "no pump trips, max|S| at most 2.0, also of inner loops, measurement noise throws no "
+    "manipulated variable about by more than 5 % of its range), then nervous ones, which are not "
+    "quiet, then stable ones, then the rest. Among these "
+)
+_USUAL = (
+    "the smaller mean of setpoint error and load error: the integral absolute error over all "
+    "setpoint steps and over all load steps, without the stretch of noise, each averaged over the "
+    "controlled variables as multiples of the best among the first of these groups. Where a level "
+    "is there to average a flow, outflow change and outflow variance, its largest rate of change "
+    "and its variance ratio over the load steps, stand in place of its errors. A run without such "
+    "steps is judged by the error over the whole of it."
+)
+_TIES = (
+    " Within 2 % of each other the smaller total variation of the manipulated variables, averaged "
+    f"as multiples in the same way; one below {100 * IDLE:.0f} % of the variable's range counts as "
+    "that much."
+)
+RULE = _GROUPS + _USUAL + _TIES
+
+#: Largest noise movement of a quiet controller, share of the input's range.
+QUIET = 0.05
+#: What is smaller is rounding, and no reason to call a controller many times worse than another:
+#: a mean error and a move in shares of the signal's range, a variance ratio [1], and a rate of
+#: change of an outflow [m³/h per h].
+_SMALLEST_SHARE, _SMALLEST_RATIO, _SMALLEST_CHANGE = 1e-6, 1e-6, 1e-9
+#: And an overshoot, or a travel in an hour.
+_SMALLEST_PERCENT = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """One controller with its run and scores, before it has a rank.
+
+    Parameters
+    ----------
+    controller : Controller
+    run : Run
+    scores : dict
+        As `clepsydra.scores.evaluate.score_run` returns them.
+    maximum_sensitivity : float
+        Not a number for a controller without setpoints, which has no linear loop.
+    warnings : tuple of str
+    response : LoopResponse or None
+        Of its linear loop, where there is one.
+    tuning : TuningResult or None
+        How it was tuned.
+    """
+
+    controller: Controller
+    run: Run
+    scores: dict[str, float]
+    maximum_sensitivity: float
+    warnings: tuple[str, ...]
+    response: LoopResponse | None = None
+    tuning: TuningResult | None = None
+
+    @property
+    def standing(self) -> Standing:
+        """How far it can be trusted."""
+        if harms(self.run):
+            return Standing.UNSAFE
+        if not self.controller.setpoints:  # it switches at levels, and has no linear loop
+            return Standing.ROBUST
+        if not math.isfinite(self.maximum_sensitivity):
+            return Standing.UNSAFE
+        inner = self.response.inner_peak if self.response else None
+        peak = max(self.maximum_sensitivity, inner[1] if inner else 0.0)
+        if peak > LARGEST_PEAK:
+            return Standing.STABLE
+        return Standing.ROBUST if self.noise_movement <= QUIET else Standing.NERVOUS
+
+    @property
+    def noise_movement(self) -> float:
+        """The largest share of an input's range by which noise throws it about."""
+        return max(
+            (
+                self.scores.get(f"noise_movement[{u.name}]", 0.0) / u.span
+                for u in self.run.process.inputs
+            ),
+            default=0.0,
+        )
+
+
+def rule_of(scores: Sequence[str]) -> str:
+    """Return the rule in words, by the scores that a study asks for or by the usual ones.
+
+    Examples
+    --------
+    >>> rule_of(["iae", "overshoot[level]"]).partition("Among these ")[2][:44]
+    'the smaller mean of IAE and overshoot of lev'
+    """
+    if not scores:
+        return RULE
+    asked = (
+        f"the smaller mean of {_listed(scores)}, each averaged "
+        "over its signals as multiples of the best among the first of these groups."
+    )
+    return _GROUPS + asked + _TIES
+
+
+def rank(trials: Sequence[Trial], scores: Sequence[str] = ()) -> tuple[Candidate, ...]:
+    """Return the candidates, best first, each with its reason.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        All of one process and one scenario.
+    scores : sequence of str
+        What to judge by in the place of the rule's errors: names of scores, of all their signals
+        or as "iae[level]" of one.
+
+    Returns
+    -------
+    tuple of Candidate
+        With the numbers that decided: `criteria`, their mean `mean_error`, and `wear`.
+
+    Raises
+    ------
+    InputError
+        A score that is asked for is none of these runs.
+    """
+    if not trials:
+        return ()
+    standings = [trial.standing for trial in trials]
+    first = [t for t, s in zip(trials, standings, strict=True) if s is min(standings)]
+    judge = _Judge(trials[0], first, scores)
+    candidates = []
+    for trial, standing in zip(trials, standings, strict=True):
+        criteria = judge.criteria(trial)
+        candidates.append(
+            Candidate(
+                controller=trial.controller,
+                run=trial.run,
+                scores=trial.scores,
+                maximum_sensitivity=trial.maximum_sensitivity,
+                standing=standing,
+                mean_error=float(np.mean(list(criteria.values()))),
+                rank=0,
+                reason="",
+                warnings=trial.warnings,
+                criteria=criteria,
+                wear=judge.wear(trial),
+                response=trial.response,
+                tuning=trial.tuning,
+            )
+        )
+    groups = _groups(candidates)
+    ordered = [(candidate, number) for number, group in enumerate(groups) for candidate in group]
+    ranking = []
+    for place, (candidate, group) in enumerate(ordered):
+        better = ordered[place - 1] if place else None
+        worse = ordered[1] if not place and len(ordered) > 1 else None
+        rival = better or worse
+        words = reason(
+            candidate,
+            better and better[0],
+            worse and worse[0],
+            tied=rival is not None and rival[1] == group,
+        )
+        ranking.append(replace(candidate, rank=place + 1, reason=words))
+    return tuple(ranking)
+
+
+def verdict(process: Process, ranking: Sequence[Candidate]) -> str:
+    """Return the answer of a study in one sentence.
+
+    Parameters
+    ----------
+    process : Process
+    ranking : sequence of Candidate
+        Best first.
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> verdict(load_process("three-tanks"), [])
+    'No controller of this study applies to Three coupled tanks; the reasons are listed.'
+    """
+    if not ranking:
+        return f"No controller of this study applies to {process.title}; the reasons are listed."
+    best = ranking[0]
+    if best.standing is Standing.UNSAFE:
+        return (
+            f"No controller of this study can be recommended for {process.title}; the least bad "
+            f"is {best.controller.title}: {best.reason[0].lower()}{best.reason[1:]}"
+        )
+    watch = (
+        f"watch: {best.warnings[0].rstrip('.')}"
+        if best.warnings
+        else "no level leaves its tank and no input saturates for long"
+    )
+    return (
+        f"{best.controller.title} controls {process.title} best{_lead(best, ranking[1:])}; "
+        f"{peak_sentence(best)}{watch}."
+    )
+
+
+def _lead(best: Candidate, others: Sequence[Candidate]) -> str:
+    """Return what decided between the winner and the next, by the rule of the ranking."""
+    if not others:
+        return ""
+    rival = others[0]
+    name = rival.controller.title
+    if best.standing is not rival.standing:
+        return f", {STANDINGS[best.standing]} where {name} is not"
+    if rival.mean_error > TIE * best.mean_error:
+        saved = 100 * (1 - best.mean_error / rival.mean_error)
+        judged = " and ".join(in_sentence(title) for title in best.criteria)
+        what = f"a mean of {judged}" if len(best.criteria) > 1 else with_article(judged)
+        return f", with {what} {percent(saved)} below that of {name}"
+    return f", as good as {name} with less movement of the inputs"
+
+
+def _groups(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
+    """Return the candidates best first, in groups within which the wear decides."""
+    groups = []
+    waiting = sorted(candidates, key=lambda candidate: (candidate.standing, candidate.mean_error))
+    while waiting:
+        first = waiting[0]
+        tied = [
+            candidate
+            for candidate in waiting
+            if candidate.standing is first.standing
+            and candidate.mean_error <= TIE * first.mean_error
+        ]
+        groups.append(sorted(tied, key=lambda candidate: candidate.wear))
+        waiting = waiting[len(tied) :]
+    return groups
+
+
+class _Judge:
+    """The scores that count for a process, as multiples of the best."""
+
+    def __init__(self, example: Trial, best_of: Sequence[Trial], scores: Sequence[str]) -> None:
+        process = example.run.process
+        self.process = process
+        self.duration = float(example.run.time[-1] - example.run.time[0])
+        self.best_of = best_of
+        # A controller without setpoints has fewer scores than others.
+        every = {key: value for trial in best_of for key, value in trial.scores.items()}
+        named = {score: _keys(score, every) for score in scores}
+        usual = {
+            title: keys
+            for title, score, signals in _judged_by(process)
+            if (keys := [k for name in signals if (k := f"{score}[{name}]") in example.scores])
+        } or {"error": [f"iae[{name}]" for name in process.controlled]}
+        self.judged = {_title(score): keys for score, keys in named.items()} or usual
+
+    def criteria(self, trial: Trial) -> dict[str, float]:
+        """Return the mean multiple of each criterion."""
+        return {title: self._mean(trial, keys) for title, keys in self.judged.items()}
+
+    def wear(self, trial: Trial) -> float:
+        """Return the mean multiple of the total variation."""
+        return self._mean(trial, [f"total_variation[{u.name}]" for u in self.process.inputs])
+
+    def _mean(self, trial: Trial, keys: Sequence[str]) -> float:
+        return float(
+            np.mean([self._multiple(key, trial.scores.get(key, math.inf)) for key in keys])
+        )
+
+    def _multiple(self, key: str, value: float) -> float:
+        if not math.isfinite(value):
+            return math.inf
+        smallest = self._smallest(key)
+        best = min(trial.scores.get(key, math.inf) for trial in self.best_of)
+        if not math.isfinite(best):
+            return 1.0
+        if max(best, smallest) == 0.0:
+            return 1.0 if value == 0.0 else math.inf
+        return max(value, smallest) / max(best, smallest)
+
+    def _smallest(self, key: str) -> float:
+        """Return what of a score is only rounding."""
+        score, _, name = key.removesuffix("]").partition("[")
+        if score == "variance_ratio":
+            return _SMALLEST_RATIO
+        if score == "outflow_rate":
+            return _SMALLEST_CHANGE
+        rule = SCORES[score].unit_rule
+        if rule == "s":
+            return self.process.sampling_period
+        if rule.startswith("%"):
+            return _SMALLEST_PERCENT
+        if "signal unit" not in rule:
+            return 0.0
+        span = self.process.signal(name).span
+        if not math.isfinite(span):
+            return 0.0
+        if score == "total_variation":
+            return IDLE * span
+        if "× s" not in rule:
+            return _SMALLEST_SHARE * span
+        return _SMALLEST_SHARE * span * self.duration
+
+
+def _judged_by(process: Process) -> tuple[tuple[str, str, tuple[str, ...]], ...]:
+    """Return title, score and signals of what controllers of a process are judged by."""
+    averaging = process.averaging
+    held = tuple(name for name in process.controlled if name not in averaging)
+    return (
+        ("setpoint error", "iae_setpoint", held),
+        ("load error", "iae_load", held),
+        ("outflow change", "outflow_rate", averaging),
+        ("outflow variance", "variance_ratio", averaging),
+    )
+
+
+def _keys(score: str, scores: Mapping[str, float]) -> list[str]:
+    """Return the scores of a run that a name stands for."""
+    found = [key for key in scores if score in (key, key.partition("[")[0])]
+    if not found:
+        known = ", ".join(dict.fromkeys(key.partition("[")[0] for key in scores))
+        raise InputError(
+            "ranking, scores", score, f"a score of this scenario and its signals: {known}",
+            "choose one of them, or give the scenario the step that it judges",
+        )  # fmt: skip
+    return found
+
+
+def _listed(scores: Sequence[str]) -> str:
+    return " and ".join(in_sentence(_title(score)) for score in scores)
+
+
+def _title(score: str) -> str:
+    """Return what a table calls a score, "IAE" or "IAE of level"."""
+    name, _, signal = score.removesuffix("]").partition("[")
+    return SCORES[name].title + (f" of {signal}" if signal else "")

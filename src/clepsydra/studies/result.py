@@ -1,0 +1,193 @@
+"""What a study found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.linear.analysis import Analysis
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop.run import Run
+from clepsydra.loop.scenario import Scenario
+from clepsydra.process.process import Process
+from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.warnings.loop_response import LoopResponse
+
+
+class Standing(IntEnum):
+    """How far a controller can be trusted; a smaller number ranks first."""
+
+    ROBUST = 0
+    NERVOUS = 1
+    STABLE = 2
+    UNSAFE = 3
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Candidate:
+    """One controller of a study with its run, its scores and its place.
+
+    Parameters
+    ----------
+    controller : Controller
+    run : Run
+    scores : dict
+        Score name to value; a score per signal has the key "name[signal]".
+    maximum_sensitivity : float
+        Largest singular value of S over frequency, at the process output.
+    standing : Standing
+    mean_error : float
+        What decides among controllers of one standing: the mean of `criteria`.
+    rank : int
+        1 is best.
+    reason : str
+        Why it stands where it stands, in words.
+    warnings : tuple of str
+    criteria : mapping
+        What it is judged by, in the words of a column's title, to the mean over its signals of
+        that score, each as a multiple of the best in the study: "setpoint error" and "load
+        error", for averaging levels "outflow change" and "outflow variance".
+    wear : float
+        Mean over the manipulated variables of the total variation, each as a multiple of the
+        best; it decides between controllers within 2 % of each other.
+    response : LoopResponse or None
+        Sensitivity and margins of its exact sampled loop, where it has one.
+    tuning : TuningResult or None
+        How it was tuned by simulation, if it was.
+    """
+
+    controller: Controller
+    run: Run
+    scores: dict[str, float]
+    maximum_sensitivity: float
+    standing: Standing
+    mean_error: float
+    rank: int
+    reason: str
+    warnings: tuple[str, ...]
+    criteria: Mapping[str, float] = field(default_factory=dict)
+    wear: float = 1.0
+    response: LoopResponse | None = None
+    tuning: TuningResult | None = None
+
+    def __repr__(self) -> str:
+        """Return its place and the numbers of the ranking, in a line."""
+        judged = ", ".join(f"{title} {value:.3g}" for title, value in self.criteria.items())
+        return (
+            f"<Candidate {self.rank}: {self.controller.title}; {self.standing.name.lower()}, "
+            f"max|S| {self.maximum_sensitivity:.2f}; {judged or 'not judged'} times the best, "
+            f"moves {self.wear:.3g} times the least; {_counted(len(self.warnings), 'warning')}>"
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StudyResult:
+    """A process, its analysis, and the controllers in order of rank.
+
+    Parameters
+    ----------
+    process : Process
+    analysis : Analysis
+    scenario : Scenario
+    ranking : tuple of Candidate
+        Best first.
+    not_applicable : tuple of (name, reason)
+    verdict : str
+        The answer in one sentence: which controller, how good, how sure, what to watch.
+    warnings : tuple of str
+        What holds for the process under any controller.
+    title : str
+        That of the study file; else that of the process.
+    rule : str
+        What the controllers are ranked by, in words.
+    path : Path or None
+        Of the study file; None where there is none.
+    """
+
+    process: Process
+    analysis: Analysis
+    scenario: Scenario
+    ranking: tuple[Candidate, ...]
+    not_applicable: tuple[tuple[str, str], ...]
+    verdict: str
+    warnings: tuple[str, ...]
+    title: str = ""
+    rule: str = ""
+    path: Path | None = None
+
+    def __repr__(self) -> str:
+        """Return what was studied and what came first, in a line."""
+        best = f", best {self.ranking[0].controller.title}" if self.ranking else ""
+        return (
+            f"<StudyResult of {self.process.address}: "
+            f"{_counted(len(self.ranking), 'controller')}{best}; "
+            f"{len(self.not_applicable)} not applicable>"
+        )
+
+    def __str__(self) -> str:
+        """Return the verdict and the ranking, a line each."""
+        return "\n".join([self.verdict, *(repr(candidate) for candidate in self.ranking)])
+
+    @property
+    def point(self) -> OperatingPoint:
+        """The operating point."""
+        return self.analysis.operating_point
+
+    @property
+    def model(self) -> LinearModel:
+        """The linear model from all inputs to the controlled outputs."""
+        return self.analysis.model
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the study as values for JSON, in SI; an unreached score is infinite."""
+        return {
+            "process": self.process.name,
+            "verdict": self.verdict,
+            "ranking": [_candidate(candidate) for candidate in self.ranking],
+            "not_applicable": [
+                {"controller": name, "reason": reason} for name, reason in self.not_applicable
+            ],
+            "warnings": list(self.warnings),
+            "analysis": self.analysis.as_dict(),
+            "scenario": {
+                "sampling_period": self.scenario.sampling_period,
+                "samples": self.scenario.samples,
+                "seed": self.scenario.seed,
+                "segments": [asdict(segment) for segment in self.scenario.segments],
+            },
+        }
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number or 'no'} {what}{'' if number == 1 else 's'}"
+
+
+def _candidate(candidate: Candidate) -> dict[str, Any]:
+    controller, run = candidate.controller, candidate.run
+    return {
+        "rank": candidate.rank,
+        "standing": candidate.standing.name.lower(),
+        "controller": controller.name,
+        "title": controller.title,
+        "slowed": controller.slowed,
+        "family": controller.family,
+        "design": controller.design,
+        "parameters": dict(controller.values),
+        "measurements": list(controller.measurements),
+        "setpoints": list(controller.setpoints),
+        "manipulated": list(controller.manipulated),
+        "scores": dict(candidate.scores),
+        "maximum_sensitivity": candidate.maximum_sensitivity,
+        "mean_error": candidate.mean_error,
+        "criteria": dict(candidate.criteria),
+        "wear": candidate.wear,
+        "reason": candidate.reason,
+        "warnings": list(candidate.warnings),
+        "error_estimate": run.error_estimate,
+        "substeps": run.substeps,
+    }

@@ -1,0 +1,119 @@
+"""One controller tried: warned about, simulated and scored."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+
+from clepsydra.base.errors import ClepsydraError
+from clepsydra.controllers.controller import Controller
+from clepsydra.designs.sampled.sampled_loop import sampled_loop
+from clepsydra.linear.analysis import Analysis
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.inner_setpoints import inner_setpoints
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.run import Run
+from clepsydra.loop.scenario import Scenario
+from clepsydra.scores.evaluate import score_run
+from clepsydra.scores.plant import plant_trajectories
+from clepsydra.studies.ranking import Trial
+from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.warnings.after import warnings_after
+from clepsydra.studies.warnings.before import warnings_before
+from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
+
+#: A loop that noise drives from limit to limit converges slowly; its estimate is then told.
+_REFINEMENT = 4
+
+
+def tried(
+    controller: Controller,
+    analysis: Analysis,
+    model: LinearModel,
+    scenario: Scenario,
+    tuning: TuningResult | None = None,
+) -> Trial:
+    """Return what a controller does in a scenario, and what is to be said of it.
+
+    Parameters
+    ----------
+    controller : Controller
+    analysis : Analysis
+    model : LinearModel
+        Of the same operating point, with all measurements.
+    scenario : Scenario
+    tuning : TuningResult, optional
+        How the controller was tuned.
+
+    Examples
+    --------
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.linear.linearise import linearise
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> model = linearise(analysis.operating_point)
+    >>> trial = tried(controller, analysis, model, default_scenario(analysis.model))
+    >>> round(trial.maximum_sensitivity, 2), trial.warnings
+    (1.07, ())
+    """
+    switches = not controller.setpoints
+    response: LoopResponse | None = None
+    if not switches:
+        with suppress(ClepsydraError):  # the warnings say why there is none
+            response = loop_response(controller, model)
+    before = warnings_before(analysis, model, controller, scenario, response)
+    loop = Loop(controller, model)
+    # Halving the step of a loop of switches moves a switch by a sample, and converges to nothing.
+    run = loop.run(scenario) if switches else loop.run_checked(scenario, _REFINEMENT)
+    scores = scores_of(run)
+    peak = math.nan
+    if not switches:
+        linear = sampled_loop(controller, model) if response is None else response.loop
+        peak = linear.maximum_sensitivity
+    return Trial(
+        controller=controller,
+        run=run,
+        scores=scores,
+        maximum_sensitivity=peak,
+        warnings=(*_cut_short(tuning), *before, *warnings_after(run, scores)),
+        response=response,
+        tuning=tuning,
+    )
+
+
+def _cut_short(tuning: TuningResult | None) -> tuple[str, ...]:
+    if tuning is None or not tuning.interrupted:
+        return ()
+    return (
+        f"The tuning was interrupted after {tuning.evaluations} candidates, and this is the best "
+        "of them: run the same study again, and it goes on from there.",
+    )
+
+
+def scores_of(run: Run) -> dict[str, float]:
+    """Return every score of a run; errors are those of the true levels, without noise.
+
+    Examples
+    --------
+    See `tried`.
+    """
+    process = run.process
+    return score_run(
+        run.time,
+        {name: run.values[f"{name}.setpoint"] for name in process.controlled},
+        {name: run.true_measurement(name) for name in process.controlled},
+        {u.name: run.values[u.name] for u in process.inputs},
+        {u.name: (u.low, u.high) for u in process.inputs},
+        run.scenario.segments,
+        measured={name: run.values[name] for name in process.controlled},
+        plant=plant_trajectories(process, run.time, run.values),
+        followed=run.controller.setpoints,
+        movable={u.name: run.limits(u.name) for u in process.inputs},
+        inner={
+            each.name.replace(".inner_setpoint", ""): (run.values[each.name], each.low, each.high)
+            for each in inner_setpoints(run.controller, process)
+        },
+    )

@@ -1,0 +1,185 @@
+"""Many candidates of one controller simulated side by side, scored while they run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.engine.kernel import Kernel
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.closed_loop import closed_loop, controller_name
+from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.refinement import LARGEST_REFINEMENT
+from clepsydra.loop.running_scores import RunningScores, split_score
+from clepsydra.loop.scenario import Scenario
+from clepsydra.loop.step_size import MOST_SUBSTEPS
+from clepsydra.program.program import Program
+from clepsydra.studies.tuning.resting_states import resting_states
+
+#: Scores of which the largest over the scenarios counts, where the others add up.
+_LARGEST = ("overshoot", "highest", "outflow_rate")
+
+
+class BatchScores(NamedTuple):
+    """What became of each candidate.
+
+    Parameters
+    ----------
+    scores : dict
+        "score[signal]" to its values [candidates].
+    status : ndarray [candidates]
+        What happened in any scenario, see `clepsydra.loop.lane_status.LaneStatus`.
+
+    Examples
+    --------
+    >>> BatchScores({"iae[level_1]": np.array([3.0])}, np.array([0])).scores["iae[level_1]"][0]
+    np.float64(3.0)
+    """
+
+    scores: dict[str, np.ndarray]
+    status: np.ndarray
+
+
+class BatchEvaluation:
+    """One compiled kernel that runs a controller's law with many values of its parameters.
+
+    The candidates are its lanes; each scenario is one pass over them, so that what the
+    candidates share is read once. No trajectory is stored.
+
+    Parameters
+    ----------
+    controller : Controller
+    model : LinearModel
+        Of the process at the operating point where the scenarios begin.
+    scenarios : sequence of Scenario
+    names : sequence of str
+        Running scores, see `clepsydra.loop.running_scores.RunningScores`. Over several
+        scenarios overshoot, outflow change and the highest level are the largest, the lowest
+        level the smallest; all others add up.
+
+    Raises
+    ------
+    InputError
+        There is no scenario, one is of another process, or a score is unknown.
+
+    Examples
+    --------
+    Twice the gain brings the IAE of a step of 0.1 V down from 0.74 V s to 0.39 V s:
+
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> at_rest = np.array([[analysis.operating_point.as_dict()[y] for y in controller.setpoints]])
+    >>> setpoints = np.repeat(at_rest, 200, axis=0) + [0.1, 0.0]
+    >>> step = Scenario(1.0, setpoints, np.zeros((200, 2)), np.zeros((200, 4)), (), 1)
+    >>> batch = BatchEvaluation(controller, analysis.model, [step], ["iae[level_1]"])
+    >>> batch.run({"proportional_gain_1": np.array([3.0, 6.0])}).scores["iae[level_1]"].round(2)
+    array([0.74, 0.39])
+    """
+
+    def __init__(
+        self,
+        controller: Controller,
+        model: LinearModel,
+        scenarios: Sequence[Scenario],
+        names: Sequence[str],
+    ) -> None:
+        if not scenarios:
+            raise InputError("tuning, scenarios", "none", "at least one", "make one")
+        self.loop = Loop(controller, model)
+        self._scores = RunningScores(self.loop.process, tuple(names))
+        self._samples = [scenario.samples for scenario in scenarios]
+        given = []
+        for scenario in scenarios:
+            self.loop.check(scenario)
+            given.append(self.loop.inputs_of(scenario) | self._scores.inputs_of(scenario))
+        # What never moves is folded into the program: no noise, no load, no step.
+        at_rest = self.loop.at_rest()
+        constant = {name: value for name, value in at_rest.items() if name not in given[0]}
+        for name in at_rest.keys() & given[0].keys():
+            first = float(given[0][name][0])
+            if all(np.all(inputs[name] == first) for inputs in given):
+                constant[name] = first
+        self._inputs = [
+            {name: value for name, value in inputs.items() if name not in constant}
+            for inputs in given
+        ]
+        self._compile(constant)
+
+    def _compile(self, constant: Mapping[str, float]) -> None:
+        """Make the program, with steps that are not too long for the controller itself.
+
+        A candidate for which they are too long has that in its status.
+        """
+        process, count = self.loop.process, self.loop.substeps
+        most = min(LARGEST_REFINEMENT * count, MOST_SUBSTEPS)
+        while True:
+            self.program: Program = closed_loop(
+                process,
+                self.loop.controller,
+                substeps=count,
+                constant=constant,
+                scores=self._scores,
+                statuses=True,
+            )
+            self._kernel = Kernel(self.program, record=False)
+            if not self.run({}).status[0] & LaneStatus.STEP_TOO_LONG:
+                return
+            if 2 * count > most:
+                raise InputError(
+                    f"tuning, {self.loop.controller.name}, integration",
+                    f"{count} steps in a sampling period of {process.sampling_period:g} s",
+                    f"steps so short that no state is wrong by {100.0 * STEP_BOUND:g} % of its "
+                    "range at the start of the search",
+                    "start from a calmer controller, or shorten the sampling period",
+                )
+            count *= 2
+
+    def run(self, values: Mapping[str, np.ndarray]) -> BatchScores:
+        """Return the scores of every candidate.
+
+        Parameters
+        ----------
+        values : mapping
+            Parameter of the law to its value for each candidate [candidates]; the others keep
+            the controller's.
+        """
+        resting = resting_states(self.loop, values)
+        parameters: dict[str, ArrayLike] = {
+            **self.loop.law_parameters(),
+            **{controller_name(name): value for name, value in values.items()},
+        }
+        state: dict[str, ArrayLike] = {
+            **self.loop.initial_state(),
+            **{controller_name(name): value for name, value in resting.items()},
+        }
+        found: dict[str, np.ndarray] = {}
+        status: np.ndarray | None = None
+        for samples, inputs in zip(self._samples, self._inputs, strict=True):
+            result = self._kernel.run(
+                samples,
+                inputs=inputs,
+                parameters=parameters,
+                state=state,
+            )
+            happened = lane_status(result, self.loop.process)
+            status = happened if status is None else status | happened
+            for name, score in self._scores.read(result).items():
+                found[name] = _together(name, found[name], score) if name in found else score
+        assert status is not None
+        return BatchScores(found, status)
+
+
+def _together(name: str, one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    score = split_score(name)[0]
+    if score in _LARGEST:
+        return np.maximum(one, other)
+    return np.minimum(one, other) if score == "lowest" else one + other

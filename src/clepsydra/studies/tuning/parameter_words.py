@@ -1,0 +1,123 @@
+"""Tuned parameters and limits as a reader knows them: %/%, seconds, and names of loops."""
+
+from __future__ import annotations
+
+from clepsydra.base.signal import Signal
+from clepsydra.base.units import from_si
+from clepsydra.base.words import time_text
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.pid_parameters import GAINS
+from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.designs.gain_units import has_range, percent_gain
+from clepsydra.loop.running_scores import split_score
+from clepsydra.process.process import Process
+
+#: What a study file calls a parameter of a loop, where it is not the same.
+_NAMES = {"proportional_gain": "gain"}
+
+
+class ParameterWords:
+    """The parameters of one controller in words.
+
+    Parameters
+    ----------
+    controller : Controller
+    process : Process
+        Lends ranges and display units.
+
+    Examples
+    --------
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("wet-well")
+    >>> words = ParameterWords(design_simc(analyse(process).model), process)
+    >>> words.name("proportional_gain_1"), words.value("proportional_gain_1", -125.0)
+    ('level.gain', '2 %/%')
+    """
+
+    def __init__(self, controller: Controller, process: Process) -> None:
+        self._parameters = {parameter.name: parameter for parameter in controller.law.parameters}
+        self._loops = {
+            block.number: block for block in controller.law.blocks if isinstance(block, PidBlock)
+        }
+        self._controller, self._process = controller, process
+
+    def name(self, parameter: str) -> str:
+        """Return "level.gain" of a loop, as in a study file, or the law's own name."""
+        stem, block = self._of_loop(parameter)
+        if block is None:
+            return parameter
+        # The loops that a design makes are numbered, and called by what they measure.
+        loop = block.name.removeprefix("loop ")
+        loop = self._measured(block).name if loop == str(block.number) else loop
+        return f"{loop}.{_NAMES.get(stem, stem)}"
+
+    def value(self, parameter: str, value: float) -> str:
+        """Return a value [the law's unit]; of a loop's gain without the sign of its action."""
+        stem, block = self._of_loop(parameter)
+        signal = self._parameters[parameter]
+        if block is not None and stem in GAINS:
+            measured, moved = self._measured(block), self._moved(block)
+            if has_range(measured) and has_range(moved):
+                shown = percent_gain(abs(value), measured, moved)
+                return f"{shown:.4g} %/%{GAINS[stem]}"
+            return _quantity(signal, abs(value))
+        if signal.unit == "s":
+            return time_text(value)
+        return _quantity(signal, value)
+
+    def turns(self, parameter: str, value: float) -> bool:
+        """Return whether `value` leaves a negative sign out, and larger is smaller."""
+        stem, block = self._of_loop(parameter)
+        return block is not None and stem in GAINS and value < 0.0
+
+    def _of_loop(self, parameter: str) -> tuple[str, PidBlock | None]:
+        """Return a parameter without its number, and the loop that it is of."""
+        stem, _, number = parameter.rpartition("_")
+        block = self._loops.get(int(number)) if number.isdecimal() else None
+        if block is None or parameter not in {each.name for each in block.parameters()}:
+            return parameter, None
+        return stem, block
+
+    def _measured(self, block: PidBlock) -> Signal:
+        return self._process.signal(self._controller.measurements[block.measured - 1])
+
+    def _moved(self, block: PidBlock) -> Signal:
+        if block.direct is None:
+            return block.moved
+        return self._process.signal(self._controller.manipulated[block.direct - 1])
+
+
+def limit_words(name: str, limit: float, process: Process) -> str:
+    """Return a limit of a score as a phrase.
+
+    Parameters
+    ----------
+    name : str
+        "total_variation[duty]"
+    limit : float
+        In the unit of the score; an overshoot in percent.
+    process : Process
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> limit_words("total_variation[duty]", 2.077, load_process("wet-well"))
+    'total variation of duty at most 207.7 %'
+    >>> limit_words("overshoot[level]", 10.0, load_process("wet-well"))
+    'overshoot of level at most 10 %'
+    >>> limit_words("lowest[well.level]", 1.5, load_process("wet-well"))
+    'well.level at least 1.5 m'
+    """
+    score, signal = split_score(name)
+    percent = score == "overshoot"
+    shown = f"{limit:.4g} %" if percent else _quantity(process.signal(signal), limit)
+    if score in ("lowest", "highest"):
+        return f"{signal} at {'least' if score == 'lowest' else 'most'} {shown}"
+    return f"{score.replace('_', ' ')} of {signal} at most {shown}"
+
+
+def _quantity(signal: Signal, value: float) -> str:
+    shown = f"{from_si(value, signal.unit, signal.shown_unit):.4g}"
+    return shown if signal.shown_unit == "1" else f"{shown} {signal.shown_unit}"

@@ -1,0 +1,307 @@
+"""A tuning problem: which candidate is how good, evaluated once and remembered."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.designs.sampled.sampled_loop import SampledLoops
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.lane_status import LaneStatus
+from clepsydra.loop.running_scores import split_score
+from clepsydra.loop.scenario import Scenario
+from clepsydra.studies.tuning.batch import BatchEvaluation
+from clepsydra.studies.tuning.memory import Memory
+from clepsydra.studies.tuning.objective import ON_LIMIT, Limits, Objective
+from clepsydra.studies.tuning.search_space import SearchSpace
+
+
+class Evaluation(NamedTuple):
+    """What is known of some candidates.
+
+    Parameters
+    ----------
+    objective : ndarray [n]
+        Infinite where the run broke off.
+    parts : ndarray [n, scores]
+        What the objective is the largest or the sum of.
+    margins : ndarray [n, limits]
+        Room to each limit but that of max|S|, as a share of it; negative where it is passed.
+
+    Examples
+    --------
+    >>> one = np.ones((2, 1))
+    >>> Evaluation(np.array([1.0, 1.0]), one, np.array([[0.1], [-0.2]])).violation.tolist()
+    [0.0, 0.2]
+    """
+
+    objective: np.ndarray
+    parts: np.ndarray
+    margins: np.ndarray
+
+    @property
+    def violation(self) -> np.ndarray:
+        """How far a candidate is beyond its worst limit [n], 0 where it keeps all."""
+        return np.asarray(np.max(-self.margins, axis=1, initial=0.0))
+
+
+class Judgement(NamedTuple):
+    """What is known of a controller as it runs, its values rounded.
+
+    Parameters
+    ----------
+    scores : dict
+        "score[signal]" to value.
+    objective : float
+    margins : ndarray [limits]
+        As in `Evaluation`.
+    sensitivity : float
+        max|S| of all loops together; infinite if unstable.
+
+    Examples
+    --------
+    >>> Judgement({"iae[level]": 3.2}, 0.8, np.array([0.1]), 1.6).objective
+    0.8
+    """
+
+    scores: dict[str, float]
+    objective: float
+    margins: np.ndarray
+    sensitivity: float
+
+
+@dataclass(frozen=True)
+class BestSoFar:
+    """The best candidate that keeps every limit.
+
+    Parameters
+    ----------
+    point : ndarray [p]
+    objective, sensitivity : float
+
+    Examples
+    --------
+    >>> BestSoFar(np.array([0.5]), 1.0, 1.6).sensitivity
+    1.6
+    """
+
+    point: np.ndarray
+    objective: float
+    sensitivity: float
+
+
+class TuningProblem:
+    """Candidates are points of the unit cube; each is simulated once, however often asked for.
+
+    Parameters
+    ----------
+    space : SearchSpace
+    model : LinearModel
+    scenarios : sequence of Scenario
+    objective : Objective
+    limits : Limits
+
+    Raises
+    ------
+    InputError
+        A score or limit names an unknown signal, an overshoot is limited where no setpoint
+        steps, or the scores of the start are no measure.
+
+    Examples
+    --------
+    See `clepsydra.studies.tuning.tune.tune`.
+    """
+
+    def __init__(
+        self,
+        space: SearchSpace,
+        model: LinearModel,
+        scenarios: Sequence[Scenario],
+        objective: Objective,
+        limits: Limits,
+    ) -> None:
+        self.space, self.objective, self.limits = space, objective, limits
+        names = list(objective.names)
+        self.limited: dict[str, float] = {}
+        if np.isfinite(limits.overshoot):
+            stepped = {
+                part.signal
+                for scenario in scenarios
+                for part in scenario.segments
+                if part.kind == "setpoint"
+            }
+            if not stepped:
+                raise InputError(
+                    "tuning, limits, overshoot", limits.overshoot,
+                    "a scenario with a setpoint step", "drop the limit",
+                )  # fmt: skip
+            self.limited |= {f"overshoot[{name}]": limits.overshoot for name in sorted(stepped)}
+        self.limited |= {f"total_variation[{u}]": v for u, v in limits.total_variation.items()}
+        for name, (low, high) in limits.levels.items():
+            self.limited |= {f"lowest[{name}]": low, f"highest[{name}]": high}
+        self.names = tuple(dict.fromkeys([*names, *self.limited]))
+        self.batch = BatchEvaluation(space.controller, model, scenarios, self.names)
+        self._loops = SampledLoops(space.controller, model)
+        self.memory = Memory(len(space.start), len(self.names) + 1, self._digest(model, scenarios))
+        self.best: BestSoFar | None = None
+        self.history: list[tuple[int, float]] = []
+        self.on_progress: Callable[[], None] = lambda: None
+        self._asked: set[bytes] = set()
+        self.proper: dict[bytes, np.ndarray] = {}
+
+    def begin(self) -> None:
+        """Evaluate the start, from which scores are scaled.
+
+        Raises
+        ------
+        InputError
+        """
+        own = self.space.controller.values
+        rows = self._run_with(own)
+        self.start_scores = self._named(rows)
+        # What happens at the start in any case, an empty tank say, is no fault of a candidate;
+        # that a run means nothing is never usual.
+        meaningless = LaneStatus.NOT_A_NUMBER | LaneStatus.STEP_TOO_LONG
+        self._usual = int(rows[0, -1]) & ~int(meaningless)
+        self.objective.check_start(self.start_scores)
+        self.start = self._judged(own, rows)
+        first = self.space.start[None, :]
+        self.consider(first, self.evaluate(first))
+
+    @property
+    def evaluations(self) -> int:
+        """Number of different candidates asked for."""
+        return len(self._asked)
+
+    def judge(self, values: Mapping[str, float]) -> Judgement:
+        """Return what simulation says of the controller with all its values.
+
+        The search moves between numbers that are not rounded; its start and what it found are
+        controllers, whose numbers are.
+        """
+        return self._judged(values, self._run_with(values))
+
+    def _judged(self, values: Mapping[str, float], rows: np.ndarray) -> Judgement:
+        found = self._evaluation(rows)
+        peak = self._loops.at(values).maximum_sensitivity
+        return Judgement(self._named(rows), float(found.objective[0]), found.margins[0], peak)
+
+    def _named(self, rows: np.ndarray) -> dict[str, float]:
+        return dict(zip(self.names, rows[0, :-1].tolist(), strict=True))
+
+    def evaluate(self, points: np.ndarray, proper: int | None = None) -> Evaluation:
+        """Return what simulation says of candidates [n, p].
+
+        Parameters
+        ----------
+        points : ndarray [n, p]
+        proper : int, optional
+            How many, from the first, are candidates in their own right; the others are
+            probes for a derivative. All if omitted.
+        """
+        rows = self._rows(points)
+        for point in points[:proper]:
+            self.proper.setdefault(point.tobytes(), point.copy())
+        return self._evaluation(rows)
+
+    def _evaluation(self, rows: np.ndarray) -> Evaluation:
+        scores = {name: rows[:, place] for place, name in enumerate(self.names)}
+        parts = self.objective.parts(scores, self.start_scores)
+        objective = self.objective.value(parts)
+        status = rows[:, -1].astype(int) & ~self._usual
+        objective[status != 0] = np.inf
+        objective[~np.isfinite(objective)] = np.inf
+        margins = [_margin(name, scores[name], limit) for name, limit in self.limited.items()]
+        return Evaluation(objective, parts, np.reshape(margins, (len(margins), len(rows))).T)
+
+    def _rows(self, points: np.ndarray) -> np.ndarray:
+        """Return scores and status of every candidate [n, scores + 1], simulating new ones."""
+        keys = [point.tobytes() for point in points]
+        missing = {
+            key: point
+            for key, point in zip(keys, points, strict=True)
+            if key not in self.memory.rows
+        }
+        if missing:
+            rows = self._simulated(np.array(list(missing.values())))
+            for key, row in zip(missing, rows.tolist(), strict=True):
+                self.memory.rows[key] = row
+        self._asked.update(keys)
+        self.on_progress()
+        return np.array([self.memory.rows[key] for key in keys])
+
+    def _simulated(self, points: np.ndarray) -> np.ndarray:
+        """Return scores and status of candidates [n, scores + 1]; infinite without a law."""
+        values = self.space.values_at(points)
+        usable = np.all([np.isfinite(column) for column in values.values()], axis=0)
+        own = self.space.controller.values
+        found = self.batch.run(
+            {name: np.where(usable, column, own[name]) for name, column in values.items()}
+        )
+        scores = [np.where(usable, found.scores[name], np.inf) for name in self.names]
+        return np.stack([*scores, found.status], axis=1)
+
+    def _run_with(self, values: Mapping[str, float]) -> np.ndarray:
+        """Return scores and status of the controller with all its values [1, scores + 1]."""
+        found = self.batch.run({name: np.array([value]) for name, value in values.items()})
+        return np.stack([*(found.scores[name] for name in self.names), found.status], axis=1)
+
+    def sensitivity(self, point: np.ndarray) -> float:
+        """Return max|S| of all loops together at one point [p]; infinite if unstable."""
+        key = point.tobytes()
+        if key not in self.memory.sensitivities:
+            values = self.space.controller_values(point)
+            usable = all(map(math.isfinite, values.values()))
+            peak = self._loops.at(values).maximum_sensitivity if usable else math.inf
+            self.memory.sensitivities[key] = peak
+        return self.memory.sensitivities[key]
+
+    def consider(self, points: np.ndarray, found: Evaluation) -> None:
+        """Keep the best of some candidates if it beats the best so far and keeps all limits."""
+        for place in np.argsort(found.objective, kind="stable"):
+            value = float(found.objective[place])
+            if not np.isfinite(value) or (self.best and value >= self.best.objective):
+                return
+            if found.violation[place] > ON_LIMIT:
+                continue
+            sensitivity = self.sensitivity(points[place])
+            if sensitivity <= self.limits.maximum_sensitivity * (1.0 + ON_LIMIT):
+                self.best = BestSoFar(points[place].copy(), value, sensitivity)
+                self.history.append((self.evaluations, value))
+                return
+
+    def _digest(self, model: LinearModel, scenarios: Sequence[Scenario]) -> str:
+        """Return what tells this problem from any other."""
+        controller: Controller = self.space.controller
+        said = {
+            "program": repr(self.batch.program),
+            "values": controller.values,
+            "state": controller.initial_state,
+            **self.space.identity(),
+            "objective": asdict(self.objective),
+            "limits": asdict(self.limits),
+            "segments": [[asdict(part) for part in scenario.segments] for scenario in scenarios],
+        }
+        digest = hashlib.sha256(json.dumps(said, sort_keys=True).encode())
+        point = model.point
+        state = [] if point is None else [point.state, point.inputs, point.disturbances]
+        arrays = [model.A, model.B, model.C, *state]
+        for scenario in scenarios:
+            arrays += [scenario.setpoints, scenario.disturbances, scenario.noise]
+        for array in arrays:
+            digest.update(np.ascontiguousarray(array, dtype=float).tobytes())
+        return digest.hexdigest()
+
+
+def _margin(name: str, scores: np.ndarray, limit: float) -> np.ndarray:
+    """Return the room to a limit, as a share of it [n]."""
+    room = scores - limit if split_score(name)[0] == "lowest" else limit - scores
+    return np.asarray(room / (abs(limit) or 1.0))

@@ -1,0 +1,79 @@
+"""Where a step law rests at the operating point, for any values of its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.loop.loop import Loop
+from clepsydra.program.delay_ring import DelayRing
+
+#: Samples in manual at rest, after which one law has taken over what another one holds for it.
+_SAMPLES = 4
+#: A state moved by less than this share of its size was moved by rounding.
+_ROUNDING = 1e-12
+
+
+def resting_states(loop: Loop, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the states that rest elsewhere than the controller's own, which they replace.
+
+    With other gains another integral makes the same output, and a law that changes its gains
+    without a bump remembers the last ones. In manual every law follows what stands at its
+    output, so that a few samples in manual at rest tell where its states belong; the
+    difference that the values make is added to the controller's own initial state.
+
+    Parameters
+    ----------
+    loop : Loop
+    values : mapping
+        Parameter of the law to its value for each candidate [candidates]; the others keep the
+        controller's.
+
+    Returns
+    -------
+    dict
+        State of the law to its initial value for each candidate [candidates].
+
+    Examples
+    --------
+    With a setpoint weight of 0.5 the integral must make up for half of K r = 3 × 6.13 V:
+
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> loop = Loop(design_simc(analysis.model, analysis.pairing), analysis.model)
+    >>> states = resting_states(loop, {"setpoint_weight_1": np.array([1.0, 0.5])})
+    >>> (states["integral_1"] - 3.0).round(3)
+    array([0.   , 9.197])
+    """
+    controller = loop.controller
+    law = controller.law
+    own = _in_manual(loop, {name: np.array([value]) for name, value in controller.values.items()})
+    other = _in_manual(loop, {**controller.values, **values})
+    found = {}
+    for place, entry in enumerate(law.state):
+        moved = other[place] - own[place]
+        if isinstance(entry, DelayRing):
+            continue
+        if np.any(np.abs(moved) > _ROUNDING * np.maximum(1.0, np.abs(own[place]))):
+            found[entry.name] = controller.initial_state[entry.name] + moved
+    return found
+
+
+def _in_manual(loop: Loop, values: Mapping[str, np.ndarray | float]) -> np.ndarray:
+    """Return the state of a law after some samples in manual at rest [states, candidates]."""
+    controller, law = loop.controller, loop.controller.law
+    now = {**loop.at_rest(), **loop.point.as_dict()}
+    now |= {f"{name}.mode": float(Mode.MANUAL) for name in controller.manipulated}
+    columns = np.broadcast_arrays(*(values[p.name] for p in law.parameters))
+    parameters = np.reshape(columns, (len(law.parameters), -1))
+    count = parameters.shape[1]
+    inputs = np.repeat(loop.law_inputs(now)[:, None], count, axis=1)
+    start = np.array([controller.initial_state[entry.name] for entry in law.state])
+    state = np.repeat(start[:, None], count, axis=1)
+    for _ in range(_SAMPLES):
+        state = np.array(law.function(state, inputs, parameters)[0])
+    return state

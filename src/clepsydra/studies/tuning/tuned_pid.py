@@ -1,0 +1,94 @@
+"""The tuning that a study makes of a PID controller, where nothing else is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from clepsydra.base.arguments import require_type
+from clepsydra.controllers.controller import Controller
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.loop.scenario import Scenario
+from clepsydra.studies.tuning.objective import Limits, Objective, minimax
+from clepsydra.studies.tuning.parameters import around
+from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.tuning.search import GENERATIONS, METHOD, Progress
+from clepsydra.studies.tuning.tune import tune
+
+#: How far gains and integral times may move from the rule's, up and down.
+_FACTOR = 10.0
+_TUNED = ("proportional_gain_", "integral_time_", "integral_gain_")
+
+
+def tuned_pid(
+    controller: Controller,
+    model: LinearModel,
+    scenario: Scenario,
+    *,
+    objective: Objective | None = None,
+    limits: Limits | None = None,
+    generations: int = GENERATIONS,
+    seed: int = 1,
+    front: Sequence[float] = (),
+    progress: Callable[[Progress], None] | None = None,
+    state_file: str | Path | None = None,
+) -> TuningResult:
+    """Tune the gains and integral times of a multiloop PI or PID controller.
+
+    Each may become ten times as large or as small.
+
+    Parameters
+    ----------
+    controller : Controller
+        Designed by a rule.
+    objective : Objective, optional
+        The largest IAE of the controlled variables, each relative to the start, if omitted.
+    limits : Limits, optional
+        max|S| at most 2 if omitted.
+    model, scenario, generations, seed, front, progress, state_file
+        As for `clepsydra.studies.tuning.tune.tune`.
+
+    Raises
+    ------
+    NotApplicable
+        The law has neither proportional gain nor integral time, or nothing keeps max|S| at 2.
+    InputError
+        As `tune`.
+
+    Examples
+    --------
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> start = design_simc(analysis.model, analysis.pairing)
+    >>> found = tuned_pid(start, analysis.model, default_scenario(analysis.model))
+    >>> round(found.objective, 3), found.maximum_sensitivity < 2.0
+    (0.497, True)
+    """
+    require_type(controller, Controller, "controller", "a Controller", "design one, or make one")
+    names = [
+        name
+        for name, value in controller.values.items()
+        if name.startswith(_TUNED) and value != 0.0
+    ]
+    if not names:
+        raise NotApplicable(METHOD, f"{controller.name} has no gain and no integral time to tune")
+    if objective is None:
+        objective = minimax(*(f"iae[{name}]" for name in dict.fromkeys(controller.setpoints)))
+    return tune(
+        controller,
+        model,
+        scenario,
+        around(controller, names, _FACTOR),
+        objective,
+        limits=Limits(SENSITIVITY_LIMIT) if limits is None else limits,
+        generations=generations,
+        seed=seed,
+        front=front,
+        progress=progress,
+        state_file=state_file,
+    )

@@ -1,0 +1,72 @@
+"""What a run and its scores show that a reader must know."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from clepsydra.loop.run import Run
+from clepsydra.studies.warnings.accuracy import accuracy_warnings
+from clepsydra.studies.warnings.harm import emptied, harms
+from clepsydra.studies.warnings.inner_setpoint import inner_setpoint_warnings
+from clepsydra.studies.warnings.saturation import saturation_warnings
+from clepsydra.studies.warnings.settling import settling_warnings
+from clepsydra.studies.warnings.unfinished import unfinished_warnings
+
+
+def run_warnings(run: Run) -> tuple[str, ...]:
+    """Return what is unusual about a run: overflow, trips, saturation, wind-up, a large error.
+
+    Parameters
+    ----------
+    run : Run
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.loop.loop import Loop
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> designed = design_simc(analysis.model, analysis.pairing)
+    >>> for gain in (designed.values["proportional_gain_1"], 50.0):
+    ...     controller = replace(
+    ...         designed, values=designed.values | {"proportional_gain_1": gain})
+    ...     run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
+    ...     words = run_warnings(run)
+    ...     print(len(words), *words)
+    0
+    1 pump_1 stands at a limit for 35 % of the time, mostly at 0 V: nothing is corrected meanwhile.
+    """
+    return (
+        *(each.sentence for each in (*harms(run), *emptied(run))),
+        *saturation_warnings(run),
+        *inner_setpoint_warnings(run),
+        *accuracy_warnings(run),
+    )
+
+
+def warnings_after(run: Run, scores: Mapping[str, float]) -> tuple[str, ...]:
+    """Return the warnings of a run and of its scores.
+
+    That a level does not settle is no fault where it is meant to average (`Process.averaging`), or
+    where the controller has no setpoint for it. One that averages has to come to rest.
+
+    Parameters
+    ----------
+    run : Run
+    scores : mapping
+        Score to value, "settling_time[level_1]".
+
+    Examples
+    --------
+    See `run_warnings`, `settling.settling_warnings` and `unfinished.unfinished_warnings`.
+    """
+    held = {
+        key: value
+        for key, value in scores.items()
+        if (name := key.partition("[")[2].removesuffix("]")) not in run.process.averaging
+        and name in run.controller.setpoints
+    }
+    return (*run_warnings(run), *settling_warnings(held), *unfinished_warnings(run))

@@ -1,0 +1,108 @@
+"""What can be told of a loop before it is simulated."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clepsydra.base.errors import ClepsydraError
+from clepsydra.controllers.controller import Controller
+from clepsydra.linear.analysis import Analysis
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.loop.scenario import Scenario
+from clepsydra.studies.warnings.bandwidth import bandwidth_warnings, blocking_zeros
+from clepsydra.studies.warnings.forbidden_levels import level_warnings
+from clepsydra.studies.warnings.loop_response import LoopResponse, loop_response
+from clepsydra.studies.warnings.margins import margin_warnings
+from clepsydra.studies.warnings.resting import resting_after
+from clepsydra.studies.warnings.sampling import sampling_warnings
+from clepsydra.studies.warnings.saturation import resting_saturation_warnings
+from clepsydra.studies.warnings.stability import stability_warnings
+from clepsydra.studies.warnings.unit_mix_up import unit_warnings
+from clepsydra.studies.warnings.wind_up import wind_up_warnings
+
+
+def warnings_before(
+    analysis: Analysis,
+    model: LinearModel,
+    controller: Controller,
+    scenario: Scenario,
+    response: LoopResponse | None = None,
+) -> tuple[str, ...]:
+    """Return the warnings of a controller in a scenario, from linear models only.
+
+    The most grave stand first: levels that the plant forbids, instability, units, what zeros and
+    dead times forbid, margins, sampling, saturation, wind-up. A law that does not answer to small
+    deviations, as a switch or a gap without gain, has no linear loop, so that stability to
+    sampling are left out.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        Of the process.
+    model : LinearModel
+        Of the same operating point, with all measurements that the controller reads.
+    controller : Controller
+    scenario : Scenario
+        That begins at the operating point.
+    response : LoopResponse, optional
+        Of this controller on this model, where it is known already.
+
+    Raises
+    ------
+    InputError
+        The model has no operating point, or lacks a signal of the controller.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> scenario = default_scenario(analysis.model)
+    >>> warnings_before(analysis, analysis.model, controller, scenario)
+    ()
+    >>> wrong = replace(controller, values=controller.values | {"proportional_gain_1": -3.0})
+    >>> print(warnings_before(analysis, analysis.model, wrong, scenario)[0].partition(":")[0])
+    The closed loop of level_1 and level_2 is unstable by its linear model
+    """
+    point = operating_point_of(model)
+    rests = resting_after(controller, model, scenario)
+    words = level_warnings(controller, point, scenario, rests)
+    if response is None:
+        try:
+            response = loop_response(controller, model)
+        except ClepsydraError as refusal:
+            words.append(f"Stability, margins and bandwidth could not be checked: {refusal}")
+    if response is not None and _answers(response):
+        words += _of_the_loop(analysis, model, controller, response)
+    words += resting_saturation_warnings(controller, point, rests)
+    words += wind_up_warnings(controller, point, response, scenario)
+    return tuple(words)
+
+
+def _answers(response: LoopResponse) -> bool:
+    """Return whether the law answers to small deviations of a controlled measurement."""
+    law = response.law
+    return bool(response.outputs) and bool(np.any(law.B_measurement) or np.any(law.D_measurement))
+
+
+def _of_the_loop(
+    analysis: Analysis, model: LinearModel, controller: Controller, response: LoopResponse
+) -> list[str]:
+    square = model.select(response.outputs, response.inputs)
+    of_all = analysis.model
+    if response.outputs == of_all.outputs and set(response.inputs) == set(of_all.inputs):
+        zeros = analysis.right_half_plane_zeros
+    else:
+        zeros = blocking_zeros(square)
+    return [
+        *stability_warnings(controller, model, response, [found.zero for found in zeros]),
+        *unit_warnings(controller, model, response),
+        *bandwidth_warnings(square, response, zeros),
+        *margin_warnings(response),
+        *sampling_warnings(controller, response),
+    ]

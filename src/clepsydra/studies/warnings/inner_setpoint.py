@@ -1,0 +1,40 @@
+"""The warning of a cascade whose inner setpoint stands at a limit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clepsydra.loop.inner_setpoints import inner_setpoints
+from clepsydra.loop.run import Run
+from clepsydra.scores.effort import at_limit
+from clepsydra.studies.warnings.words import shown
+
+#: Share of a run at a limit above which the outer loop controls nothing for most of it.
+_MOSTLY = 0.5
+
+
+def inner_setpoint_warnings(run: Run) -> list[str]:
+    """Return warnings of inner setpoints that stand at a limit for more than half of a run.
+
+    Parameters
+    ----------
+    run : Run
+
+    Examples
+    --------
+    See `clepsydra.studies.warnings.after.run_warnings`.
+    """
+    words = []
+    for inner in inner_setpoints(run.controller, run.process):
+        values = run.values[inner.name]
+        share = float(np.mean(at_limit(values, inner.low, inner.high)))
+        if share > _MOSTLY:
+            lower = float(np.mean(at_limit(values, inner.low, np.inf)))
+            end, limit = ("low", inner.low) if lower > share / 2.0 else ("high", inner.high)
+            words.append(
+                f"The inner setpoint of {inner.measurement} stands at a limit for "
+                f"{100.0 * share:.0f} % of the time, mostly at its {end} limit of "
+                f"{shown(limit, inner.signal)}: the outer loop controls nothing for most of it; "
+                f"widen setpoint_{end} of the inner loop, or ask for less."
+            )
+    return words

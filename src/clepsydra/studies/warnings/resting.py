@@ -1,0 +1,130 @@
+"""Where a scenario would bring a process to rest, by its linear model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clepsydra.controllers.controller import Controller
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.linear.pade import at_rest
+from clepsydra.loop.scenario import Scenario, Segment
+
+#: What is missed of the outputs wanted, as a share, where the inputs cannot hold them at all.
+_MISSED = 1e-6
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Inputs and states by which the setpoints are held after a step.
+
+    Parameters
+    ----------
+    segment : Segment
+        The step.
+    values : dict
+        Name of a state or manipulated variable to its value, SI.
+
+    Examples
+    --------
+    >>> Rest(Segment("setpoint", "level", 0.0, 60.0, 1.0), {"pump": 4.0}).values["pump"]
+    4.0
+    """
+
+    segment: Segment
+    values: dict[str, float]
+
+
+def resting_after(controller: Controller, model: LinearModel, scenario: Scenario) -> list[Rest]:
+    """Return where each setpoint and load step of a scenario comes to rest.
+
+    0 = A Δx + B Δu + E Δd and Δr = C Δx + D Δu are solved together, so that a process that
+    integrates needs no other route; of several solutions it is the smallest in shares of the
+    ranges. As far as flows go with the root of a level it is an estimate.
+
+    Parameters
+    ----------
+    controller : Controller
+    model : LinearModel
+        Of a process at the operating point where the scenario begins.
+    scenario : Scenario
+
+    Returns
+    -------
+    list of Rest
+        Without the steps that the manipulated variables cannot hold at any value, and without
+        loads that are over, as water poured in is, before they drive a level out of its range
+        even if nothing is done against them: those need not be held.
+
+    Examples
+    --------
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> first = resting_after(controller, analysis.model, default_scenario(analysis.model))[0]
+    >>> {name: round(value, 2) for name, value in first.values.items() if "pump" in name}
+    {'pump_1': 3.54, 'pump_2': 2.73}
+    """
+    point = operating_point_of(model)
+    process, at = point.process, point.as_dict()
+    outputs = tuple(dict.fromkeys(controller.setpoints))
+    resting = at_rest(model.select(outputs, controller.manipulated))
+    names = (*model.states, *resting.inputs)
+    spans = np.array([process.signal(name).span for name in names])
+    sizes = np.where(np.isfinite(spans), spans, 1.0)
+    matrix = np.block([[resting.A, resting.B], [resting.C, resting.D]]) * sizes
+    rows = np.maximum(np.max(np.abs(matrix), axis=1), np.finfo(float).tiny)
+    places = [process.controlled.index(name) for name in outputs]
+    start = np.array([at[name] for name in outputs])
+    found = []
+    for segment in scenario.segments:
+        if segment.kind == "noise":
+            continue
+        sample = min(round(segment.start / scenario.sampling_period), scenario.samples - 1)
+        loads = scenario.disturbances[sample] - point.disturbances
+        if segment.kind == "load" and _passes(resting, point, scenario, segment, loads):
+            continue
+        wanted = np.concatenate([-resting.E @ loads, scenario.setpoints[sample, places] - start])
+        shares = np.linalg.lstsq(matrix / rows[:, None], wanted / rows, rcond=None)[0]
+        missed = np.max(np.abs(matrix @ shares - wanted) / rows)
+        if missed <= _MISSED * np.max(np.abs(wanted / rows), initial=np.finfo(float).tiny):
+            moved = dict(zip(names, shares * sizes, strict=True))
+            found.append(
+                Rest(segment, {name: float(at[name] + move) for name, move in moved.items()})
+            )
+    return found
+
+
+def _passes(
+    model: LinearModel,
+    point: OperatingPoint,
+    scenario: Scenario,
+    segment: Segment,
+    loads: np.ndarray,
+) -> bool:
+    """Return whether a load ends before a state leaves its range without any control."""
+    from scipy.linalg import expm
+
+    place = model.disturbances.index(segment.signal)
+    first = min(round(segment.start / scenario.sampling_period), scenario.samples - 1)
+    course = scenario.disturbances[first:, place]
+    over = np.flatnonzero(course != course[0])
+    if not over.size or course[over[0]] != point.disturbances[place]:
+        return False
+    # exp of the augmented matrix gives the integral of exp(A s) E d over its duration.
+    states = len(model.states)
+    augmented = np.zeros((states + 1, states + 1))
+    augmented[:states] = np.column_stack([model.A, model.E @ loads])
+    moved = expm(augmented * (over[0] * scenario.sampling_period))[:states, states]
+    signals = [point.process.signal(name) for name in model.states]
+    at = point.as_dict()
+    return all(
+        signal.low <= at[signal.name] + float(move) <= signal.high
+        for signal, move in zip(signals, moved, strict=True)
+    )

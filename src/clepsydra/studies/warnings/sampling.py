@@ -1,0 +1,82 @@
+"""Warnings of a sampling period that is too long for the loop."""
+
+from __future__ import annotations
+
+import math
+
+from clepsydra.base.words import listed, time_text
+from clepsydra.controllers.controller import Controller
+from clepsydra.studies.warnings.loop_response import LoopResponse
+
+#: ωc T from which on the sampling is too slow [rad].
+_TOO_SLOW = 0.5
+#: What the remedy asks for, well inside of it [rad].
+_WANTED = 0.2
+
+
+def sampling_warnings(controller: Controller, response: LoopResponse) -> list[str]:
+    """Return warnings of a loop that is too fast for its sampling period.
+
+    *Crossover.* ωc T above 0.5 rad, ωc the highest frequency at which the loop of a controlled
+    measurement has the gain one, the others closed. The hold delays by half a period, which
+    takes ωc T/2 of phase, above this 14°; and the closed loop, whose time constant is about
+    1/ωc, rises within fewer than four samples, where four to ten are usual.
+
+    *Derivative filter.* A filter time of the derivative below the sampling period: between two
+    samples the filter has forgotten everything, so that the derivative is the difference of two
+    noisy samples.
+
+    Parameters
+    ----------
+    controller : Controller
+    response : LoopResponse
+
+    References
+    ----------
+    K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, on the choice of
+    the sampling period.
+
+    Examples
+    --------
+    See `clepsydra.studies.warnings.before.warnings_before`.
+    """
+    return [*_crossover(response), *_derivative(controller, response.period)]
+
+
+def _crossover(response: LoopResponse) -> list[str]:
+    period = response.period
+    fastest = {
+        name: float(response.channels[name].crossovers.max(initial=0.0))
+        for name in response.outputs
+    }
+    late = [name for name, omega in fastest.items() if omega * period > _TOO_SLOW]
+    if not late:
+        return []
+    omega = max(fastest[name] for name in late)
+    loops, which = ("loop", "which") if len(late) == 1 else ("loops", "the fastest of which")
+    return [
+        f"The sampling period of {time_text(period)} is too long for the {loops} of "
+        f"{listed(late)}, {which} crosses over at {omega:.3g} rad/s: the hold alone takes "
+        f"{math.degrees(omega * period / 2.0):.0f}° of phase; sample every "
+        f"{time_text(_WANTED / omega)} or lower the gain."
+    ]
+
+
+def _derivative(controller: Controller, period: float) -> list[str]:
+    values, times = controller.values, {}
+    for name, value in values.items():
+        number = name.rpartition("_")[2]
+        if name.startswith("filter_time_") and values.get(f"derivative_gain_{number}", 0.0):
+            times[number] = value
+        elif name.startswith("derivative_time_") and value > 0.0:
+            times[number] = value / values[f"derivative_filter_{number}"]
+    short = {number: time for number, time in times.items() if time < period}
+    if not short:
+        return []
+    loops = "loop" if len(short) == 1 else "loops"
+    return [
+        f"The derivative of {loops} {listed(list(short))} is filtered with "
+        f"{listed([time_text(time) for time in short.values()])}, less than the sampling period of "
+        f"{time_text(period)}: it differentiates the noise of single samples; lengthen the filter, "
+        "or sample faster."
+    ]

@@ -1,0 +1,430 @@
+"""Glover-McFarlane loop shaping against closed forms, continuous Riccati equations and sweeps."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import solve_continuous_are, solve_discrete_lyapunov
+from scipy.signal import cont2discrete
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.conditioned_linear import conditioned_linear_law
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.bryson import design_lqi
+from clepsydra.designs.glover_mcfarlane import REDUCTION_COST, design_glover_mcfarlane
+from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors
+from clepsydra.designs.loop_shaping.order_reduction import reduced_plant
+from clepsydra.designs.loop_shaping.precompensator import (
+    Precompensator,
+    precompensator_of,
+    sampled_precompensator,
+)
+from clepsydra.designs.loop_shaping.robust_controller import robust_controller
+from clepsydra.designs.loop_shaping.sampled_system import SampledSystem
+from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
+from clepsydra.designs.phase_margin import design_phase_margin
+from clepsydra.designs.simc import design_simc
+from clepsydra.linear.analysis import analyse
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.scenario import Scenario
+from clepsydra.papers.four_tank_laboratory.controllers import matrices_of
+from clepsydra.process.catalogue_names import catalogue_names
+from clepsydra.process.reader import load_process
+from clepsydra.studies.warnings.loop_response import loop_response
+
+ANGLES = np.concatenate([np.geomspace(1e-6, math.pi, 6000), [math.pi]])
+_ANALYSED: dict = {}
+
+
+def analysed(name):
+    if name not in _ANALYSED:
+        _ANALYSED[name] = analyse(load_process(name))
+    return _ANALYSED[name]
+
+
+def random_plant(seed, n, m, q, radius=1.05):
+    """A plant with a mode that does not die out."""
+    random = np.random.default_rng(seed)
+    A = random.normal(size=(n, n))
+    A *= radius / np.max(np.abs(np.linalg.eigvals(A)))
+    return SampledSystem(A, random.normal(size=(n, m)), random.normal(size=(q, n)),
+                         np.zeros((q, m)))  # fmt: skip
+
+
+def shaped(name):
+    analysis = analysed(name)
+    simc = design_simc(analysis.model, analysis.pairing)
+    return shaped_plant(analysis.model, precompensator_of(simc, analysis.model))
+
+
+def response(system, angles=ANGLES):
+    """The transfer function, written out, not by the code under test."""
+    identity = np.eye(len(system.A))
+    return np.array(
+        [
+            system.C @ np.linalg.solve(np.exp(1j * angle) * identity - system.A, system.B)
+            + system.D
+            for angle in angles
+        ]
+    )
+
+
+def swept_norm(plant, controller):
+    G, K = response(plant), response(controller)
+    q = G.shape[1]
+    out = np.concatenate([K, np.broadcast_to(np.eye(q), (len(K), q, q))], axis=1)
+    into = np.concatenate([np.broadcast_to(np.eye(q), (len(G), q, q)), G], axis=2)
+    return float(
+        np.linalg.norm(out @ np.linalg.inv(np.eye(q) - G @ K) @ into, 2, axis=(1, 2)).max()
+    )
+
+
+PLANTS = {
+    "2 x 2": random_plant(1, 4, 2, 2),
+    "1 x 3": random_plant(2, 5, 3, 1),
+    "3 x 1": random_plant(3, 3, 1, 3),
+    "stable": random_plant(4, 4, 2, 2, radius=0.8),
+    "unstable": random_plant(5, 2, 1, 1, radius=1.4),
+}
+
+
+@pytest.mark.parametrize("b", [0.01, 0.3, 1.0, 5.0])
+def test_gamma_of_an_integrator_in_closed_form(b):
+    """x⁺ = x + b u: X = (1 + √(1 + 4/b²))/2 and Z = b² X by hand, so γ_min = √(1 + b² X²)."""
+    one = np.eye(1)
+    factors = coprime_factors(SampledSystem(one, b * one, one, 0.0 * one))
+    X = (1.0 + math.sqrt(1.0 + 4.0 / b**2)) / 2.0
+    assert factors.smallest_gamma == pytest.approx(math.sqrt(1.0 + b**2 * X**2), rel=1e-12)
+    if b == 0.01:  # a continuous integrator has √2
+        assert factors.smallest_gamma == pytest.approx(math.sqrt(2.0), abs=4e-3)
+
+
+@pytest.mark.parametrize("name", PLANTS)
+def test_gamma_by_the_riccati_equations_of_the_continuous_image(name):
+    """A second route: SciPy's continuous equations after the bilinear map, with D."""
+    plant = PLANTS[name]
+    A, B, C, D = plant.continuous_image()
+    m, q = B.shape[1], C.shape[0]
+    S, R = np.eye(m) + D.T @ D, np.eye(q) + D @ D.T
+    inner = A - B @ np.linalg.solve(S, D.T @ C)
+    X = solve_continuous_are(inner, B, C.T @ np.linalg.solve(R, C), S)
+    Z = solve_continuous_are(inner.T, C.T, B @ np.linalg.solve(S, B.T), R)
+    gamma = math.sqrt(1.0 + float(np.max(np.linalg.eigvals(X @ Z).real)))
+    assert coprime_factors(plant).smallest_gamma == pytest.approx(gamma, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", PLANTS)
+def test_gamma_by_the_hankel_norm_of_the_coprime_factors(name):
+    """A third route: Gramians by discrete Lyapunov equations."""
+    factors = coprime_factors(PLANTS[name])
+    A, B, C, _ = factors.system
+    reached = solve_discrete_lyapunov(A, B @ B.T)
+    seen = solve_discrete_lyapunov(A.T, C.T @ C)
+    hankel = math.sqrt(float(np.max(np.linalg.eigvals(reached @ seen).real)))
+    assert hankel < 1.0
+    # 1/√(1 − σ²) magnifies what is left of the Lyapunov equations where σ is nearly one.
+    room = 1e-12 * factors.smallest_gamma**2
+    assert factors.smallest_gamma == pytest.approx((1.0 - hankel**2) ** -0.5, rel=1e-9 + room)
+    assert factors.hankel_singular_values[0] == pytest.approx(hankel, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", PLANTS)
+def test_factors_are_normalised_and_make_the_plant(name):
+    plant = PLANTS[name]
+    factors = coprime_factors(plant)
+    m = plant.B.shape[1]
+    values = response(factors.system, ANGLES[::20])
+    product = values @ values.conj().transpose(0, 2, 1)
+    assert np.abs(product - np.eye(len(plant.C))).max() < 1e-9
+    quotient = np.linalg.solve(values[:, :, m:], values[:, :, :m])
+    assert np.allclose(quotient, response(plant, ANGLES[::20]), rtol=1e-8, atol=1e-9)
+    assert factors.system.is_stable
+
+
+@pytest.mark.parametrize("name", PLANTS)
+def test_riccati_residuals(name):
+    """Regulator, observer, and the game between controller and disturbance."""
+    A, B, C, _ = plant = PLANTS[name]
+    factors = coprime_factors(plant)
+    X, Z, root = factors.X, factors.Z, factors.root
+    m, q = B.shape[1], C.shape[0]
+
+    def left(P, known, moved, cost):
+        gain = np.linalg.solve(np.eye(moved.shape[1]) + moved.T @ P @ moved, moved.T @ P @ known)
+        whole = known.T @ P @ known - known.T @ P @ moved @ gain + cost - P
+        return np.abs(whole).max() / np.abs(P).max()
+
+    assert left(X, A, B, C.T @ C) < 1e-9
+    assert left(Z, A.T, C.T, B @ B.T) < 1e-9
+    controller = robust_controller(factors)
+    gamma = controller.gamma
+    P = np.linalg.solve((1 - gamma**-2) * np.eye(len(A)) - gamma**-2 * X @ Z, X)
+    # x⁺ = A x + W w + B u against γ² |w|², with y = C x + S^½ w known at once.
+    W = -factors.injection @ root
+    both = np.hstack([W, B])
+    weight = both.T @ P @ both + np.block(
+        [
+            [root.T @ root - gamma**2 * np.eye(q), np.zeros((q, m))],
+            [np.zeros((m, q)), np.eye(m)],
+        ]
+    )
+    cross = both.T @ P @ A + np.vstack([root.T @ C, np.zeros((m, len(A)))])
+    rest = A.T @ P @ A + C.T @ C - cross.T @ np.linalg.solve(weight, cross) - P
+    assert np.abs(rest).max() / np.abs(P).max() < 1e-9
+    assert np.min(np.linalg.eigvalsh((P + P.T) / 2)) >= 0.0
+
+
+@pytest.mark.parametrize("name", PLANTS)
+@pytest.mark.parametrize("relaxation", [1.02, 1.1, 2.0])
+def test_achieved_norm_against_a_frequency_sweep(name, relaxation):
+    factors = coprime_factors(PLANTS[name])
+    controller = robust_controller(factors, relaxation)
+    achieved = controller.achieved_norm(PLANTS[name])
+    swept = swept_norm(PLANTS[name], controller.system)
+    assert swept <= achieved * (1.0 + 1e-9)
+    assert achieved == pytest.approx(swept, rel=1e-4)
+    assert factors.smallest_gamma * (1.0 - 1e-9) <= achieved < controller.gamma
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_controller_gets_below_gamma(seed):
+    """Observers with other feedbacks: whatever stabilises has a norm of γ_min or more."""
+    random = np.random.default_rng(seed)
+    plant = PLANTS["2 x 2"]
+    factors = coprime_factors(plant)
+    best = robust_controller(factors)
+    size = np.abs(best.feedback).max()
+    for _ in range(20):
+        other = replace(best, feedback=best.feedback + 0.1 * size * random.normal(size=(2, 4)))
+        assert other.achieved_norm(plant) >= factors.smallest_gamma * (1.0 - 1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_the_norm_promises_is_borne(seed):
+    """Random differences of the coprime factors just below 1/γ leave the loop stable."""
+    random = np.random.default_rng(seed)
+    plant = PLANTS["2 x 2"]
+    factors = coprime_factors(plant)
+    controller = robust_controller(factors)
+    borne = 0.99 / controller.achieved_norm(plant)
+    A, B, C, D = factors.system
+    K = controller.system
+    for _ in range(30):
+        # A static difference Δ of norm `borne`: (M + ΔM)⁻¹ (N + ΔN).
+        delta = random.normal(size=D.shape)
+        delta *= borne / np.linalg.norm(delta, 2)
+        N, M = (D + delta)[:, :2], (D + delta)[:, 2:]
+        c, d = np.linalg.solve(M, C), np.linalg.solve(M, N)
+        a, b = A - B[:, 2:] @ c, B[:, :2] - B[:, 2:] @ d
+        # y = c x + d u, u = K y
+        inverse = np.linalg.inv(np.eye(2) - d @ K.D)
+        y_x, y_k = inverse @ c, inverse @ d @ K.C
+        closed = np.block(
+            [[a + b @ K.D @ y_x, b @ (K.C + K.D @ y_k)], [K.B @ y_x, K.A + K.B @ y_k]]
+        )
+        assert np.max(np.abs(np.linalg.eigvals(closed))) < 1.0
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4, 5])
+def test_reduction_keeps_its_bound(order):
+    factors = coprime_factors(shaped("quadruple-tank").system)
+    reduced = reduced_plant(factors, order)
+    again = coprime_factors(factors.plant)
+    # The factors of the reduction, read off it by the truncated observer.
+    small = reduced.plant
+    assert small.A.shape == (order, order) and not small.D.any()
+    full = response(again.system)
+    weight = np.linalg.inv(factors.root)
+    reached, seen = factors.roots
+    left, values, right = np.linalg.svd(seen.T @ reached)
+    scale = 1.0 / np.sqrt(values[:order])
+    into, back = (scale[:, None] * left.T[:order]) @ seen.T, reached @ (right[:order].T * scale)
+    A, B, C, D = factors.system
+    truncated = SampledSystem(into @ A @ back, into @ B, C @ back, D)
+    off = np.linalg.norm(full - response(truncated), 2, axis=(1, 2)).max()
+    assert off <= reduced.bound * (1.0 + 1e-9)
+    # The plant is the quotient of these factors.
+    values = response(truncated, ANGLES[::50])
+    assert np.allclose(np.linalg.solve(values[:, :, 2:], values[:, :, :2]),
+                       response(small, ANGLES[::50]), rtol=1e-7)  # fmt: skip
+    assert np.allclose(weight @ factors.root, np.eye(2))
+
+
+def test_full_order_reduction_is_the_plant_itself():
+    plant = PLANTS["2 x 2"]
+    reduced = reduced_plant(coprime_factors(plant), 4)
+    assert reduced.bound == 0.0
+    assert np.allclose(response(reduced.plant, ANGLES[::50]), response(plant, ANGLES[::50]))
+
+
+def test_largest_gain_is_found_beside_a_gain_at_half_the_sampling_frequency():
+    """Sensitivity just above one there, and a peak a little higher far below."""
+    process = "laboratory-four-tanks"
+    analysis = analysed(process)
+    controller = design_phase_margin(analysis.model, analysis.pairing, crossover=0.35)
+    found = loop_response(controller, analysis.model)
+    swept = np.linalg.norm(found.at_output, 2, axis=(1, 2))
+    last = swept[-1]
+    assert swept.max() > last > 1.0  # the case that is meant
+    assert found.loop.maximum_sensitivity == pytest.approx(swept.max(), rel=1e-3)
+
+
+def test_a_sampled_precompensator_is_tustins():
+    A = np.array([[0.0, 1.0], [-0.2, -0.7]])
+    B, C, D = np.array([[1.0], [0.5]]), np.array([[0.3, 1.0]]), np.array([[2.0]])
+    found = sampled_precompensator("lead", (A, B, C, D), 0.5, ("level",), ("pump",))
+    a, b, c, d, _ = cont2discrete((A, B, C, D), 0.5, method="bilinear")
+    assert np.allclose(response(found.system), response(SampledSystem(a, b, c, d)))
+
+
+def law_response(controller, model, angles):
+    found = loop_response(controller, model)
+    law = found.law
+    return response(SampledSystem(law.A, -law.B_measurement, law.C, -law.D_measurement), angles)
+
+
+@pytest.mark.parametrize(
+    "name, decoupling",
+    [("quadruple-tank", None), ("quadruple-tank", "dynamic"), ("three-tanks", None)],
+)
+def test_the_law_is_precompensator_times_robust_controller(name, decoupling):
+    """Broken up again by another way than it was joined: u = −W₁ S K S⁻¹ e."""
+    analysis = analysed(name)
+    model = analysis.model
+    simc = design_simc(model, analysis.pairing, decoupling=decoupling)
+    shaping = precompensator_of(simc, model)
+    plant = shaped_plant(model, shaping)
+    order = len(plant.system.A)
+    controller = design_glover_mcfarlane(model, analysis.pairing, precompensator=simc, order=order)
+    robust = robust_controller(coprime_factors(plant.system))
+    angles = ANGLES[::50]
+    sizes = np.diag(plant.sizes)
+    expected = -(
+        response(shaping.system, angles) @ sizes @ response(robust.system, angles)
+        @ np.linalg.inv(sizes)
+    )  # fmt: skip
+    found = law_response(controller, model, angles)
+    assert np.allclose(found, expected, rtol=1e-6, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("name", catalogue_names())
+def test_it_is_robust_on_every_process_of_the_catalogue(name):
+    analysis = analysed(name)
+    controller = design_glover_mcfarlane(analysis.model, analysis.pairing)
+    loop = loop_response(controller, analysis.model).loop
+    assert loop.is_stable and loop.maximum_sensitivity < 2.0
+    # The order is the lowest that keeps the norm within two per cent of what full order keeps.
+    plant = shaped(name)
+    full = coprime_factors(plant.system)
+    order = sum(s.startswith("memory_") for s in controller.initial_state) - len(
+        plant.precompensator.system.A
+    )
+    limit = 1.1 * full.smallest_gamma * REDUCTION_COST
+    for tried in (order, order - 1):
+        if tried < 1:
+            continue
+        factors = (
+            full if tried == len(full.X) else coprime_factors(reduced_plant(full, tried).plant)
+        )
+        kept = robust_controller(factors).achieved_norm(plant.system)
+        assert (kept <= limit) == (tried == order)
+
+
+def out_of_reach(loop, size, samples, back):
+    """A setpoint far up for a while, which the pumps cannot reach, then where it began."""
+    at = loop.point.as_dict()
+    start = np.array([at[name] for name in loop.process.controlled])
+    setpoints = np.tile(start, (samples, 1))
+    setpoints[10:back, 0] += size
+    return Scenario(loop.process.sampling_period, setpoints,
+                    np.tile(loop.point.disturbances, (samples, 1)),
+                    np.zeros((samples, len(loop.process.measurements))), (), 1)  # fmt: skip
+
+
+def untold(controller, process):
+    """The same controller without conditioning."""
+    matrices = matrices_of(controller).unconditioned()
+    law = conditioned_linear_law(
+        matrices,
+        measured=[process.signal(name) for name in controller.measurements],
+        manipulated=[process.signal(name) for name in controller.manipulated],
+    )
+    kept = {n: v for n, v in controller.values.items()
+            if n.startswith(("bias", "fading", "low", "high"))}  # fmt: skip
+    return replace(controller, law=law, values=matrices.values() | kept)
+
+
+def test_saturation_does_not_wind_it_up():
+    """Pumps that may give 3.3 V of 10 V cannot reach the setpoint in ten minutes."""
+    analysis = analysed("quadruple-tank")
+    process = analysis.operating_point.process
+    told = design_glover_mcfarlane(analysis.model, analysis.pairing)
+    told = replace(told, values=told.values | {"high_limit_1": 3.3, "high_limit_2": 3.3})
+    outcome = {}
+    for key, controller in (("told", told), ("untold", untold(told, process))):
+        run = Loop(controller, analysis.model).run(
+            out_of_reach(Loop(controller, analysis.model), 3.0, 1500, 610)
+        )
+        assert run.values["pump_1"][600] == 3.3
+        leaves = np.flatnonzero(run.values["pump_1"][610:] < 3.3)
+        error = run.values["level_1"][610:] - run.values["level_1.setpoint"][610:]
+        outcome[key] = (int(leaves[0]) if len(leaves) else 890, float(np.abs(error).sum()))
+    # The limit is left within a sixth of the lag of tank 1, 62 s, once the setpoint is back.
+    assert outcome["told"][0] < 10 and outcome["untold"][0] > 100
+    assert outcome["told"][1] < 0.2 * outcome["untold"][1]
+
+
+def test_refusals():
+    analysis = analysed("quadruple-tank")
+    model, pairing = analysis.model, analysis.pairing
+    for relaxation in (1.0, 0.5, math.nan, "1.1"):
+        with pytest.raises(InputError, match="relaxation"):
+            design_glover_mcfarlane(model, pairing, relaxation=relaxation)
+    for order in (0, 7, 2.0, True):
+        with pytest.raises(InputError, match="order"):
+            design_glover_mcfarlane(model, pairing, order=order)
+    with pytest.raises(InputError, match="Controller or a Precompensator"):
+        design_glover_mcfarlane(model, pairing, precompensator="PI")
+    with pytest.raises(InputError, match="that have setpoints alone"):
+        design_glover_mcfarlane(model, pairing, precompensator=design_lqi(model))
+    weighted = design_simc(model, pairing)
+    weighted = replace(
+        weighted, values=weighted.values | {"setpoint_weight_1": 0.5}, initial_state={
+            **weighted.initial_state, "last_setpoint_weight_1": 0.5}
+    )  # fmt: skip
+    with pytest.raises(InputError, match="differently"):
+        design_glover_mcfarlane(model, pairing, precompensator=weighted)
+    three = analysed("three-tanks")
+    on_measurement = design_simc(three.model, three.pairing, form=PidForm("PID"))
+    with pytest.raises(InputError, match="differently"):
+        design_glover_mcfarlane(three.model, three.pairing, precompensator=on_measurement)
+    with pytest.raises(InputError, match="one for each input and output"):
+        Precompensator("P", SampledSystem(*(np.eye(2) for _ in range(4))), ("a",), ("b",))
+
+
+def test_a_mode_out_of_reach_is_refused():
+    """Two integrators, one of which no input moves."""
+    plant = SampledSystem(np.eye(2), np.array([[1.0], [0.0]]), np.ones((1, 2)), np.zeros((1, 1)))
+    with pytest.raises(NotApplicable, match="a mode is out of reach"):
+        coprime_factors(plant)
+
+
+def test_a_precompensator_that_cannot_be_inverted_is_told_by_its_own_observer():
+    """Pure integral action: nothing acts at once, so W₁ has no inverse."""
+    analysis = analysed("three-tanks")
+    model, pairing = analysis.model, analysis.pairing
+    period = analysis.operating_point.process.sampling_period
+    simc = design_simc(model, pairing)
+    rate = simc.values["proportional_gain_1"] / simc.values["integral_time_1"]
+    one = np.eye(1)
+    system = SampledSystem(one, period * rate * one, one, 0.0 * one)
+    shaping = Precompensator("I", system, simc.setpoints, simc.manipulated)
+    assert shaping.inverse_direct is None
+    controller = design_glover_mcfarlane(model, pairing, precompensator=shaping)
+    assert loop_response(controller, model).loop.is_stable
+    # Told what was applied, its memory dies out by itself.
+    found = matrices_of(controller)
+    assert np.max(np.abs(np.linalg.eigvals(found.transition))) < 1.0
+    assert np.max(np.abs(np.linalg.eigvals(found.unconditioned().transition))) > 1.0 - 1e-9

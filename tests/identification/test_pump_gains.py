@@ -1,0 +1,64 @@
+"""The gain of a pump: exact data, coverage of the interval, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+
+from clepsydra.base.errors import InputError
+from clepsydra.identification.pump_gains import interval, pump_gain
+
+AREA, GAIN = 15.5179e-4, 4.32e-6
+
+
+def recorded(signal, step, noise=None):
+    """Levels of a plugged tank, the flow held over each sample."""
+    flow = GAIN * np.maximum(signal[:-1], 0.0) * (1.0 if noise is None else 1.0 + noise)
+    return np.concatenate([[0.0], np.cumsum(flow * step / AREA)])
+
+
+def test_exact_data_give_the_gain():
+    signal = np.array([3.0, 5.0, 0.0, 7.5, 2.0, 1.0])
+    found = pump_gain(np.arange(6.0) * 0.5, recorded(signal, 0.5), signal, AREA)
+    assert found.value == pytest.approx(GAIN, rel=1e-12)
+    assert found.high - found.low < 1e-9 * GAIN
+
+
+def test_dead_band():
+    signal = np.array([3.0, 5.0, 1.0, 7.5, 2.0, 1.0])
+    level = recorded(signal - 1.5, 0.5)
+    assert pump_gain(np.arange(6.0) * 0.5, level, signal, AREA, dead_band=1.5).value == (
+        pytest.approx(GAIN, rel=1e-12)
+    )
+
+
+def test_the_interval_covers_the_truth_as_often_as_it_says():
+    """400 fixed seeds, flow noise of 10 % in each of 40 samples: Student's interval is exact."""
+    time, signal, covered = np.arange(41) * 0.05, np.full(41, 7.5), 0
+    for seed in range(400):
+        noise = 0.1 * np.random.default_rng(seed).standard_normal(40)
+        found = pump_gain(time, recorded(signal, 0.05, noise), signal, AREA)
+        covered += found.low <= GAIN <= found.high
+    low, high = binom.ppf([0.005, 0.995], 400, 0.95)
+    assert low <= covered <= high
+
+
+def test_the_interval_is_students():
+    found = interval(2.0, 0.5, 4)  # t(0.975, 4) = 2.7764, from a table
+    assert found.high - 2.0 == pytest.approx(0.5 * 2.7764, abs=1e-4)
+
+
+@pytest.mark.parametrize("change, words", [
+    ({"time": [0.0, 1.0]}, "as many as times"),
+    ({"time": [0.0, 2.0, 1.0, 3.0]}, "do not rise"),
+    ({"level": [0.0, math.nan, 0.2, 0.3]}, "a gap"),
+    ({"signal": [0.0] * 4}, "above the dead band"),
+    ({"area": 0.0}, "above 0 m²"),
+    ({"area": math.nan}, "above 0 m²"),
+])  # fmt: skip
+def test_refusals(change, words):
+    given = {"time": [0.0, 1.0, 2.0, 3.0], "level": [0.0, 0.1, 0.2, 0.3],
+             "signal": [1.0] * 4, "area": AREA} | change  # fmt: skip
+    with pytest.raises(InputError, match=words):
+        pump_gain(**given)

@@ -1,0 +1,337 @@
+"""A whole study: its ranking against its numbers, its seed, and what does not apply."""
+
+import math
+import re
+from functools import cache
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.loop.parquet import write_parquet
+from clepsydra.report.html import report_text
+from clepsydra.studies.designs import DESIGNS
+from clepsydra.studies.file.reader import read_study
+from clepsydra.studies.result import StudyResult
+from clepsydra.studies.study import run_study
+
+NAMES = ["quadruple-tank", "quadruple-tank-nonminimum-phase"]
+
+
+@cache
+def studied(name: str) -> StudyResult:
+    return run_study(name)
+
+
+@pytest.fixture(params=[NAMES[0], pytest.param(NAMES[1], marks=pytest.mark.thorough)])
+def result(request) -> StudyResult:
+    return studied(request.param)
+
+
+def test_every_design_is_ranked_or_listed_with_its_reason(result):
+    ranked = [candidate.controller.name for candidate in result.ranking]
+    refused = [name for name, _ in result.not_applicable]
+    assert sorted(ranked + refused) == sorted([*DESIGNS, "PI, SIMC, tuned"])
+    assert [candidate.rank for candidate in result.ranking] == list(range(1, len(ranked) + 1))
+    assert len(ranked) >= 2
+
+
+def group(candidate) -> int:
+    """Return the standing by the printed rule, from the trajectories themselves."""
+    levels = [candidate.run.values[signal.name] for signal in candidate.run.process.state]
+    # Johansson's tanks are 20 cm high.
+    inside = all(np.all((level >= 0.0) & (level <= 0.2)) for level in levels)
+    if not inside or not math.isfinite(candidate.maximum_sensitivity):
+        return 3
+    if candidate.maximum_sensitivity > 2.0 + 1e-5:
+        return 2
+    noisy = np.any(candidate.run.scenario.noise != 0, axis=1)
+    for pump in ("pump_1", "pump_2"):
+        # Moves from sample to sample of white noise are √2 times as large as the noise.
+        moves = np.diff(candidate.run.values[pump][noisy])
+        if float(np.std(moves)) / np.sqrt(2.0) > 0.05 * 10.0:
+            return 1
+    return 0
+
+
+def multiples(result: StudyResult, score: str) -> list[float]:
+    """Return the mean over both signals of a score as multiples of the best of the first group."""
+    keys = [key for key in result.ranking[0].scores if key.startswith(score + "[")]
+    assert len(keys) == 2
+    first = [c for c in result.ranking if group(c) == group(result.ranking[0])]
+    best = {key: min(candidate.scores[key] for candidate in first) for key in keys}
+    return [
+        sum(candidate.scores[key] / best[key] for key in keys) / 2 for candidate in result.ranking
+    ]
+
+
+def errors_of(result: StudyResult) -> list[tuple[float, float]]:
+    """Return setpoint error and load error of each candidate."""
+    return list(zip(multiples(result, "iae_setpoint"), multiples(result, "iae_load"), strict=True))
+
+
+def test_the_printed_rule_holds(result):
+    groups = [group(candidate) for candidate in result.ranking]
+    assert groups == sorted(groups)
+    errors = [sum(pair) / 2 for pair in errors_of(result)]
+    wears = multiples(result, "total_variation")
+    for i in range(len(groups) - 1):
+        if groups[i] == groups[i + 1]:
+            tied = max(errors[i : i + 2]) <= 1.02 * min(errors[i : i + 2])
+            assert (wears[i] <= wears[i + 1]) if tied else (errors[i] < errors[i + 1])
+
+
+def test_the_reasons_in_words_match_the_numbers(result):
+    wears = multiples(result, "total_variation")
+    for candidate, errors, wear in zip(result.ranking, errors_of(result), wears, strict=True):
+        said = re.search(r"\(max\|S\| ([\d.]+)\)", candidate.reason)
+        assert (said is None) == (group(candidate) == 3)
+        assert said is None or float(said[1]) == round(candidate.maximum_sensitivity, 2)
+        said = re.search(r"Setpoint error ([\d.]+) and load error ([\d.]+) times", candidate.reason)
+        assert said is not None
+        for number, exact in zip(said.groups(), errors, strict=True):
+            assert float(number) == pytest.approx(exact, abs=0.0051)
+        assert list(candidate.criteria.values()) == pytest.approx(errors, rel=1e-9)
+        assert candidate.mean_error == pytest.approx(sum(errors) / 2, rel=1e-9)
+        assert candidate.wear == pytest.approx(wear, rel=1e-9)
+        assert ("noise moves its outputs" in candidate.reason) == (group(candidate) == 1)
+        said = re.search(r"(?:([\d.]+) times )?the least total variation", candidate.reason)
+        assert said is not None
+        assert float(said[1] or 1.0) == pytest.approx(wear, abs=0.0051)
+
+
+def test_the_verdict_names_the_first_and_its_peak(result):
+    best = result.ranking[0]
+    assert result.verdict.startswith(best.controller.name)
+    assert f"{best.maximum_sensitivity:.2f}" in result.verdict
+    said = re.search(r"([\d.]+) % below that of ([^;]+);", result.verdict)
+    assert said is not None
+    assert said[2] == result.ranking[1].controller.title
+    first, second = (sum(pair) / 2 for pair in errors_of(result)[:2])
+    assert float(said[1]) == pytest.approx(100 * (1 - first / second), abs=0.51)
+
+
+def test_the_scores_are_those_of_the_trajectories(result):
+    for candidate in result.ranking:
+        run = candidate.run
+        for i in (1, 2):
+            pump = run.values[f"pump_{i}"]
+            variation = float(np.sum(np.abs(np.diff(pump))))
+            assert candidate.scores[f"total_variation[pump_{i}]"] == pytest.approx(
+                variation, rel=1e-12
+            )
+            # The true level in volts, without noise, along a line: the setpoint is
+            # held over each sample, and the level goes on to the next.
+            level = 50.0 * run.values[f"tank_{i}.level"]
+            setpoint = run.values[f"level_{i}.setpoint"][:-1]
+            a, b = setpoint - level[:-1], setpoint - level[1:]
+            areas = (np.abs(a) + np.abs(b)) / 2
+            # Two triangles where the error changes its sign on the way.
+            turns = a * b < 0
+            c, d = np.abs(a[turns]), np.abs(b[turns])
+            areas[turns] = (c**2 + d**2) / (2 * (c + d))
+            assert candidate.scores[f"iae[level_{i}]"] == pytest.approx(areas.sum(), rel=1e-9)
+
+
+def test_every_run_met_its_error_estimate_or_says_so(result):
+    for candidate in result.ranking:
+        estimate = candidate.run.error_estimate
+        assert estimate is not None
+        assert estimate <= 1e-6 or any("Halving" in warning for warning in candidate.warnings)
+
+
+@pytest.mark.thorough
+def test_both_phases_are_told_apart():
+    both = minimum, nonminimum = [studied(name) for name in NAMES]
+    assert minimum.analysis.minimum_phase and not nonminimum.analysis.minimum_phase
+    slowest = [min(c.scores["settling_time[level_1]"] for c in r.ranking) for r in both]
+    assert slowest[1] > slowest[0]
+
+
+def test_the_dictionary_says_the_same(result):
+    said = result.as_dict()
+    assert said["process"] == result.process.name
+    assert said["verdict"] == result.verdict
+    assert [entry["controller"] for entry in said["ranking"]] == [
+        candidate.controller.name for candidate in result.ranking
+    ]
+    assert [entry["scores"] for entry in said["ranking"]] == [
+        candidate.scores for candidate in result.ranking
+    ]
+    assert said["scenario"]["seed"] == 1
+    assert len(said["scenario"]["segments"]) == len(result.scenario.segments)
+
+
+@pytest.mark.thorough
+def test_the_same_seed_gives_the_same_bits_and_another_seed_other_noise():
+    again, other = run_study(NAMES[0], seed=1), run_study(NAMES[0], seed=2)
+    first = studied(NAMES[0])
+    assert np.array_equal(first.scenario.noise, again.scenario.noise)
+    assert again.verdict == first.verdict
+    for a, b in zip(first.ranking, again.ranking, strict=True):
+        assert (a.controller.name, a.scores, a.reason) == (b.controller.name, b.scores, b.reason)
+        assert a.maximum_sensitivity == b.maximum_sensitivity
+        for name, values in a.run.values.items():
+            assert values.tobytes() == b.run.values[name].tobytes(), name
+    assert other.scenario.seed == 2
+    assert np.array_equal(first.scenario.setpoints, other.scenario.setpoints)
+    noisy = np.any(first.scenario.noise != 0, axis=1)
+    assert np.count_nonzero(noisy) > 100
+    assert np.all(first.scenario.noise[noisy] != other.scenario.noise[noisy])
+    # Of a controller that was not tuned in the scenario.
+    one, two = (
+        next(c.run for c in study.ranking if c.controller.name == "PI, SIMC")
+        for study in (first, other)
+    )
+    quiet = int(np.argmax(noisy))
+    for name, values in one.values.items():
+        assert np.array_equal(values[:quiet], two.values[name][:quiet]), name
+    assert not np.array_equal(one.values["pump_1"], two.values["pump_1"])
+
+
+@pytest.mark.thorough
+def test_a_file_of_the_same_text_is_the_same_study(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(catalogue_text())
+    result = run_study(path)
+    assert result.verdict == studied(NAMES[0]).verdict
+    assert [c.scores for c in result.ranking] == [c.scores for c in studied(NAMES[0]).ranking]
+
+
+MIXED = """process = "quadruple-tank"
+[controllers.hand.loops.one]
+measurement = "level_1"
+output = "pump_1"
+actions = "PI"
+action = "reverse"
+gain = "3 %/%"
+integral_time = "60 s"
+[controllers.simc]
+design = "simc"
+"""
+
+
+def test_controllers_of_different_inputs_are_compared_and_written(tmp_path):
+    (tmp_path / "mixed.toml").write_text(MIXED)
+    result = run_study(read_study(tmp_path / "mixed.toml"))
+    write_parquet([c.run for c in result.ranking], tmp_path / "mixed.parquet")
+    table = pandas.read_parquet(tmp_path / "mixed.parquet")
+    by_hand = table["controller"] == "hand"
+    assert by_hand.sum() == result.scenario.samples
+    # Only one of them moves pump 2 and has a status for it.
+    assert table.loc[by_hand, "pump_2.status"].isna().all()
+    assert not table.loc[~by_hand, "pump_2.status"].isna().any()
+
+
+def test_a_score_that_no_run_has_is_refused(tmp_path):
+    text = MIXED + '[ranking]\nscores = ["total_variation[level_1]"]\n'
+    (tmp_path / "mixed.toml").write_text(text)
+    with pytest.raises(InputError, match=r"total_variation\[level_1\]"):
+        run_study(read_study(tmp_path / "mixed.toml"))
+
+
+def catalogue_text() -> str:
+    folder = resources.files("clepsydra.process") / "catalogue"
+    return (folder / "quadruple-tank.toml").read_text(encoding="utf-8")
+
+
+def without_sensor(number: int, folder: Path) -> Path:
+    text = catalogue_text()
+    start = text.index(f"[sensors.level_{number}]")
+    end = text.find("[sensors.", start + 1)
+    path = folder / "partly-measured.toml"
+    path.write_text(text[:start] + (text[end:] if end > 0 else ""))
+    return path
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("number", [3, 4])
+def test_a_design_that_needs_a_missing_sensor_is_listed_with_the_level(number, tmp_path):
+    result = run_study(without_sensor(number, tmp_path))
+    reasons = dict(result.not_applicable)
+    assert f"tank_{number}.level is not measured" in reasons["LQI, Bryson"]
+    ranked = {c.controller.name: c for c in result.ranking}
+    assert {"PI, SIMC", "PI, phase margin", "LQI with Kalman filter"} <= set(ranked)
+    # What is not measured is estimated from what is.
+    measurements = ranked["LQI with Kalman filter"].controller.measurements
+    assert f"level_{number}" not in measurements and len(measurements) >= 2
+    listed = {"controller": "LQI, Bryson", "reason": reasons["LQI, Bryson"]}
+    assert listed in result.as_dict()["not_applicable"]
+
+
+def test_an_unknown_process_is_refused_with_those_that_are_known():
+    with pytest.raises(InputError) as refusal:
+        run_study("quadruple-tonk")
+    assert "quadruple-tonk" in str(refusal.value) and "quadruple-tank" in str(refusal.value)
+
+
+def test_a_design_whose_numbers_no_controller_takes_does_not_end_the_study(tmp_path):
+    """Ten million times the volts, ten million times the gains: LQI's pass 1e9 V/m, PI's do not."""
+    path = tmp_path / "high-voltage.toml"
+    text = (Path(__file__).parents[1] / "one-tank.toml").read_text()
+    for volts, of_high_voltage in (
+        ("3.33 cm", "3.33e-7 cm"),
+        ("10 V", "1e8 V"),
+        ("1.5 V", "1.5e7 V"),
+    ):
+        text = text.replace(volts, of_high_voltage)
+    path.write_text(text)
+    result = run_study(path)
+    reasons = dict(result.not_applicable)
+    assert "its feedback_1_1 would be 1." in reasons["LQI, Bryson"]
+    assert "a controller takes a number from -1e+09 to 1e+09 V/m" in reasons["LQI, Bryson"]
+    assert {"PI, SIMC", "PI, phase margin"} <= {c.controller.name for c in result.ranking}
+
+
+def test_an_interrupted_tuning_is_told_and_goes_on(tmp_path):
+    """Control-C in the middle of the search: the best so far now, the same end afterwards."""
+    file = tmp_path / "tuned.toml"
+    file.write_text('process = "three-tanks"\n[controllers.a]\ndesign = "simc"\ntune = {}\n')
+    calls = []
+
+    def interrupt(progress):
+        calls.append(progress)
+        if len(calls) == 6:
+            raise KeyboardInterrupt
+
+    (cut,) = run_study(read_study(file), progress=interrupt, tuning_folder=tmp_path).ranking
+    assert cut.tuning.interrupted and "interrupted after" in cut.warnings[0]
+    (kept,) = tmp_path.glob("*.tuning.json")
+    (ended,) = run_study(read_study(file), tuning_folder=tmp_path).ranking
+    assert not kept.exists()
+    (whole,) = run_study(read_study(file)).ranking
+    assert not whole.tuning.interrupted and not any("interrupted" in w for w in whole.warnings)
+    assert ended.controller.values == whole.controller.values
+    assert ended.tuning.objective == whole.tuning.objective <= cut.tuning.objective
+
+
+def test_the_rule_that_is_told_is_the_one_that_ranked(tmp_path):
+    text = 'title = "Calm or quick"\n' + MIXED + '[ranking]\nscores = ["overshoot[level_1]"]\n'
+    (tmp_path / "mixed.toml").write_text(text)
+    result = run_study(read_study(tmp_path / "mixed.toml"))
+    assert (result.title, list(result.ranking[0].criteria)) == (
+        "Calm or quick",
+        ["Overshoot of level_1"],
+    )
+    page = report_text(result)
+    assert "mean of overshoot of level_1, each" in page and "Calm or quick" in page
+    assert "mean of setpoint error and load error" not in page
+
+
+def test_only_the_controller_that_is_asked_for_is_made():
+    result = run_study("quadruple-tank", only="PI, SIMC")
+    assert [candidate.controller.name for candidate in result.ranking] == ["PI, SIMC"]
+
+
+def test_a_tuned_controller_comes_with_the_one_it_starts_from():
+    result = run_study("equalisation-tank", only="PI, arrest time, tuned")
+    names = {candidate.controller.name for candidate in result.ranking}
+    assert names == {"PI, arrest time", "PI, arrest time, tuned"}
+
+
+def test_a_name_of_no_controller_is_refused():
+    with pytest.raises(InputError, match="perhaps 'PI, SIMC' was meant"):
+        run_study("quadruple-tank", only="PI SIMC")

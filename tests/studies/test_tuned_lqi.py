@@ -1,0 +1,334 @@
+"""LQI with tuned weights: against a grid, against the document's optimum, and what is refused."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.designs.bryson import design_lqi
+from clepsydra.designs.lqi_by_weights import design_lqi_by_weights
+from clepsydra.designs.sampled.sampled_loop import sampled_loop
+from clepsydra.designs.states.linear_quadratic import lqi_gains_by_weights
+from clepsydra.designs.states.quadratic_weights import QuadraticWeights, diagonal_weights
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import linearise
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.process.reader import load_process
+from clepsydra.studies.trial import scores_of
+from clepsydra.studies.tuning.batch import BatchEvaluation
+from clepsydra.studies.tuning.lqi_weights import LqiWeights
+from clepsydra.studies.tuning.objective import Limits, Objective, minimax, weighted_sum
+from clepsydra.studies.tuning.parameters import TunedParameter
+from clepsydra.studies.tuning.tuned_lqi import tuned_lqi, weight_space, weights_around
+from clepsydra.studies.tuning.weighted_designs import lqi_by_bryson, lqi_of_weights
+
+pytestmark = pytest.mark.thorough
+
+VESSEL = Path(__file__).with_name("tuning") / "vessel.toml"
+PERIOD, STEP = 2.0, 0.05
+#: Of the level [1/m²], of the feed [s²/m⁶] and of the level's integral [1/(m s)²].
+NUMBERS = (100.0, 4e6, 0.01)
+
+
+@pytest.fixture(scope="module")
+def vessel() -> LinearModel:
+    return analyse(load_process(VESSEL)).model
+
+
+def step_of_level(samples: int = 300) -> Scenario:
+    """Return a step of the vessel's level by 5 cm."""
+    setpoints = np.full((samples, 1), 0.5)
+    setpoints[5:] += STEP
+    part = Segment("setpoint", "level", 5 * PERIOD, samples * PERIOD, STEP)
+    none = np.zeros((samples, 1))
+    return Scenario(PERIOD, setpoints, none, none, (part,), 1)
+
+
+def weights_by_numbers(state: float, moved: float, integral: float) -> QuadraticWeights:
+    return QuadraticWeights(*np.reshape([state, moved, integral], (3, 1, 1)))
+
+
+def weights_found(start: QuadraticWeights, model: LinearModel, tuned: dict) -> QuadraticWeights:
+    """Return the weights of a tuning, put together from its names."""
+    names = {"states": model.states, "inputs": model.inputs, "integrals": model.outputs}
+    found = {
+        kind: np.diag(
+            [
+                tuned.get(f"{kind}.{name}", value)
+                for name, value in zip(names[kind], np.diag(getattr(start, kind)), strict=True)
+            ]
+        )
+        for kind in names
+    }
+    return QuadraticWeights(**found)
+
+
+def test_the_objective_falls_the_limits_hold_and_the_gains_are_those_of_the_weights():
+    analysis = analyse(load_process("quadruple-tank"))
+    model, whole = analysis.model, linearise(analysis.operating_point)
+    scenario = default_scenario(model)
+    found = tuned_lqi(model, scenario, generations=5)
+    before = scores_of(Loop(design_lqi(model), whole).run(scenario))
+    after = scores_of(Loop(found.controller, whole).run(scenario))
+    ratios = [after[f"iae[{y}]"] / before[f"iae[{y}]"] for y in model.outputs]
+    assert found.objective == pytest.approx(max(ratios), rel=1e-9) and found.objective < 0.5
+    for name in model.inputs:
+        wear = f"total_variation[{name}]"
+        assert after[wear] <= 2.0 * before[wear] * (1.0 + 1e-5)
+        assert f"total variation of {name}" in " ".join(found.binding)
+    assert found.maximum_sensitivity == pytest.approx(
+        sampled_loop(found.controller, whole).maximum_sensitivity
+    )
+    assert found.maximum_sensitivity < 2.0
+    # The design by the weights that were found makes the same law.
+    weights = weights_found(lqi_by_bryson(model).weights, model, found.tuned)
+    again = design_lqi_by_weights(model, weights)
+    for name, value in again.values.items():
+        if name.startswith(("feedback", "integral_gain")):
+            assert found.controller.values[name] == pytest.approx(value, rel=1e-6, abs=1e-9)
+
+
+KMOL = 1e3
+#: (97a) and (100a): C, V, their integrals, f_in and C_in, with C in kmol/m³.
+BY_HAND, PRINTED = (2.0, 3.0, 10.0, 10.0, 1.0, 0.1), (1e-6, 0.1309, 12.04, 10.88, 1e-6, 1e-6)
+
+
+def averaging_tank() -> LinearModel:
+    process = load_process("averaging-tank:outflow-constant")
+    process = dataclasses.replace(process, sampling_period=0.01)
+    return linearise(find_equilibrium(process)).select(outputs=["concentration", "volume"])
+
+
+def weights_of(model: LinearModel, numbers: tuple, scale: float = 1.0) -> QuadraticWeights:
+    c, v, ic, iv, inflow, inlet = (scale * number for number in numbers)
+    return diagonal_weights(
+        model,
+        {"tank.impurity": c / KMOL**2, "tank.level": v},
+        {"inflow": inflow, "inflow.impurity": inlet / KMOL**2},
+        {"concentration": ic / KMOL**2, "volume": iv},
+    )
+
+
+def document_step(samples: int = 2001) -> Scenario:
+    setpoints = np.tile([5.25 * KMOL, 2.1], (samples, 1))
+    part = Segment("setpoint", "volume", 0.0, samples * 0.01, 0.1)
+    return Scenario(0.01, setpoints, np.full((samples, 1), 0.2), np.zeros((samples, 2)), (part,), 1)
+
+
+def larger_itae(controller: Controller, model: LinearModel) -> float:
+    """Return the larger ITAE of C [kmol] and V [m³], by Simpson's rule on a straight error."""
+    run = Loop(controller, model).run(document_step())
+    found = []
+    for name, target, unit in (("concentration", 5.25 * KMOL, KMOL), ("volume", 2.1, 1.0)):
+        error = (target - run.true_measurement(name)) / unit
+        # Ten parts of each sample find the zeros in between well enough.
+        fine = np.linspace(0.0, run.time[-1], 10 * (len(run.time) - 1) + 1)
+        found.append(float(np.trapezoid(fine * np.abs(np.interp(fine, run.time, error)), fine)))
+    return max(found)
+
+
+def test_on_the_averaging_tank_tuned_weights_beat_those_by_hand_and_the_printed_optimum():
+    """ITAE of a step of C by 0.25 kmol/m³ and V by 0.1 m³; R not below the document's 1e-6."""
+    model = averaging_tank()
+    # Only ratios count: scaled so that the weight that is kept is the printed 12.04.
+    hand = weights_of(model, BY_HAND, 12.04 / 10.0)
+    start = {
+        **{f"states.{x}": w for x, w in zip(model.states, np.diag(hand.states), strict=True)},
+        **{f"inputs.{u}": w for u, w in zip(model.inputs, np.diag(hand.inputs), strict=True)},
+        "integrals.volume": hand.integrals[1, 1],
+    }
+    lowest = {name: 1e-6 / KMOL**2 if "impurity" in name else 1e-6 for name in start}
+    bounds = [TunedParameter(name, lowest[name], 100.0 * w) for name, w in start.items()]
+    found = tuned_lqi(
+        model,
+        document_step(),
+        weights=hand,
+        parameters=bounds,
+        objective=Objective(
+            "minimax", {"itae[concentration]": 1.0 / KMOL, "itae[volume]": 1.0}, relative=False
+        ),
+        limits=Limits(),
+        anti_windup="none",
+        generations=0,
+    )
+    tuned = larger_itae(found.controller, model)
+    printed, by_hand = (
+        larger_itae(
+            design_lqi_by_weights(model, weights_of(model, numbers), anti_windup="none"), model
+        )
+        for numbers in (PRINTED, BY_HAND)
+    )
+    assert found.objective == pytest.approx(tuned, rel=1e-3)
+    assert tuned < by_hand / 100.0
+    assert tuned <= printed
+    # What the audit says of (100a): the bound of R, and not the index, chose the weights.
+    assert found.tuned["inputs.inflow.impurity"] == pytest.approx(1e-12, rel=1e-3)
+    assert any("inputs.inflow.impurity chose" in note for note in found.controller.notes)
+
+
+def test_no_pair_of_weights_on_a_grid_is_better(vessel):
+    scenario = step_of_level()
+    # Where wear counts as well there is a best within the bounds.
+    objective = weighted_sum({"ise[level]": 1.0, "total_variation[feed]": 50.0})
+    start = lqi_by_bryson(vessel)
+    found = tuned_lqi(vessel, scenario, objective=objective, limits=Limits(), generations=15)
+    assert found.binding == ()
+    numbers = LqiWeights(start).numbers
+    state, moved, integral = numbers
+    assert list(found.tuned) == [state, moved]
+    factors = np.logspace(-3, 3, 41)
+    feedback, integrals = [], []
+    for a in factors:
+        for b in factors:
+            weights = QuadraticWeights(
+                np.array([[a * numbers[state]]]),
+                np.array([[b * numbers[moved]]]),
+                np.array([[numbers[integral]]]),
+            )
+            gains = lqi_gains_by_weights(vessel, weights, PERIOD, 100.0)
+            feedback.append(gains.feedback[0, 0])  # the sensor shows the level in m
+            integrals.append(gains.integral[0, 0])
+    times = np.abs(np.array(feedback) / np.array(integrals))
+    batch = BatchEvaluation(start.controller, vessel, [scenario], list(objective.names))
+    scores = batch.run(
+        {
+            "feedback_1_1": np.array(feedback),
+            "integral_gain_1_1": np.array(integrals),
+            "tracking_time_1": times,
+        }
+    ).scores
+    best = np.min(objective.value(objective.parts(scores, found.start_scores)))
+    assert found.objective <= best * (1.0 + 1e-9)
+    # And the grid is fine enough to say something.
+    assert found.objective > 0.97 * best
+    assert best < 0.95 * found.start_objective
+
+
+def test_only_ratios_of_weights_count():
+    design = LqiWeights(lqi_by_bryson(analyse(load_process("quadruple-tank")).model))
+    once = design.values(design.numbers)
+    again = design.values({name: 7.0 * value for name, value in design.numbers.items()})
+    assert once.keys() == again.keys() and len(once) == 14
+    for name, value in once.items():
+        assert again[name] == pytest.approx(value, rel=1e-8, abs=1e-10)
+
+
+def test_what_stands_beside_the_diagonal_keeps_its_correlation(vessel):
+    model = analyse(load_process("quadruple-tank")).model
+    # 0.5 of the roots of the weights beside it.
+    integrals = np.array([[4.0, 3.0], [3.0, 9.0]]) * 1e-4
+    design = LqiWeights(
+        lqi_of_weights(model, QuadraticWeights(np.eye(4) * 1e3, np.eye(2), integrals))
+    )
+    weights = design.weights({**design.numbers, "integrals.level_1": 16.0e-4})
+    assert weights.integrals == pytest.approx(np.array([[16.0, 6.0], [6.0, 9.0]]) * 1e-4)
+    assert np.array_equal(weights.states, np.eye(4) * 1e3)
+
+
+def test_the_start_is_the_designed_controller_but_for_its_rounding(vessel):
+    for start in (
+        lqi_by_bryson(vessel),
+        lqi_of_weights(vessel, weights_by_numbers(*NUMBERS)),
+    ):
+        space = weight_space(start)
+        # Half of the sixth digit.
+        own = pytest.approx(start.controller.values, rel=5e-6)
+        assert space.controller_values(space.start) == own
+        assert space.controller_values(space.start) != start.controller.values
+        # Near the start it is near: nothing jumps.
+        near = space.controller_values(space.start + 1e-7)
+        for name, value in start.controller.values.items():
+            assert near[name] == pytest.approx(value, rel=1e-4)
+
+
+def test_a_bound_on_cheap_moves_is_said_to_have_chosen(vessel):
+    bound = TunedParameter("inputs.feed", 1e6, 1e8)
+    weights = weights_by_numbers(*NUMBERS)
+    found = tuned_lqi(
+        vessel,
+        step_of_level(),
+        weights=weights,
+        parameters=[bound],
+        objective=minimax("ise[level]"),
+        limits=Limits(),
+        generations=0,
+    )
+    assert found.tuned == {"inputs.feed": pytest.approx(1e6)}
+    assert found.binding == ("weight of inputs.feed at least 1e+06",)
+    assert any("limit the total variation" in note for note in found.controller.notes)
+    assert any("states.vessel.level = 100, integrals.level = 0.01" in note
+               for note in found.controller.notes)  # fmt: skip
+    assert "weight of inputs.feed = 1e+06" in found.controller.design
+
+
+def tuned_vessel(vessel: LinearModel, **options):
+    objective = weighted_sum({"ise[level]": 1.0, "total_variation[feed]": 50.0})
+    return tuned_lqi(vessel, step_of_level(), objective=objective, limits=Limits(), **options)
+
+
+def test_the_same_seed_gives_the_same_weights_and_a_break_changes_nothing(vessel, tmp_path):
+    first = tuned_vessel(vessel, generations=4, seed=3)
+    again = tuned_vessel(vessel, generations=4, seed=3)
+    assert first.tuned == again.tuned and first.controller.values == again.controller.values
+    kept = tmp_path / "tuning.json"
+    seen, stages = [], []
+
+    def stop(progress):
+        seen.append(progress)
+        if len(seen) == 4:
+            raise KeyboardInterrupt
+
+    part = tuned_vessel(vessel, generations=4, seed=3, progress=stop, state_file=kept)
+    assert part.interrupted and part.evaluations < first.evaluations
+    whole = tuned_vessel(vessel, generations=4, seed=3, progress=stages.append, state_file=kept)
+    assert not whole.interrupted
+    assert whole.tuned == first.tuned and whole.evaluations == first.evaluations
+    assert {each.stage for each in stages} >= {"global search", "local search"}
+
+
+def test_a_state_file_of_other_weights_is_refused(vessel, tmp_path):
+    """The gains of the start are the same, and the bounds: another weight is kept."""
+    kept = tmp_path / "tuning.json"
+    bound = [TunedParameter("inputs.feed", 1e6, 1e8)]
+    for integral in (0.01, 0.02):
+        weights = weights_by_numbers(100.0, 4e6, integral)
+        options = {"weights": weights, "parameters": bound, "generations": 0, "state_file": kept}
+        if integral == 0.01:
+            tuned_lqi(vessel, step_of_level(), **options)
+            continue
+        with pytest.raises(InputError, match="another problem"):
+            tuned_lqi(vessel, step_of_level(), **options)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "said"),
+    [
+        ([TunedParameter("inputs.fed", 1.0, 2.0)], "perhaps 'inputs.feed' was meant"),
+        ([TunedParameter("inputs.feed", 1.0, 2.0)], "a start within its bounds"),
+        (
+            [TunedParameter("inputs.feed", -1.0, 2e9, logarithmic=False)],
+            "expected a lowest weight above 0",
+        ),
+        ([TunedParameter("inputs.feed", 1e3, 1e9)] * 2, "each name once"),
+        ([], "at least one"),
+        ([3.0], "a list of TunedParameter"),
+        ([TunedParameter("feedback_1_1", -1e3, -1e-3)], "lowest weight above 0"),
+    ],
+)
+def test_wrong_bounds_are_refused_in_words(vessel, parameters, said):
+    with pytest.raises(InputError, match=said):
+        tuned_lqi(vessel, step_of_level(), parameters=parameters)
+
+
+def test_weights_around_refuses_what_has_no_logarithm():
+    with pytest.raises(InputError, match="a weight above 0"):
+        weights_around({"states.tank.level": 0.0})
+    with pytest.raises(InputError, match="a number above 1"):
+        weights_around({"states.tank.level": 1.0}, 0.5)

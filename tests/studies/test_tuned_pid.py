@@ -1,0 +1,72 @@
+"""The tuning that a study makes, on processes of the catalogue."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from clepsydra.designs.sampled.sampled_loop import sampled_loop
+from clepsydra.designs.simc import design_simc
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.linearise import linearise
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.loop import Loop
+from clepsydra.process.reader import load_process
+from clepsydra.studies.trial import scores_of
+from clepsydra.studies.tuning.tuned_pid import tuned_pid
+
+pytestmark = pytest.mark.thorough
+
+
+@pytest.mark.parametrize("name", ["quadruple-tank", "quadruple-tank-nonminimum-phase"])
+def test_the_tuned_controller_scores_in_a_run_of_its_own_what_the_tuning_said(name):
+    analysis = analyse(load_process(name))
+    model = linearise(analysis.operating_point)
+    start = design_simc(analysis.model, analysis.pairing)
+    scenario = default_scenario(model)
+    found = tuned_pid(start, model, scenario)
+    own = scores_of(Loop(found.controller, model).run(scenario))
+    before = scores_of(Loop(start, model).run(scenario))
+    ratios = []
+    for y in start.setpoints:
+        score = f"iae[{y}]"
+        assert found.scores[score] == pytest.approx(own[score], rel=1e-10)
+        assert found.start_scores[score] == pytest.approx(before[score], rel=1e-10)
+        ratios.append(own[score] / before[score])
+    assert found.objective == pytest.approx(max(ratios), rel=1e-10) and found.objective < 1.0
+    # A minimax of two that can be traded has both equal.
+    assert ratios[0] == pytest.approx(ratios[1], rel=1e-4)
+    peak = sampled_loop(found.controller, model).maximum_sensitivity
+    assert found.maximum_sensitivity == pytest.approx(peak, rel=1e-9)
+    # Six digits round gain and time by up to 5e-6 each: S by |T| times that, here |T| < 3.
+    assert peak <= 2.0 * (1 + 3e-5)
+    assert ("max|S| at most 2" in found.binding) == (peak > 1.999)
+    for i in (1, 2):
+        values = found.controller.values
+        assert values[f"tracking_time_{i}"] == values[f"integral_time_{i}"]
+
+
+def test_no_neighbour_that_keeps_the_limit_is_better():
+    """The non-minimum phase tank, whose best stands on the limit: 200 points around it."""
+    analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
+    model = linearise(analysis.operating_point)
+    scenario = default_scenario(model)
+    start = design_simc(analysis.model, analysis.pairing)
+    found = tuned_pid(start, model, scenario)
+    random = np.random.default_rng(5)
+    tuned = [f"{name}_{i}" for name in ("proportional_gain", "integral_time") for i in (1, 2)]
+    kept = 0
+    for _ in range(200):
+        values = dict(found.controller.values)
+        values |= {name: values[name] * (1 + 0.02 * random.normal()) for name in tuned}
+        values |= {f"tracking_time_{i}": values[f"integral_time_{i}"] for i in (1, 2)}
+        state = found.controller.initial_state
+        state = state | {f"last_{n}": values[n] for n in tuned if f"last_{n}" in state}
+        other = dataclasses.replace(found.controller, values=values, initial_state=state)
+        if sampled_loop(other, model).maximum_sensitivity > 2.0:
+            continue
+        kept += 1
+        scores = scores_of(Loop(other, model).run(scenario))
+        ratio = max(scores[k] / found.start_scores[k] for k in found.scores)
+        assert ratio >= found.objective * (1 - 1e-6)
+    assert kept > 20

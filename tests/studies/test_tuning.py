@@ -1,0 +1,431 @@
+"""Tuning against closed forms: an integrator under sampled proportional control.
+
+The volume of the averaging tank obeys V(k+1) = V(k) + T (f_in - f_out). Under proportional
+control the error after a step is multiplied by q = 1 - K T in each sample, on straight lines
+between, so that for a step s
+
+- ISE = s² T (1 + q + q²) / (3 (1 - q²)), least at q = √3 - 2,
+- overshoot = -100 q %, for q below zero,
+- total variation = 2 K s, for q from 0 to 1,
+- max|S| = |(z - 1)/(z - q)| at z = -1 = 2 / (1 + q).
+"""
+
+import dataclasses
+import json
+import math
+
+import numpy as np
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.pid_form import PidForm
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.sampled.sampled_loop import sampled_loop
+from clepsydra.designs.simc import design_simc
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.equilibrium import find_equilibrium
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import linearise
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.scenario import Scenario, Segment
+from clepsydra.process.reader import load_process
+from clepsydra.studies.trial import scores_of
+from clepsydra.studies.tuning.objective import Limits, Objective, minimax, weighted_sum
+from clepsydra.studies.tuning.parameter_words import ParameterWords
+from clepsydra.studies.tuning.parameters import TunedParameter, around
+from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.tuning.tune import Progress, tune
+from clepsydra.studies.tuning.tuned_pid import tuned_pid
+
+PERIOD, STEP = 0.1, 0.01
+#: What the integral of the controllers below still does to a score.
+INTEGRAL = 1e-7
+GAIN = TunedParameter("proportional_gain_1", 1.0, 19.0, logarithmic=False)
+
+
+@pytest.fixture(scope="module")
+def model() -> LinearModel:
+    return linearise(find_equilibrium(load_process("averaging-tank")))
+
+
+def controller(gain: float = 3.0, weight: float = 1.0) -> Controller:
+    """Proportional control: an integral that takes four months for what the gain does at once."""
+    law = multiloop_pid_law(1, PidForm(anti_windup="none"))
+    values = {"proportional_gain_1": gain, "setpoint_weight_1": weight, "integral_time_1": 1e7}
+    values |= {"low_limit_1": 0.0, "high_limit_1": 1.0}
+    state = {signal.name: 0.2 for signal in law.state}
+    state |= {"last_proportional_gain_1": gain, "last_setpoint_weight_1": weight}
+    return Controller(
+        "PI", "multiloop PI", "By hand.", law, values, state, ("volume",), ("volume",), ("inflow",)
+    )
+
+
+def step_of_volume(size: float = STEP, samples: int = 100) -> Scenario:
+    setpoints = np.tile([5000.0, 2.0], (samples, 1))
+    setpoints[5:, 1] += size
+    step = Segment("setpoint", "volume", 5 * PERIOD, samples * PERIOD, size)
+    shape = (samples, 2)
+    return Scenario(PERIOD, setpoints, np.full((samples, 1), 0.2), np.zeros(shape), (step,), 1)
+
+
+def ise(gain: float, size: float = STEP) -> float:
+    q = 1.0 - gain * PERIOD
+    return size**2 * PERIOD * (1 + q + q * q) / (3 * (1 - q * q))
+
+
+def tuned(model: LinearModel, objective: Objective, **options) -> TuningResult:
+    return tune(controller(), model, step_of_volume(), [GAIN], objective, **options)
+
+
+@pytest.mark.parametrize("generations", [0, 40])
+def test_the_gain_of_least_ise_is_that_of_the_closed_form(model, generations):
+    found = tuned(model, weighted_sum({"ise[volume]": 1.0}), generations=generations)
+    best = (3.0 - math.sqrt(3.0)) / PERIOD
+    # At a minimum the gain is known to the square root of what the score is known to.
+    assert found.controller.values["proportional_gain_1"] == pytest.approx(best, rel=1e-4)
+    assert found.scores["ise[volume]"] == pytest.approx(
+        STEP**2 * PERIOD * math.sqrt(3.0) / 6.0, rel=INTEGRAL
+    )
+    assert found.start_scores["ise[volume]"] == pytest.approx(ise(3.0), rel=INTEGRAL)
+    assert found.objective == pytest.approx(ise(best) / ise(3.0), rel=INTEGRAL)
+    assert found.maximum_sensitivity == pytest.approx(2.0 / (2.0 - best * PERIOD), rel=1e-4)
+    assert found.binding == () and "No limit binds." in found.controller.notes
+
+
+@pytest.mark.parametrize(
+    ("limits", "gain", "said"),
+    [
+        (Limits(maximum_sensitivity=1.5), 2.0 / 3.0 / PERIOD, "max|S| at most 1.5"),
+        (Limits(overshoot=10.0), 1.1 / PERIOD, "overshoot of volume at most 10 %"),
+        (
+            Limits(total_variation={"inflow": 2 * 5.0 * STEP}),
+            5.0,
+            "total variation of inflow at most 0.1 m^3/s",
+        ),
+        (Limits(overshoot=10.0, maximum_sensitivity=1.25), 0.4 / PERIOD, "max|S| at most 1.25"),
+    ],
+)
+def test_a_limit_binds_exactly(model, limits, gain, said):
+    for generations in (0, 20):
+        found = tuned(model, minimax("ise[volume]"), limits=limits, generations=generations)
+        assert found.controller.values["proportional_gain_1"] == pytest.approx(gain, rel=3e-6)
+        assert found.binding == (said,)
+        assert found.scores["ise[volume]"] == pytest.approx(ise(gain), rel=1e-5)
+
+
+def test_what_is_reported_is_that_of_the_rounded_controller_that_runs(model):
+    found = tuned(model, minimax("ise[volume]"), limits=Limits(1.3), generations=0)
+    assert found.controller.values["proportional_gain_1"] == pytest.approx(
+        (2.0 - 2.0 / 1.3) / PERIOD, rel=1e-4
+    )
+    run = Loop(found.controller, model).run(step_of_volume())
+    own = scores_of(run)["ise[volume]"]
+    assert found.scores == {"ise[volume]": pytest.approx(own, rel=1e-12, abs=0.0)}
+    peak = sampled_loop(found.controller, model).maximum_sensitivity
+    assert found.maximum_sensitivity == pytest.approx(peak, rel=1e-12)
+    assert found.tuned == {GAIN.name: found.controller.values[GAIN.name]}
+    assert found.history[-1, 1] == found.objective
+
+
+def test_a_bound_that_binds_is_named(model):
+    narrow = dataclasses.replace(GAIN, high=9.0)
+    found = tune(controller(), model, step_of_volume(), [narrow], minimax("ise[volume]"))
+    assert found.controller.values["proportional_gain_1"] == pytest.approx(9.0, rel=1e-12)
+    # In shares of 4 m³ and 1 m³/s, the ranges of volume and inflow.
+    assert found.binding == ("volume.gain at most 36 %/%",)
+    assert "volume.gain = 36 %/%" in found.controller.design
+
+
+def test_a_negative_gain_is_named_without_its_sign():
+    """The bound nearest to zero is the least gain, though it is the high one of the law."""
+    basin = analyse(load_process("equalisation-tank"))
+    start = design_simc(basin.model)
+    gain = start.values["proportional_gain_1"]
+    assert gain < 0.0
+    words = ParameterWords(start, basin.operating_point.process)
+    # Level and outflow are shares of their ranges: K is the gain in %/%.
+    assert words.value("proportional_gain_1", -0.5) == "0.5 %/%"
+    narrow = TunedParameter("proportional_gain_1", 1.2 * gain, 0.8 * gain)
+    found = tune(
+        start,
+        basin.model,
+        default_scenario(basin.model),
+        [narrow],
+        minimax("total_variation[outflow]"),
+        generations=0,
+    )
+    assert found.controller.values["proportional_gain_1"] == pytest.approx(0.8 * gain)
+    assert found.binding == (f"level.gain at least {0.8 * abs(gain):.4g} %/%",)
+
+
+def test_the_minimax_of_opposing_scores_stands_where_they_are_equal(model):
+    """A higher gain lowers ISE and raises the total variation; they are made to meet at 4."""
+    meeting = 4.0
+    weights = {"ise[volume]": 1.0 / ise(meeting), "total_variation[inflow]": 0.5 / meeting / STEP}
+    for generations in (0, 30):
+        found = tuned(model, Objective("minimax", weights, relative=False), generations=generations)
+        assert found.controller.values["proportional_gain_1"] == pytest.approx(meeting, rel=1e-7)
+        parts = [weight * found.scores[name] for name, weight in weights.items()]
+        assert parts == pytest.approx([1.0, 1.0], rel=1e-7)
+
+
+def test_a_weighted_sum_is_least_where_its_slope_is_zero(model):
+    weights = {"ise[volume]": 1e4, "total_variation[inflow]": 1.0}
+    found = tuned(model, weighted_sum(weights, relative=False))
+    gain = found.controller.values["proportional_gain_1"]
+    gains = np.linspace(gain - 0.5, gain + 0.5, 5)
+    costs = [1e4 * ise(k) + 2 * k * STEP for k in gains]
+    assert found.objective == pytest.approx(costs[2], rel=INTEGRAL)
+    # The parabola through neighbours has its lowest point in the middle.
+    a, b, _ = np.polyfit(gains - gain, costs, 4)[-3:]
+    assert abs(b / (2 * a)) < 1e-3 and a > 0
+
+
+def test_over_several_scenarios_integrals_add_up_and_the_largest_overshoot_counts(model):
+    steps = [step_of_volume(), step_of_volume(2 * STEP, 150)]
+    limits = Limits(overshoot=10.0)
+    found = tune(controller(), model, steps, [GAIN], minimax("ise[volume]"), limits=limits)
+    assert found.start_scores["ise[volume]"] == pytest.approx(5 * ise(3.0), rel=INTEGRAL)
+    assert found.scores["overshoot[volume]"] == pytest.approx(10.0, rel=1e-4)
+
+
+def test_the_front_is_the_closed_form_of_score_against_robustness(model):
+    bounds = (1.2, 1.4, 1.6)
+    found = tuned(model, minimax("ise[volume]"), front=bounds, generations=0).front
+    assert np.all(np.diff(found.sensitivity) > 0) and np.all(np.diff(found.objective) < 0)
+    gains = found.values["proportional_gain_1"]
+    assert found.sensitivity == pytest.approx(2.0 / (2.0 - gains * PERIOD), rel=1e-6)
+    assert found.objective == pytest.approx([ise(k) / ise(3.0) for k in gains], rel=1e-6)
+    for bound in bounds:
+        assert np.min(np.abs(found.sensitivity - bound)) < 1e-5
+
+
+def test_a_tuned_controller_starts_at_rest_whatever_was_tuned(model):
+    """With a setpoint weight below one the bias must hold what K (b - 1) r takes away."""
+    parameters = [GAIN, TunedParameter("setpoint_weight_1", 0.0, 0.9, logarithmic=False)]
+    start = controller(weight=0.5)
+    start = dataclasses.replace(
+        start, initial_state={**start.initial_state, "integral_1": 0.2 + 3.0 * 0.5 * 2.0}
+    )
+    found = tune(start, model, step_of_volume(), parameters, minimax("ise[volume]"))
+    still = step_of_volume(0.0)
+    still = dataclasses.replace(still, segments=())
+    values = Loop(found.controller, model).run(still).values
+    assert found.controller.values["setpoint_weight_1"] != 0.5
+    assert np.ptp(values["inflow"]) < 1e-12 and np.ptp(values["tank.level"]) < 1e-12
+
+
+# Interruption ------------------------------------------------------------------------------
+
+
+class Stop:
+    """Presses control-C after some batches."""
+
+    def __init__(self, after: int) -> None:
+        self.left = after
+        self.stages: list[str] = []
+
+    def __call__(self, progress: Progress) -> None:
+        self.stages.append(progress.stage)
+        self.left -= 1
+        if self.left == 0:
+            raise KeyboardInterrupt
+
+
+def same(one: TuningResult, other: TuningResult) -> bool:
+    return (
+        one.controller.values == other.controller.values
+        and one.controller.initial_state == other.controller.initial_state
+        and one.controller.notes == other.controller.notes
+        and (one.objective, one.scores) == (other.objective, other.scores)
+        and one.evaluations == other.evaluations
+        and np.array_equal(one.history, other.history)
+        and np.array_equal(one.front.sensitivity, other.front.sensitivity)
+        and np.array_equal(one.front.objective, other.front.objective)
+    )
+
+
+@pytest.mark.parametrize("share", [0.15, 0.4, 0.6, 0.8])
+def test_a_resumed_tuning_ends_as_one_without_a_break(model, tmp_path, share):
+    options = {
+        "limits": Limits(1.5), "generations": 25, "front": (1.2,), "seed": 4,
+    }  # fmt: skip
+    count = Stop(10**9)
+    whole = tuned(model, minimax("ise[volume]"), **options, progress=count)
+    path = tmp_path / "state.json"
+    stop = Stop(round(share * len(count.stages)))
+    broken = tuned(model, minimax("ise[volume]"), **options, state_file=path, progress=stop)
+    assert broken.interrupted and not whole.interrupted
+    assert broken.evaluations < whole.evaluations
+    # The best so far is kept, and it is the best of what was looked at.
+    assert broken.objective == broken.history[-1, 1] == broken.history[:, 1].min()
+    assert broken.objective >= whole.objective
+    assert "stopped before the end" in broken.controller.notes[-1]
+    kept = len(json.loads(path.read_text())["candidates"])
+    assert 0 < kept < whole.evaluations
+    resumed = tuned(model, minimax("ise[volume]"), **options, state_file=path)
+    assert same(resumed, whole) and not resumed.interrupted
+    # Once it is done nothing is left to simulate.
+    assert len(json.loads(path.read_text())["candidates"]) == whole.evaluations
+    assert same(tuned(model, minimax("ise[volume]"), **options, state_file=path), whole)
+
+
+def test_an_interruption_before_the_start_is_known_is_passed_on(model):
+    with pytest.raises(KeyboardInterrupt):
+        tuned(model, minimax("ise[volume]"), progress=Stop(1))
+
+
+def test_progress_names_its_stages_in_order(model):
+    stop = Stop(10**9)
+    tuned(model, minimax("ise[volume]"), progress=stop, front=(1.3,), generations=3)
+    assert list(dict.fromkeys(stop.stages)) == [
+        "start", "global search", "local search", "Pareto front",
+    ]  # fmt: skip
+
+
+def test_the_state_of_another_problem_is_refused(model, tmp_path):
+    path = tmp_path / "state.json"
+    tuned(model, minimax("ise[volume]"), generations=1, state_file=path)
+    for other in (
+        lambda: tuned(model, minimax("iae[volume]"), state_file=path),
+        lambda: tuned(model, minimax("ise[volume]"), limits=Limits(1.6), state_file=path),
+        lambda: tune(
+            controller(3.1), model, step_of_volume(), [GAIN], minimax("ise[volume]"),
+            state_file=path,
+        ),
+        lambda: tune(
+            controller(), model, step_of_volume(2 * STEP), [GAIN], minimax("ise[volume]"),
+            state_file=path,
+        ),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match="the state of another problem"):
+            other()
+    path.write_text("{}")
+    with pytest.raises(InputError, match="what an interrupted tuning wrote"):
+        tuned(model, minimax("ise[volume]"), state_file=path)
+
+
+def test_the_same_seed_gives_the_same_bits_and_another_seed_another_way(model):
+    options = {"limits": Limits(1.5), "generations": 10}
+    one, again = (tuned(model, minimax("ise[volume]"), **options, seed=7) for _ in range(2))
+    other = tuned(model, minimax("ise[volume]"), **options, seed=8)
+    assert same(one, again)
+    assert not np.array_equal(one.history, other.history)
+    assert other.objective == pytest.approx(one.objective, rel=1e-6)
+
+
+# What is refused ---------------------------------------------------------------------------
+
+
+def parameter(*arguments, **options) -> TunedParameter:
+    return TunedParameter(*arguments, **options)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: parameter("proportional_gain_1", 9.0, 1.0), "got 'bounds 9 to 1', expected a low"),
+        (lambda: parameter("proportional_gain_1", 2.0, 2.0), "expected a low bound below"),
+        (lambda: parameter("proportional_gain_1", -1.0, 1.0), "bounds of one sign"),
+        (lambda: parameter("proportional_gain_1", 1.0, math.inf), "expected a finite bound"),
+        (lambda: minimax(), "objective: got 'none', expected a score"),
+        (lambda: minimax("settling_time[volume]"), "expected one of ie, iae"),
+        (lambda: weighted_sum({"iae[volume]": -1.0}), "expected a weight above 0"),
+        (lambda: Limits(maximum_sensitivity=1.0), "got 1.0, expected a number above 1"),
+        (lambda: Limits(overshoot=-1.0), "got -1.0, expected 0 % or more"),
+        (lambda: Limits(total_variation={"inflow": 0.0}), "expected a number above 0"),
+        (lambda: minimax(["iae[volume]"]), "got 'a list', expected the name of a score"),
+        (lambda: weighted_sum(["iae[volume]"]), "expected scores with their weights"),
+        (lambda: weighted_sum({3: 1.0}), "got 3, expected scores with their weights"),
+        (lambda: Limits("2"), "maximum_sensitivity: got '2', expected a number"),
+        (lambda: Limits(overshoot=None), "overshoot: got None, expected a number"),
+        (lambda: Limits(total_variation=5.0), "expected manipulated variables with their limits"),
+        (lambda: Limits(total_variation={"inflow": "1 m^3"}), "give it in the unit of inflow"),
+        (lambda: parameter(3, 1.0, 2.0), "expected the name of a parameter"),
+        (lambda: around(controller(), "integral_time_1"), "expected a list of names"),
+        (lambda: around(controller(), ["integral_time_1"], 0.5), "a number above 1"),
+        (lambda: around("PI", ["integral_time_1"]), "expected a Controller"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("parameters", "options", "message"),
+    [
+        ([], {}, "parameters: got 'none', expected at least one"),
+        ([parameter("gain", 1.0, 2.0)], {}, "got 'gain', expected a parameter of multiloop_pi: "),
+        ([GAIN, GAIN], {}, "got 'proportional_gain_1', expected each name once"),
+        ([dataclasses.replace(GAIN, low=4.0)], {}, "got 'a start at 3', expected a start within"),
+        ([dataclasses.replace(GAIN, high=1e10)], {}, "within -1e[+]09 to 1e[+]09"),
+        ([GAIN], {"objective": minimax("iae[level]")}, r"got 'iae\[level\]', expected iae of one"),
+        ([GAIN], {"limits": Limits(total_variation={"pump": 1.0})}, "total_variation of one of"),
+        ([GAIN], {"front": (0.8,)}, "front: got 0.8, expected bounds of max"),
+        ([GAIN], {"generations": -1}, "generations: got -1, expected a whole number"),
+        ([GAIN], {"seed": 1.5}, "seed: got 1.5, expected a whole number"),
+        ([GAIN], {"scenario": []}, "scenarios: got 'none', expected at least one"),
+        ([GAIN], {"scenario": None}, "scenario: got None, expected a Scenario"),
+        (["proportional_gain_1"], {}, "expected a list of TunedParameter; make them, as by around"),
+        (GAIN, {}, "got 'a TunedParameter', expected a list of TunedParameter"),
+        ([GAIN], {"objective": "iae[volume]"}, "expected an Objective; make one, as by minimax"),
+        ([GAIN], {"limits": {"maximum_sensitivity": 2.0}}, "write as in Limits"),
+        ([GAIN], {"front": 2.0}, "front: got 2.0, expected a list of bounds"),
+        ([GAIN], {"state_file": 3}, "state_file: got 3, expected the path of a file"),
+    ],
+)
+def test_a_problem_that_cannot_be_tuned_is_refused(model, parameters, options, message):
+    arguments = {"scenario": step_of_volume(), "objective": minimax("ise[volume]")} | options
+    with pytest.raises(InputError, match=message):
+        tune(controller(), model, arguments.pop("scenario"), parameters,
+             arguments.pop("objective"), **arguments)  # fmt: skip
+
+
+def test_an_overshoot_limit_needs_a_step_and_a_relative_score_a_start(model):
+    still = dataclasses.replace(step_of_volume(0.0), segments=())
+    with pytest.raises(InputError, match="a scenario with a setpoint step"):
+        tune(controller(), model, still, [GAIN], minimax("ise[volume]"), limits=Limits(overshoot=5))
+    # In three samples at a gain of 3 nothing comes near its setpoint.
+    short = step_of_volume(samples=8)
+    with pytest.raises(InputError, match="a finite score above 0 at the start"):
+        tune(controller(), model, short, [GAIN], minimax("overshoot[volume]"))
+
+
+def test_where_nothing_keeps_the_limits_the_tuning_does_not_apply(model):
+    # The least gain has 2 / (2 - 0.1) = 1.053.
+    with pytest.raises(NotApplicable, match=r"none of \d+ candidates keeps max.S. at most 1.04"):
+        tuned(model, minimax("ise[volume]"), limits=Limits(1.04), generations=5)
+
+
+# A study's own tuning ----------------------------------------------------------------------
+
+
+def test_around_moves_by_a_factor_and_takes_the_tracking_time_along():
+    law = multiloop_pid_law(1)
+    values = {p.name: p.initial for p in law.parameters}
+    values |= {"proportional_gain_1": -2.0, "integral_time_1": 30.0, "tracking_time_1": 30.0}
+    state = {s.name: 0.0 for s in law.state}
+    direct = Controller(
+        "PI", "multiloop PI", "", law, values, state, ("volume",), ("volume",), ("inflow",)
+    )
+    gain, time = around(direct, ["proportional_gain_1", "integral_time_1"], 10.0)
+    assert (gain.low, gain.high, gain.followers) == (-20.0, -0.2, ())
+    assert (time.low, time.high, time.followers) == (3.0, 300.0, ("tracking_time_1",))
+    # Equal ratios are equal steps, also below zero.
+    assert gain.value(np.array([0.0, 0.5, 1.0])) == pytest.approx([-20.0, -2.0, -0.2])
+    assert gain.share(-2.0) == pytest.approx(0.5)
+    with pytest.raises(InputError, match="a parameter of multiloop_pi that is not zero"):
+        around(direct, ["derivative_time_1"])
+
+
+def test_a_law_without_gains_is_not_tuned_as_a_pid(model):
+    law = multiloop_pid_law(1, PidForm("P"))
+    values = {p.name: p.initial for p in law.parameters} | {"proportional_gain_1": 0.0}
+    state = {signal.name: 0.0 for signal in law.state}
+    none = dataclasses.replace(controller(), law=law, values=values, initial_state=state)
+    with pytest.raises(NotApplicable, match="PI has no gain and no integral time to tune"):
+        tuned_pid(none, model, step_of_volume())

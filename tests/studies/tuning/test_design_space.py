@@ -1,0 +1,95 @@
+"""A search among design numbers where some of them make no controller."""
+
+import numpy as np
+import pytest
+
+from clepsydra.base.errors import InputError
+from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.simc import design_simc
+from clepsydra.linear.analysis import analyse
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.process.reader import load_process
+from clepsydra.studies.tuning.design_space import DesignSpace
+from clepsydra.studies.tuning.lqi_weights import LqiWeights, WeightWords
+from clepsydra.studies.tuning.objective import minimax
+from clepsydra.studies.tuning.parameters import LawSpace, TunedParameter
+from clepsydra.studies.tuning.search import search
+from clepsydra.studies.tuning.weighted_designs import lqi_by_bryson
+
+LOWEST = 0.7
+
+
+class Squared:
+    """A loop gain that is the start's times the square of a number, refused below 0.7."""
+
+    def __init__(self, gain: float) -> None:
+        self._gain = gain
+        self.numbers = {"root": 1.0}
+
+    def values(self, numbers):
+        if numbers["root"] < LOWEST:
+            raise NotApplicable("by hand", "too small")
+        return {"proportional_gain_1": self._gain * numbers["root"] ** 2}
+
+    def words(self, process):
+        return WeightWords()
+
+
+@pytest.fixture(scope="module")
+def setting():
+    analysis = analyse(load_process("equalisation-tank"))
+    start = design_simc(analysis.model, analysis.pairing)
+    return start, analysis.model, default_scenario(analysis.model)
+
+
+def space_of(start) -> DesignSpace:
+    design = Squared(start.values["proportional_gain_1"])
+    return DesignSpace(start, (TunedParameter("root", 0.1, 3.0),), design)
+
+
+def test_a_design_that_does_not_apply_is_never_the_best(setting):
+    """The total variation falls with the gain: the best is the last that there is."""
+    start, model, scenario = setting
+    space = space_of(start)
+    found = search(space, model, scenario, minimax("total_variation[outflow]"), generations=12)
+    assert LOWEST <= found.tuned["root"] < 1.05 * LOWEST
+    assert found.controller.values["proportional_gain_1"] == pytest.approx(
+        start.values["proportional_gain_1"] * found.tuned["root"] ** 2
+    )
+    values = space.values_at(np.array([[0.0], [1.0]]))["proportional_gain_1"]
+    assert np.isnan(values[0]) and values[1] == pytest.approx(
+        9.0 * start.values["proportional_gain_1"]
+    )
+
+
+def test_the_same_gain_is_found_by_way_of_a_number_and_by_itself(setting):
+    start, model, scenario = setting
+    gain = start.values["proportional_gain_1"]
+    objective = minimax("ise[level]")
+    one = search(space_of(start), model, scenario, objective, generations=4)
+    law = LawSpace(start, (TunedParameter("proportional_gain_1", 9.0 * gain, 0.5 * gain),))
+    other = search(law, model, scenario, objective, generations=4)
+    assert one.objective == pytest.approx(other.objective, rel=1e-7)
+
+
+def test_the_numbers_of_the_space_are_checked(setting):
+    start, _, _ = setting
+    design = Squared(1.0)
+    for parameter, said in (
+        (TunedParameter("rot", 0.1, 3.0), "perhaps 'root'"),
+        (TunedParameter("root", 2.0, 3.0), "a start within its bounds 2 to 3"),
+    ):
+        with pytest.raises(InputError, match=said):
+            DesignSpace(start, (parameter,), design)
+
+
+def test_gains_of_weights_change_smoothly_by_the_steps_that_a_search_takes():
+    design = LqiWeights(lqi_by_bryson(analyse(load_process("three-tanks")).model))
+    weight = design.numbers["inputs.feed"]
+    gains = [
+        design.values({**design.numbers, "inputs.feed": weight * (1.0 + 1e-6 * i)})
+        for i in range(3)
+    ]
+    for name in ("feedback_1_1", "feedback_1_3", "integral_gain_1_1"):
+        steps = np.diff([each[name] for each in gains])
+        assert steps[0] != 0.0 and steps[1] == pytest.approx(steps[0], rel=1e-3)
