@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
+from clepsydra.base.suggestion import suggestion
+
 
 class ClepsydraError(Exception):
     """The root of every error that Clepsydra raises on purpose.
@@ -47,6 +51,29 @@ give the cross-section of the tank.
         self.expected = expected
         self.remedy = remedy
         super().__init__(f"{place}: got {value!r}, expected {expected}; {remedy}.")
+
+
+class UnknownName(InputError, AttributeError):
+    """A name that a part of the public interface does not have.
+
+    Parameters
+    ----------
+    owner : str
+        What was asked for it.
+    name : str
+    known : iterable of str
+        The names that there are.
+
+    Examples
+    --------
+    >>> print(UnknownName("cl.design", "smic", ["lqi", "simc"]))
+    cl.design: got 'smic', expected one of lqi, simc; perhaps 'simc' was meant.
+    """
+
+    def __init__(self, owner: str, name: str, known: Iterable[str]) -> None:
+        names = sorted(known)
+        remedy = suggestion(name, names, f"choose one of them; dir({owner}) lists them")
+        super().__init__(owner, name, f"one of {', '.join(names)}", remedy)
 
 
 def reason_of(error: OSError | ValueError) -> str:

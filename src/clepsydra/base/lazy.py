@@ -1,35 +1,67 @@
-"""Lists of names that load their module only when they are used."""
+"""The names that a package publishes, read from its stub and loaded when they are used."""
 
 from __future__ import annotations
 
+import ast
 import importlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
+from clepsydra.base.errors import UnknownName
 
-def lazy_names(
-    package: str, names: Mapping[str, str]
+
+def published_names(
+    package: str, file: str
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
-    """Return ``__getattr__``, ``__dir__`` and ``__all__`` for a package's list of names.
+    """Return ``__getattr__``, ``__dir__`` and ``__all__`` for a package with a stub.
+
+    The stub, ``__init__.pyi`` beside the package's file, declares once what is published, with its
+    types, as lines ``from module import name as name``.
 
     Parameters
     ----------
     package : str
-        The package that publishes the names, its ``__name__``.
-    names : mapping
-        Published name to the module that defines it.
+        Its ``__name__``.
+    file : str
+        Its ``__file__``.
 
     Examples
     --------
-    >>> load, listing, published = lazy_names("example", {"sqrt": "math"})
-    >>> load("sqrt")(9.0), listing(), published
-    (3.0, ['sqrt'], ['sqrt'])
+    >>> import clepsydra
+    >>> load, listing, published = published_names("clepsydra", clepsydra.__file__)
+    >>> load("Signal")("level").name, "Signal" in listing(), "Signal" in published
+    ('level', True, True)
     """
+    names = declared_names(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
 
     def load(name: str) -> Any:
         if name not in names:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        return getattr(importlib.import_module(names[name]), name)
+            # What Python itself looks for, __path__ and the like, is no misspelt name.
+            if name.startswith("__"):
+                raise AttributeError(f"module {package!r} has no attribute {name!r}")
+            raise UnknownName(package, name, names)
+        module = importlib.import_module(names[name])
+        if not hasattr(module, name):  # a module of the interface, which is a name itself
+            return importlib.import_module(f"{names[name]}.{name}")
+        return getattr(module, name)
 
     published = sorted(names)
-    return load, lambda: published, published
+    return load, lambda: [*published, "__version__"], published
+
+
+def declared_names(stub: str) -> dict[str, str]:
+    """Return the names that a stub declares, each to the module that has it.
+
+    Examples
+    --------
+    >>> declared_names("from math import sqrt as sqrt")
+    {'sqrt': 'math'}
+    """
+    return {
+        alias.name: node.module
+        for node in ast.parse(stub).body
+        if isinstance(node, ast.ImportFrom) and node.module is not None
+        for alias in node.names
+        if alias.asname == alias.name
+    }

@@ -112,7 +112,6 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
         raise InputError("seed", seed, "a whole number from 0", "choose another seed")
     point = operating_point_of(model)
     process = point.process
-    late = 0.0 if model.delays is None else float(model.delays.times.sum())
     controlled = at_rest(model.select(outputs=process.controlled))
     period = process.sampling_period
     loads = [
@@ -121,16 +120,13 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
         for element in process.elements
         if signal.name in element.load_steps()
     ]
-    slowest = max(_slowest(process, controlled), DEAD_TIMES * late)
-    length = _pretty_above(SLOWEST_TIMES * slowest)
-    each = math.ceil(length / period * (1.0 - 1e-12))
-    rest = math.ceil(REST_SHARE * each)
+    rest, each = segment_samples(model)
     samples = rest + (2 * len(process.controlled) + len(loads) + 1) * each
     if samples > MOST_SAMPLES:
         raise InputError(
             f"{process.name}, sampling_period",
             f"{period:g} s",
-            f"at least {period * samples / MOST_SAMPLES:.2g} s for segments of {length:g} s",
+            f"at least {period * samples / MOST_SAMPLES:.2g} s for segments of {each * period:g} s",
             "lengthen the sampling period",
         )
 
@@ -156,6 +152,30 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
         disturbances[add_segment("load", name, size).start :, column] += size
     add_noise(process, noise, disturbances, add_segment("noise", "", 0.0), seed)
     return Scenario(period, setpoints, disturbances, noise, tuple(segments), seed)
+
+
+def segment_samples(model: LinearModel) -> tuple[int, int]:
+    """Return how many samples the default scenario rests at first, and how many a segment has.
+
+    Parameters
+    ----------
+    model : LinearModel
+        As for `default_scenario`, which says how the length is chosen.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> segment_samples(analyse(load_process("quadruple-tank")).model)
+    (60, 600)
+    """
+    process = operating_point_of(model).process
+    late = 0.0 if model.delays is None else float(model.delays.times.sum())
+    controlled = at_rest(model.select(outputs=process.controlled))
+    slowest = max(_slowest(process, controlled), DEAD_TIMES * late)
+    length = _pretty_above(SLOWEST_TIMES * slowest)
+    each = math.ceil(length / process.sampling_period * (1.0 - 1e-12))
+    return math.ceil(REST_SHARE * each), each
 
 
 def add_noise(

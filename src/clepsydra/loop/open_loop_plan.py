@@ -156,6 +156,7 @@ def plan_simulation(
     duration: str | None = None,
     start: Start = "rest",
     state: Mapping[str, float] | None = None,
+    rest: OperatingPoint | None = None,
 ) -> Plan:
     """Choose where an open-loop run starts, how long it lasts and with which step it begins.
 
@@ -171,6 +172,8 @@ def plan_simulation(
         At the equilibrium of the process, or with empty tanks and everything else as there.
     state : mapping, optional
         States that start elsewhere [SI].
+    rest : OperatingPoint, optional
+        Where it rests, if not at the operating point of the process.
 
     Raises
     ------
@@ -193,7 +196,7 @@ def plan_simulation(
     changes = tuple(changes)
     complete = all(signal.name in state for signal in process.state)
     try:
-        rest = find_equilibrium(process)
+        rest = find_equilibrium(process) if rest is None else rest
     except NoEquilibrium as error:
         if start == "rest" and not complete:
             raise NoEquilibrium(

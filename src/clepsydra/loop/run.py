@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -102,18 +103,33 @@ class Run:
 
     def to_xarray(self) -> xarray.Dataset:
         """Return a dataset over time [s]; each variable carries its unit and description."""
-        import xarray
+        about = {"process": self.process.name, "controller": self.controller.name}
+        return dataset(self.signals, self.values, self.time, about)
 
-        variables = {
-            signal.name: (
-                "time",
-                self.values[signal.name],
-                {"units": signal.unit, "long_name": signal.description or signal.name},
-            )
-            for signal in self.signals
-        }
-        return xarray.Dataset(
-            variables,
-            coords={"time": ("time", self.time, {"units": "s"})},
-            attrs={"process": self.process.name, "controller": self.controller.name},
+
+def dataset(
+    signals: Sequence[Signal],
+    values: Mapping[str, np.ndarray],
+    time: np.ndarray,
+    about: Mapping[str, str],
+) -> xarray.Dataset:
+    """Return trajectories over time [s] with their units and descriptions.
+
+    Examples
+    --------
+    >>> level = Signal("level", "m")
+    >>> dataset([level], {"level": np.zeros(2)}, np.arange(2.0), {})["level"].attrs["units"]
+    'm'
+    """
+    import xarray
+
+    variables = {
+        signal.name: (
+            "time",
+            values[signal.name],
+            {"units": signal.unit, "long_name": signal.description or signal.name},
         )
+        for signal in signals
+    }
+    coordinates = {"time": ("time", time, {"units": "s"})}
+    return xarray.Dataset(variables, coords=coordinates, attrs=dict(about))

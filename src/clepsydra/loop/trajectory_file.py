@@ -9,14 +9,15 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.files import whole_file
 from clepsydra.loop.open_loop import Simulation
 from clepsydra.loop.parquet import write_columns
+from clepsydra.loop.run import Run
 
 
-def write_trajectories(run: Simulation, path: Path) -> None:
+def write_trajectories(run: Simulation | Run, path: Path) -> None:
     """Write a simulation as one table, one row a sample, whole or not at all.
 
     Parameters
     ----------
-    run : Simulation
+    run : Simulation or Run
     path : Path
         Its ending says how: ".parquet", with the SI unit of each column in the column's metadata
         under "unit", or ".csv", with the SI unit in the head: "tank_1.level [m]". A CSV number
@@ -49,7 +50,7 @@ def write_trajectories(run: Simulation, path: Path) -> None:
         )
 
 
-def _write_csv(run: Simulation, path: Path) -> None:
+def _write_csv(run: Simulation | Run, path: Path) -> None:
     columns = [run.time, *(run.values[signal.name] for signal in run.signals)]
     with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

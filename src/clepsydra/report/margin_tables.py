@@ -31,20 +31,17 @@ def margin_grid(response: LoopResponse) -> Grid:
     'level_1'
     """
     rows = []
-    for name in response.channels:
-        channel = response.channels[name]
-        phase, crossing = channel.phase_margin
-        late = phase / crossing if math.isfinite(phase) and crossing > 0.0 else math.inf
-        peak = float(np.max(np.abs(1.0 / (1.0 + channel.loop))))
+    for name, found in margin_table(response).items():
+        phase = found["phase margin [deg]"]
         inner = " (inner loop)" if name in response.at_inner else ""
         rows.append(
             (
                 f"{name}{inner}",
-                number_text(channel.gain_margin.value),
-                number_text(math.degrees(phase)) + ("°" if math.isfinite(phase) else ""),
-                number_text(crossing),
-                time_cell(late),
-                number_text(peak),
+                number_text(found["gain margin"]),
+                number_text(phase) + ("°" if math.isfinite(phase) else ""),
+                number_text(found["crossover [rad/s]"]),
+                time_cell(found["delay margin [s]"]),
+                number_text(found["max|S|"]),
             )
         )
     head = (
@@ -52,3 +49,24 @@ def margin_grid(response: LoopResponse) -> Grid:
         "max|S|",
     )  # fmt: skip
     return Grid("Margins, the other loops closed", head, tuple(rows))
+
+
+def margin_table(response: LoopResponse) -> dict[str, dict[str, float]]:
+    """Return the numbers of `margin_grid`: each channel to its margins.
+
+    Examples
+    --------
+    See `margin_grid`.
+    """
+    found = {}
+    for name, channel in response.channels.items():
+        phase, crossing = channel.phase_margin
+        late = phase / crossing if math.isfinite(phase) and crossing > 0.0 else math.inf
+        found[name] = {
+            "gain margin": channel.gain_margin.value,
+            "phase margin [deg]": math.degrees(phase),
+            "crossover [rad/s]": crossing,
+            "delay margin [s]": late,
+            "max|S|": float(np.max(np.abs(1.0 / (1.0 + channel.loop)))),
+        }
+    return found

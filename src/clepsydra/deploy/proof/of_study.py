@@ -32,16 +32,22 @@ def proof_items(study: StudyResult, settings: PlantShell | None = None) -> list[
     """
     point = study.analysis.operating_point
     controllers = [candidate.controller for candidate in study.ranking]
-    items = [_controller_item(each, point, study.scenario, settings) for each in controllers]
-    return [*items, process_item(point, process_origin(point))]
+    items = [controller_item(each, point, study.scenario, settings) for each in controllers]
+    return [*items, process_item_of(point)]
 
 
-def _controller_item(
+def process_item_of(point: OperatingPoint) -> ProofItem:
+    """Return the item of a process with where its numbers come from."""
+    return process_item(point, process_origin(point))
+
+
+def controller_item(
     controller: Controller,
     point: OperatingPoint,
     scenario: Scenario,
     settings: PlantShell | None,
 ) -> ProofItem:
+    """Return the item of a controller; without a program, and why, if it cannot be exported."""
     period = point.process.sampling_period
     try:
         ready = exportable(controller, point, settings)

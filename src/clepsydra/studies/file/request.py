@@ -51,8 +51,8 @@ class StudyRequest:
 
     Parameters
     ----------
-    path : Path
-        Of the file.
+    path : Path or None
+        Of the file; None where there is none.
     title : str
         One line for the reader.
     process : Process
@@ -73,7 +73,7 @@ class StudyRequest:
     See `clepsydra.studies.file.reader.read_study`.
     """
 
-    path: Path
+    path: Path | None
     title: str
     process: Process
     analysis: Analysis
@@ -89,4 +89,4 @@ class StudyRequest:
         >>> StudyRequest(Path("a/basin.toml"), "", *[None] * 3, (), (), 1).file_stem
         'basin'
         """
-        return self.path.stem
+        return self.process.file_stem if self.path is None else self.path.stem

@@ -63,6 +63,45 @@ def resting_states(loop: Loop, values: Mapping[str, np.ndarray]) -> dict[str, np
     return found
 
 
+def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
+    """Return the initial state of the other loop's controller, whose law is the same.
+
+    As in `resting_states`, with other values or at another operating point: a few samples in
+    manual at rest tell where its states belong.
+
+    Parameters
+    ----------
+    own : Loop
+        Whose controller starts at rest.
+    other : Loop
+        With the same law.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> halved = replace(controller, values={**controller.values, "setpoint_weight_1": 0.5})
+    >>> state = rested_elsewhere(Loop(controller, analysis.model), Loop(halved, analysis.model))
+    >>> round(state["integral_1"] - 3.0, 3)
+    9.197
+    """
+    before, after = (
+        _in_manual(loop, {k: np.array([v]) for k, v in loop.controller.values.items()})[:, 0]
+        for loop in (own, other)
+    )
+    state = dict(own.controller.initial_state)
+    for place, entry in enumerate(own.controller.law.state):
+        moved = float(after[place] - before[place])
+        if isinstance(entry, DelayRing) or abs(moved) <= _ROUNDING * max(1.0, abs(before[place])):
+            continue
+        state[entry.name] += moved
+    return state
+
+
 def _in_manual(loop: Loop, values: Mapping[str, np.ndarray | float]) -> np.ndarray:
     """Return the state of a law after some samples in manual at rest [states, candidates]."""
     controller, law = loop.controller, loop.controller.law

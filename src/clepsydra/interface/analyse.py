@@ -1,0 +1,121 @@
+"""`cl.analyse`, `cl.zeros`, `cl.poles`, `cl.relative_gains`, `cl.margins`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clepsydra.base.arguments import require_type
+from clepsydra.controllers import controller as inner
+from clepsydra.interface.analysis import Analysis
+from clepsydra.interface.controller import of_plant
+from clepsydra.interface.plant import Plant
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.relative_gain_array import relative_gains as relative_gains_of
+from clepsydra.linear.roots import roots_of
+from clepsydra.report.margin_tables import margin_table
+from clepsydra.studies.warnings.loop_response import loop_response
+
+if TYPE_CHECKING:
+    import control
+    import pandas
+
+
+def analyse(plant: Plant) -> Analysis:
+    """Say what the linear model of a plant means for its control.
+
+    Parameters
+    ----------
+    plant : Plant
+
+    Returns
+    -------
+    Analysis
+        Poles, zeros, static gain, relative gains, pairing and `words`; printed, all of them.
+
+    Raises
+    ------
+    NoEquilibrium
+        There is no operating point as asked.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> analyse(cl.load("quadruple-tank")).pairing[0]
+    ('level_1', 'pump_1')
+    """
+    return _plant(plant).analysis
+
+
+def zeros(system: Plant | LinearModel | control.StateSpace) -> np.ndarray:
+    """Return the transmission zeros [rad/s], rightmost first.
+
+    Parameters
+    ----------
+    system : Plant, LinearModel or control.StateSpace
+        Of a plant from its inputs to its controlled measurements.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> zeros(cl.load("quadruple-tank-nonminimum-phase")).round(3)
+    array([ 0.013+0.j, -0.057+0.j])
+    """
+    return roots_of(_linear(system)).zeros
+
+
+def poles(system: Plant | LinearModel | control.StateSpace) -> np.ndarray:
+    """Return the poles [rad/s], rightmost first; see `zeros`."""
+    return roots_of(_linear(system)).poles
+
+
+def relative_gains(system: Plant | LinearModel | control.StateSpace) -> pandas.DataFrame:
+    """Return the relative gain array, a row for each output and a column for each input.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> print(relative_gains(cl.load("quadruple-tank")).round(2))
+             pump_1  pump_2
+    level_1     1.4    -0.4
+    level_2    -0.4     1.4
+    """
+    import pandas
+
+    model = _linear(system)
+    return pandas.DataFrame(
+        relative_gains_of(model), index=list(model.outputs), columns=list(model.inputs)
+    )
+
+
+def margins(controller: inner.Controller, plant: Plant) -> pandas.DataFrame:
+    """Return gain, phase and delay margin and max|S| of each loop, the others closed.
+
+    They are those of the sampled loop, exact, broken at each measurement and at each input.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> margins(cl.design.simc(plant), plant).loc["level_1", "phase margin [deg]"].round(1)
+    np.float64(79.2)
+    """
+    import pandas
+
+    found = margin_table(loop_response(of_plant(controller, _plant(plant)), plant.measured))
+    return pandas.DataFrame.from_dict(found, orient="index")
+
+
+def _plant(plant: object) -> Plant:
+    require_type(plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")')
+    assert isinstance(plant, Plant)
+    return plant
+
+
+def _linear(system: object) -> LinearModel:
+    if isinstance(system, Plant):
+        return system.linear
+    if isinstance(system, LinearModel):
+        return system
+    return LinearModel.from_control(system)

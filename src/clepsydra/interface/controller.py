@@ -1,0 +1,144 @@
+"""A controller of a plant, with the settings of its loops in the words of its own table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from clepsydra.base.arguments import require_type
+from clepsydra.base.errors import InputError
+from clepsydra.controllers import controller as inner
+from clepsydra.controllers.python_law import PythonLaw
+from clepsydra.interface.plant import Plant
+from clepsydra.interface.settings import settings_grid, values_of
+from clepsydra.interface.shown import Shown, lifted
+from clepsydra.loop.loop import Loop
+from clepsydra.studies.tuning.resting_states import rested_elsewhere
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Controller(Shown, inner.Controller):
+    """A step law with its numbers, for a plant; `cl.design` makes them.
+
+    Printed, it shows the settings of its loops. `design` says how the numbers were found, `notes`
+    what to watch, `values` are the numbers of the law [SI].
+
+    Parameters
+    ----------
+    plant : Plant
+        Where it starts at rest.
+    """
+
+    plant: Plant = field(kw_only=True)
+
+    def with_values(self, values: Mapping[str, Any], *, name: str | None = None) -> Controller:
+        """Return a controller with other settings, at rest at the same operating point.
+
+        Parameters
+        ----------
+        values : mapping
+            Loop to its settings, {"level_1": {"K": 6.0, "Ti": "40 s"}}, in the words of the
+            controller's own table: K, Ti, Td, b, and the keys of study files. Text with a unit, or
+            a number in the unit of the table: K in %/%, a time in s. The gain has no sign: the
+            action of the loop gives it. What follows a setting does so still: a tracking time that
+            equals Ti. Of other laws, parameter to its value, in its unit or as text with one.
+        name : str, optional
+            What the reader sees; the same name with ", changed" if left out.
+
+        Raises
+        ------
+        InputError
+            A loop or a setting is unknown, or a value is wrong; the message says what there is.
+
+        Examples
+        --------
+        >>> import clepsydra as cl
+        >>> pi = cl.design.simc(cl.load("quadruple-tank"))
+        >>> bold = pi.with_values({"level_1": {"K": 6.0}})
+        >>> bold.values["proportional_gain_1"], pi.values["proportional_gain_1"]
+        (6.0, 3.0)
+        """
+        found = values_of(self, self.plant.process, values)
+        changed = replace(
+            self,
+            name=name or f"{self.name}, changed",
+            design=f"{self.design.rstrip('.')}; then changed by hand.",
+            values={**self.values, **found},
+        )
+        if isinstance(self.law, PythonLaw):
+            return changed
+        state = rested_elsewhere(
+            Loop(self, self.plant.measured), Loop(changed, self.plant.measured)
+        )
+        return replace(changed, initial_state=state)
+
+    def named(self, name: str) -> Controller:
+        """Return it under another name, by which a study tells it apart."""
+        return replace(self, name=name)
+
+    def __rich__(self) -> RenderableType:
+        """Return name, design and settings."""
+        from rich.console import Group
+        from rich.text import Text
+
+        from clepsydra.report.tables import grid_table, hanging
+
+        parts: list[RenderableType] = [
+            Text(f"{self.title} for {self.plant.name}", style="bold"),
+            Text(self.design),
+        ]
+        grid = settings_grid(self, self.plant.process)
+        if grid is not None:
+            parts.append(grid_table(grid))
+        parts += [hanging(f"!  {note}", "yellow") for note in self.notes]
+        return Group(*parts)
+
+
+def of_plant(controller: inner.Controller, plant: Plant) -> Controller:
+    """Return a controller as one of a plant, where it starts at rest.
+
+    One that was made for another plant, or for another operating point, is taken as it is where
+    the plant has its signals in their units, and only starts elsewhere.
+
+    Raises
+    ------
+    InputError
+        It is no controller, or it is wired to signals that the plant does not have.
+    """
+    require_type(plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")')
+    require_type(
+        controller, inner.Controller, "controller", "a controller",
+        "give one, as from cl.design.simc(plant)",
+    )  # fmt: skip
+    if not isinstance(controller, Controller):
+        return lifted(Controller, controller, plant=plant)
+    if controller.plant is plant:
+        return controller
+    _check_signals(controller, plant)
+    moved = replace(controller, plant=plant)
+    if isinstance(controller.law, PythonLaw):
+        return moved
+    state = rested_elsewhere(
+        Loop(controller, controller.plant.measured), Loop(moved, plant.measured)
+    )
+    return replace(moved, initial_state=state)
+
+
+def _check_signals(controller: Controller, plant: Plant) -> None:
+    """Refuse a controller of a plant with other signals."""
+    own = controller.plant.process
+    for name in (*controller.measurements, *controller.setpoints, *controller.manipulated):
+        signals = {
+            signal.name: signal for signal in (*plant.process.measurements, *plant.process.inputs)
+        }
+        if name not in signals or signals[name].unit != own.signal(name).unit:
+            raise InputError(
+                "controller",
+                f"{controller.name} of {own.name}",
+                f"a controller of {plant.name}; it has no {name} in {own.signal(name).shown_unit}",
+                "design one for this plant, as in cl.design.simc(plant)",
+            )

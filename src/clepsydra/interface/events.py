@@ -1,0 +1,237 @@
+"""What happens in a simulation: steps and ramps of setpoints, loads and inputs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from clepsydra.base.arguments import require_type, sequence_of
+from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Signal
+from clepsydra.interface.plant import Plant
+from clepsydra.interface.quantities import (
+    Quantity,
+    check_within,
+    known,
+    read_signal,
+    read_time,
+)
+from clepsydra.loop.default_scenario import segment_samples
+from clepsydra.loop.profile import Change
+
+
+@dataclass(frozen=True)
+class Event:
+    """That a signal goes to another value, at once or along a ramp; see `step` and `ramp`.
+
+    Parameters
+    ----------
+    kind : str
+        "step", "ramp" or "disturbance", as it was asked for.
+    signal : str
+    by, to : str, float or None
+        The change, or the value after it; one of the two.
+    at : str, float or None
+        When it begins; None for a while after the event before.
+    over : str, float or None
+        How long it takes; None for a step.
+    """
+
+    kind: str
+    signal: str
+    by: Quantity | None
+    to: Quantity | None
+    at: Quantity | None
+    over: Quantity | None = None
+
+    @property
+    def place(self) -> str:
+        """What messages call it."""
+        return f"{self.kind} of {self.signal}"
+
+
+def step(
+    signal: str,
+    by: Quantity | None = None,
+    *,
+    to: Quantity | None = None,
+    at: Quantity | None = None,
+) -> Event:
+    """Return a step: of the setpoint of a controlled measurement, a disturbance, or an input.
+
+    Parameters
+    ----------
+    signal : str
+        Under a controller a controlled measurement, whose setpoint steps, or a disturbance. Without
+        one an input or a disturbance.
+    by, to : str or float
+        The size of the step, "+1 V" or "-10 %" of the range, or the value after it, "7 V". A number
+        is in the display unit of the signal, the one that the printed plant shows.
+    at : str or float, optional
+        When, "2 min"; a number is in s. If left out, as long after the event before as the default
+        scenario would wait.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> run = cl.simulate(plant, cl.design.simc(plant), [step("level_1", "+1 V", at="1 min")])
+    >>> round(float(run.values["level_1"][-1] - run.values["level_1"][0]), 3)
+    1.0
+    """
+    return _event("step", signal, by, to, at)
+
+
+def ramp(
+    signal: str,
+    by: Quantity | None = None,
+    *,
+    over: Quantity,
+    to: Quantity | None = None,
+    at: Quantity | None = None,
+) -> Event:
+    """Return a ramp, a step that takes its time.
+
+    Parameters
+    ----------
+    signal, by, to, at
+        As for `step`; `at` is when it begins.
+    over : str or float
+        How long it takes, "5 min"; a number is in s.
+
+    Examples
+    --------
+    >>> ramp("level_2", "+1 V", over="5 min").over
+    '5 min'
+    """
+    return _event("ramp", signal, by, to, at, over)
+
+
+def disturbance(
+    signal: str,
+    by: Quantity | None = None,
+    *,
+    to: Quantity | None = None,
+    at: Quantity | None = None,
+) -> Event:
+    """Return a step of a disturbance.
+
+    Parameters
+    ----------
+    signal : str
+        A disturbance of the plant.
+    by, to, at
+        As for `step`.
+
+    Examples
+    --------
+    >>> disturbance("inflow_1", "+10 %").place
+    'disturbance of inflow_1'
+    """
+    return _event("disturbance", signal, by, to, at)
+
+
+def _event(
+    kind: str,
+    signal: str,
+    by: Quantity | None,
+    to: Quantity | None,
+    at: Quantity | None,
+    over: Quantity | None = None,
+) -> Event:
+    require_type(signal, str, kind, "the name of a signal", 'write as in step("level_1", "+1 V")')
+    event = Event(kind, signal, by, to, at, over)
+    if (by is None) == (to is None):
+        raise InputError(
+            event.place, "neither by nor to" if by is None else "both by and to",
+            "the size of the change, or the value after it",
+            f'write as in {kind}("{signal}", "+10 %") or {kind}("{signal}", to="50 %")',
+        )  # fmt: skip
+    return event
+
+
+def changes_of(events: object, plant: Plant, *, controlled: bool) -> list[Change]:
+    """Return events as changes to values at times [SI], those without a time after each other.
+
+    Parameters
+    ----------
+    events : sequence of Event
+    plant : Plant
+    controlled : bool
+        Whether a controller moves the inputs, so that setpoints change and not inputs.
+
+    Raises
+    ------
+    InputError
+        A signal is unknown or not to be moved, a quantity is none of it or leaves its range.
+    """
+    given: tuple[Event, ...] = sequence_of(
+        events, Event, "events", "a list of events", 'write as in [cl.step("level_1", "+1 V")]'
+    )
+    waits = rests = 0.0
+    if any(event.at is None for event in given):
+        period = plant.process.sampling_period
+        rests, waits = (samples * period for samples in segment_samples(plant.linear))
+    begins, timed = rests, []
+    for event in given:
+        start = begins if event.at is None else read_time(event.place, "at", event.at)
+        lasts = 0.0 if event.over is None else read_time(event.place, "over", event.over)
+        if event.over is not None and lasts == 0.0:
+            raise InputError(
+                f"{event.place}, over", event.over, "a time above 0 s", "make it a step instead"
+            )
+        begins = start + lasts + waits
+        timed.append((start, start + lasts, event))
+    timed.sort(key=lambda entry: entry[0])
+    found: list[Change] = []
+    now: dict[str, float] = {}
+    for start, stop, event in timed:
+        signal = _signal(event, plant, controlled)
+        if event.to is None and signal.name not in now:
+            now[signal.name] = plant.point.as_dict()[signal.name]
+        value = _value(event, signal, now.get(signal.name))
+        now[signal.name] = value
+        found.append(Change(signal.name, value, start, stop, event.place))
+    return found
+
+
+def _signal(event: Event, plant: Plant, controlled: bool) -> Signal:
+    process = plant.process
+    loads = {signal.name: signal for signal in process.disturbances}
+    place = event.place
+    if event.kind == "disturbance":
+        return known(place, event.signal, loads, f"a disturbance of {process.name}")
+    setpoints = {name: process.signal(name) for name in process.controlled}
+    inputs = {signal.name: signal for signal in process.inputs}
+    if not controlled and event.signal in setpoints:
+        raise InputError(
+            place, event.signal,
+            f"an input or a disturbance ({', '.join({**inputs, **loads})}), since there is no "
+            "controller",
+            "give a controller, as in cl.simulate(plant, cl.design.simc(plant), events)",
+        )  # fmt: skip
+    if controlled and event.signal in inputs:
+        raise InputError(
+            place, event.signal,
+            f"a controlled measurement or a disturbance ({', '.join({**setpoints, **loads})}), "
+            "since the controller moves the inputs",
+            "move a setpoint, or simulate without a controller",
+        )  # fmt: skip
+    movable = {**(setpoints if controlled else inputs), **loads}
+    words = "a controlled measurement" if controlled else "an input"
+    return known(place, event.signal, movable, f"{words} or a disturbance of {process.name}")
+
+
+def _value(event: Event, signal: Signal, before: float | None) -> float:
+    """Return the value after an event [SI]."""
+    if event.to is not None:
+        value = read_signal(event.place, "to", event.to, signal, "a value")
+    else:
+        assert before is not None
+        value = before + read_signal(event.place, "by", event.by, signal, "a change", change=True)
+    key, written = ("by", event.by) if event.to is None else ("to", event.to)
+    check_within(event.place, key, signal, value, written, "a value")
+    if value == before:
+        raise InputError(
+            f"{event.place}, {key}", written, f"a change of {signal.name}", "leave it out"
+        )
+    return value

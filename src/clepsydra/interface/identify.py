@@ -1,0 +1,111 @@
+"""`cl.identify`: a model from a record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, overload
+
+from clepsydra.base.errors import InputError
+from clepsydra.identification import identification as inner
+from clepsydra.identification import process_fit
+from clepsydra.identification.identification import identify_model
+from clepsydra.identification.process_file import write_fitted_process
+from clepsydra.identification.record import Record
+from clepsydra.identification.record_csv import read_record
+from clepsydra.interface.plant import Plant
+from clepsydra.interface.shown import Shown, lifted
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+
+class _Page(Shown):
+    def __rich__(self) -> RenderableType:
+        """Return what was found, and what to do with it."""
+        from clepsydra.report.identification_screen import identification_screen
+
+        return identification_screen(self)  # type: ignore[arg-type]
+
+    def report(self, path: str | Path) -> None:
+        """Write a page with measured against simulated."""
+        from clepsydra.report.identification_page import write_identification_page
+
+        write_identification_page(self, Path(path))  # type: ignore[arg-type]
+
+
+class Identification(_Page, inner.Identification):
+    """The models of a record, the one to use first: `best`, `for_control`, `verdict`, `models`."""
+
+
+class FittedPlant(_Page, process_fit.ProcessFit):
+    """A process with the parameters that explain a record best: `values`, `verdict`, `plant`."""
+
+    @property
+    def plant(self) -> Plant:
+        """The plant with the fitted parameters."""
+        return Plant(self.process)
+
+    def write(self, path: str | Path) -> None:
+        """Write the process file with the fitted parameters."""
+        path = Path(path)
+        if path.suffix.lower() != ".toml":
+            raise InputError("path", str(path), "a file that ends in .toml", "rename it")
+        write_fitted_process(self, path)
+
+
+@overload
+def identify(
+    record: str | Path | Record, manipulated: str | None = None, measured: str | None = None
+) -> Identification: ...
+@overload
+def identify(
+    record: str | Path | Record, *, plant: Plant, parameters: Sequence[str]
+) -> FittedPlant: ...
+def identify(
+    record: str | Path | Record,
+    manipulated: str | None = None,
+    measured: str | None = None,
+    *,
+    plant: Plant | None = None,
+    parameters: Sequence[str] | None = None,
+) -> Identification | FittedPlant:
+    """Identify a model from a record: ARX, FOPDT, SOPDT, IPDT, or parameters of a plant.
+
+    Parameters
+    ----------
+    record : str, Path or Record
+        A CSV file, sampled regularly, whose head names time and signals with their units,
+        "time [s],pump_1 [V]".
+    manipulated, measured : str, optional
+        The column that moves the other, and that other; the record may leave only one choice.
+    plant : Plant, optional
+        Whose parameters are fitted instead, to all of its inputs and measurements in the record.
+    parameters : sequence of str, optional
+        Those to fit, ["outlet_1.area"].
+
+    Raises
+    ------
+    InputError
+        The record, a name or a parameter cannot be used, or no model can be fitted.
+
+    Examples
+    --------
+    See docs/identify.md.
+    """
+    process = None if plant is None else plant.process
+    read = record if isinstance(record, Record) else read_record(record, process)
+    if plant is None:
+        if parameters is not None:
+            raise InputError(
+                "parameters", str(parameters), "a plant that has them", "name it: plant=plant"
+            )
+        return lifted(Identification, identify_model(read, manipulated, measured))
+    for key, name in (("manipulated", manipulated), ("measured", measured)):
+        if name is not None:
+            raise InputError(
+                key, name, f"no {key} with a plant",
+                "leave it out: every input and measurement of the plant that is recorded counts",
+            )  # fmt: skip
+    fit = process_fit.fit_process(plant.process, read, list(parameters or ()))
+    return lifted(FittedPlant, fit)

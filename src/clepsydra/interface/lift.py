@@ -1,0 +1,107 @@
+"""The designs of a linear model as functions of a plant."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import re
+from collections.abc import Callable, Mapping
+from typing import Any, Concatenate, ParamSpec
+
+from clepsydra.base.arguments import require_type
+from clepsydra.controllers import controller as inner
+from clepsydra.interface.controller import Controller, of_plant
+from clepsydra.interface.plant import Plant
+from clepsydra.interface.quantities import arguments, with_unit
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.process.process import Process
+from clepsydra.studies.file.design_arguments import READERS, OfModelArgument
+
+P = ParamSpec("P")
+
+#: Arguments that are quantities of their own; a number is in this unit.
+_UNITS = {
+    "closed_loop_time_constant": "s",
+    "arrest_time": "s",
+    "phase_margin": "rad",
+    "crossover": "rad/s",
+    "bandwidth": "rad/s",
+    "starts_per_hour": "1",
+}
+#: Arguments that are quantities of signals; a number is in the signal's display unit.
+_OF_SIGNALS = ("maximum_errors", "maximum_moves", "deviation", "points")
+_MODEL = re.compile(r"^    model : LinearModel\n(?:        .*\n)*", re.MULTILINE)
+_PLANT = '    plant : Plant\n        As from ``cl.load("quadruple-tank")``.\n'
+_QUANTITIES = """
+    Times, angles and rates may be text with a unit, "20 s", "60 deg", or a number in the unit in
+    [brackets]; what belongs to a signal text with a unit, "5 cm" or "10 %" of its range, or a
+    number in its display unit, the one that the printed plant shows.
+"""
+
+
+def of_model(
+    design: Callable[Concatenate[LinearModel, P], inner.Controller],
+) -> Callable[Concatenate[Plant, P], Controller]:
+    """Return a design as a function of a plant; its other arguments stay.
+
+    Times, angles and rates may be text with a unit besides numbers.
+    """
+
+    @functools.wraps(design)
+    def designed(plant: Plant, *args: P.args, **kwargs: P.kwargs) -> Controller:
+        require_type(
+            plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")'
+        )
+        names = list(inspect.signature(design).parameters)[1:]
+        given = {**dict(zip(names, args, strict=False)), **kwargs}
+        found = {
+            name: _read(design.__name__, name, value, given, plant) for name, value in given.items()
+        }
+        return of_plant(design(plant.linear, **found), plant)  # type: ignore[call-arg]
+
+    signature = inspect.signature(design)
+    first, *others = signature.parameters.values()
+    of_plant_ = first.replace(name="plant", annotation="Plant")
+    designed.__signature__ = signature.replace(parameters=[of_plant_, *others])  # type: ignore[attr-defined]
+    designed.__doc__ = _documented(inspect.getdoc(design) or "")
+    return designed
+
+
+def _read(design: str, name: str, value: Any, given: Mapping[str, Any], plant: Plant) -> Any:
+    """Return an argument as the design takes it, from text or a number in display units."""
+    if isinstance(value, inner.Controller):
+        return value
+    place = design.removeprefix("design_").replace("_", " ")
+    if name in _OF_SIGNALS and value is not None:
+        value = _with_units(name, value, given, plant.process)
+    elif name in _UNITS:
+        if not isinstance(value, str):
+            return value
+        value = value if name != "starts_per_hour" else with_unit(value, "1")
+    elif name == "weights" and isinstance(value, Mapping):
+        value = {what: dict(weights) for what, weights in value.items()}
+    else:
+        return value
+    found = READERS[name](arguments(place, {**given, name: value}), name, plant.process)
+    return found.of(plant.linear) if isinstance(found, OfModelArgument) else found
+
+
+def _with_units(name: str, value: Any, given: Mapping[str, Any], process: Process) -> Any:
+    """Return numbers that belong to signals with the display units of these."""
+    if isinstance(value, Mapping):
+        units = {s.name: s.shown_unit for s in (*process.inputs, *process.measurements)}
+        return {key: with_unit(each, units.get(key, "1")) for key, each in value.items()}
+    over = given.get("over") if name == "points" else process.controlled[0]
+    unit = next((s.shown_unit for s in process.measurements if s.name == over), "1")
+    if isinstance(value, (list, tuple)):
+        return [with_unit(each, unit) for each in value]
+    return with_unit(value, unit)
+
+
+def _documented(text: str) -> str:
+    """Return the help of a design with a plant in the place of its model."""
+    text = "\n".join(f"    {line}" if line else "" for line in text.splitlines()) + "\n"
+    text = _MODEL.sub(_PLANT, text, count=1)
+    text, _, _ = text.partition("    Examples\n    --------")
+    head, line, rest = text.partition("    Parameters\n    ----------\n")
+    return inspect.cleandoc(f"{head.rstrip()}\n{_QUANTITIES}\n{line}{rest}")

@@ -1,0 +1,238 @@
+"""A plant: a process at an operating point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from clepsydra.base.arguments import require_type
+from clepsydra.base.errors import ClepsydraError
+from clepsydra.base.signal import Signal
+from clepsydra.interface.analysis import Analysis
+from clepsydra.interface.quantities import Quantity, known, read_signal
+from clepsydra.interface.shown import Shown, lifted
+from clepsydra.linear.analysis import analyse
+from clepsydra.linear.linear_model import LinearModel
+from clepsydra.linear.linearise import linearise
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.process.process import Process
+from clepsydra.process.reader import load_process
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+
+class Plant(Shown):
+    """A process at an operating point: what is analysed, controlled, simulated and studied.
+
+    `load` makes one. Printed, it lists its signals with their units, ranges and values at rest.
+
+    Parameters
+    ----------
+    process : Process
+    inputs, outputs, disturbances : mapping, optional
+        What fixes the operating point; that of the process file if left out. Signal to text with a
+        unit, or to a number in the display unit that the printed plant shows.
+
+    Raises
+    ------
+    InputError
+        A signal is unknown, or a quantity is none of its signal.
+    """
+
+    def __init__(
+        self,
+        process: Process,
+        *,
+        inputs: Mapping[str, Quantity] | None = None,
+        outputs: Mapping[str, Quantity] | None = None,
+        disturbances: Mapping[str, Quantity] | None = None,
+    ) -> None:
+        self.process = process
+        self._inputs = self._read("inputs", inputs, process.inputs)
+        self._outputs = self._read("outputs", outputs, process.measurements)
+        self._disturbances = self._read("disturbances", disturbances, process.disturbances)
+
+    def at(
+        self,
+        *,
+        inputs: Mapping[str, Quantity] | None = None,
+        outputs: Mapping[str, Quantity] | None = None,
+        disturbances: Mapping[str, Quantity] | None = None,
+    ) -> Plant:
+        """Return the same process at another operating point.
+
+        Parameters
+        ----------
+        inputs, outputs, disturbances : mapping, optional
+            Signal to text with a unit, or to a number in its display unit.
+
+        Examples
+        --------
+        >>> plant = load("quadruple-tank").at(outputs={"level_1": "4 V", "level_2": 4.0})
+        >>> round(plant.point.as_dict()["pump_1"], 2)
+        2.48
+        """
+        return Plant(self.process, inputs=inputs, outputs=outputs, disturbances=disturbances)
+
+    def with_values(self, values: Mapping[str, Quantity]) -> Plant:
+        """Return a plant with other physical parameters, at the operating point asked for there.
+
+        Parameters
+        ----------
+        values : mapping
+            Parameter, "tank_1.area", to text with a unit or to a number in SI.
+
+        Examples
+        --------
+        >>> bigger = load("quadruple-tank").with_values({"tank_1.area": "30 cm^2"})
+        >>> bigger.process.signal("tank_1.area").initial
+        0.003
+        """
+        own = {parameter.name: parameter for parameter in self.process.parameters}
+        found = {}
+        for name, value in values.items():
+            signal = known("plant, values", name, own, f"a parameter of {self.process.name}")
+            found[name] = read_signal("plant, values", name, value, signal, "a value")
+        changed = tuple(
+            replace(each, initial=found.get(each.name, each.initial))
+            for each in self.process.parameters
+        )
+        plant = Plant(replace(self.process, parameters=changed))
+        plant._inputs, plant._outputs = self._inputs, self._outputs
+        plant._disturbances = self._disturbances
+        return plant
+
+    @cached_property
+    def analysis(self) -> Analysis:
+        """What the linear model says about it, as `cl.analyse` returns it."""
+        found = analyse(self.process, self._inputs, self._outputs, self._disturbances)
+        return lifted(Analysis, found)
+
+    @property
+    def point(self) -> OperatingPoint:
+        """The operating point."""
+        return self.analysis.operating_point
+
+    @property
+    def asked_for(self) -> OperatingPoint | None:
+        """The operating point where one was asked for; None for that of the process file."""
+        asked = (self._inputs, self._outputs, self._disturbances)
+        return None if all(each is None for each in asked) else self.point
+
+    @property
+    def linear(self) -> LinearModel:
+        """The linear model from inputs to controlled measurements; it has `to_control()`."""
+        return self.analysis.model
+
+    @cached_property
+    def measured(self) -> LinearModel:
+        """The linear model from all inputs to every measurement."""
+        return linearise(self.point)
+
+    @property
+    def name(self) -> str:
+        """The name of the process."""
+        return self.process.name
+
+    def _read(
+        self, what: str, given: Mapping[str, Quantity] | None, signals: Sequence[Signal]
+    ) -> dict[str, float] | None:
+        if given is None:
+            return None
+        place = f"operating point, {what}"
+        require_type(
+            given, Mapping, place, "signals with their values", 'write as in {"level_1": "5 V"}'
+        )
+        own = {signal.name: signal for signal in signals}
+        words = {"inputs": "an input", "outputs": "a measurement", "disturbances": "a disturbance"}
+        return {
+            name: read_signal(
+                place, name, value,
+                known(place, name, own, f"{words[what]} of {self.process.name}"), "a value",
+            )
+            for name, value in given.items()
+        }  # fmt: skip
+
+    def __rich__(self) -> RenderableType:
+        """Return its signals with ranges and values at rest."""
+        from rich.console import Group
+        from rich.text import Text
+
+        from clepsydra.report.analysis_tables import Grid
+        from clepsydra.report.quantities import quantity_text, unit_text
+        from clepsydra.report.tables import grid_table, hanging
+
+        process = self.process
+        try:
+            rest, note = self.point.as_dict(), None
+        except ClepsydraError as error:
+            rest, note = {}, f"!  {error}"
+        rows = []
+        kinds = (
+            ("manipulated", process.inputs),
+            ("measured", process.measurements),
+            ("disturbance", process.disturbances),
+            ("state", process.state),
+        )
+        for kind, signals in kinds:
+            for signal in signals:
+                shown = "controlled" if signal.name in process.controlled else kind
+                value = quantity_text(signal, rest[signal.name]) if signal.name in rest else "–"
+                low, high = (quantity_text(signal, end) for end in (signal.low, signal.high))
+                rows.append(
+                    (
+                        signal.name,
+                        shown,
+                        value,
+                        f"{low} to {high}",
+                        unit_text(signal.shown_unit) or "1",
+                    )
+                )
+        head = ("signal", "what it is", "at rest", "range", "unit")
+        parts: list[RenderableType] = [
+            Text(f"{process.title} ({process.address})", style="bold"),
+            grid_table(Grid("Signals", head, tuple(rows))),
+        ]
+        if note is not None:
+            parts.append(hanging(note, "yellow"))
+        return Group(*parts)
+
+
+def load(
+    name_or_path: str | Path,
+    *,
+    variant: str | Sequence[str] | None = None,
+    inputs: Mapping[str, Quantity] | None = None,
+    outputs: Mapping[str, Quantity] | None = None,
+    disturbances: Mapping[str, Quantity] | None = None,
+) -> Plant:
+    """Load a plant: a process of the catalogue or of a file, at an operating point.
+
+    Parameters
+    ----------
+    name_or_path : str or Path
+        A name of the catalogue, "quadruple-tank", or the path of a TOML file. Variants may follow a
+        colon, "averaging-tank:inflow-constant".
+    variant : str or sequence of str, optional
+        Variants of the file; its own default if left out.
+    inputs, outputs, disturbances : mapping, optional
+        What fixes the operating point; that of the file if left out. Signal to text with a unit, or
+        to a number in its display unit.
+
+    Raises
+    ------
+    InputError
+        There is no such process, its file is wrong, or a quantity is; the message says where.
+
+    Examples
+    --------
+    >>> plant = load("quadruple-tank")
+    >>> plant.point.as_dict()["pump_1"]
+    3.0
+    """
+    process = load_process(name_or_path, variant)
+    return Plant(process, inputs=inputs, outputs=outputs, disturbances=disturbances)

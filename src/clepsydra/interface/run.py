@@ -1,0 +1,117 @@
+"""Runs that draw themselves and know their scores."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from clepsydra.base.units import from_si
+from clepsydra.base.words import time_text
+from clepsydra.interface.scores import Scores
+from clepsydra.interface.shown import Shown
+from clepsydra.loop import run as inner
+from clepsydra.loop.open_loop import Simulation
+from clepsydra.loop.open_loop_plan import Plan
+from clepsydra.loop.profile import Change
+from clepsydra.report.quantities import unit_text
+from clepsydra.studies.trial import scores_of
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+    from rich.console import RenderableType
+
+
+class _Drawn(Shown):
+    def plot(self) -> Figure:
+        """Draw everything that was recorded, as a Matplotlib figure."""
+        from clepsydra.report.plot import plot
+
+        return plot(self)  # type: ignore[arg-type]
+
+    def save(self, path: str | Path) -> None:
+        """Write the trajectories as .csv or .parquet; `cl.identify` reads the former."""
+        from clepsydra.loop.trajectory_file import write_trajectories
+
+        write_trajectories(self, Path(path))  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Run(_Drawn, inner.Run):
+    """What a plant did under a controller: trajectories, scores, plot.
+
+    Printed, it says what was simulated and how each controlled measurement did. Trajectories are in
+    `values` [SI] by name, and in `to_pandas()` and `to_xarray()`.
+
+    Parameters
+    ----------
+    changes : tuple of Change
+        The events, if it had other ones than the default scenario.
+    """
+
+    changes: tuple[Change, ...] = field(default=(), kw_only=True)
+
+    @cached_property
+    def scores(self) -> Scores:
+        """Every score of the run by its name, "iae[level_1]"; printed with units and words."""
+        return Scores(scores_of(self), self.process, self.scenario.duration)
+
+    def __rich__(self) -> RenderableType:
+        """Return what was simulated, and the scores that say most."""
+        from rich.console import Group
+        from rich.text import Text
+
+        said = "; ".join(self._happened())
+        head = (
+            f"{self.controller.title} on {self.process.name}, {time_text(self.scenario.duration)}"
+        )
+        parts: list[RenderableType] = [Text(head, style="bold")]
+        parts += [Text(f"{said}.")] if said else []
+        parts.append(self.scores.short())
+        return Group(*parts)
+
+    def _happened(self) -> list[str]:
+        """Return what happened, in words."""
+        if not self.changes:
+            return [
+                f"{each.signal} by {self._shown(each.signal, each.size, '+')} at "
+                f"{time_text(each.start)}"
+                for each in self.scenario.segments
+                if each.signal
+            ]
+        words = []
+        for each in self.changes:
+            over = f" over {time_text(each.stop - each.start)}" if each.is_ramp else ""
+            value = self._shown(each.signal, each.value)
+            words.append(f"{each.signal} to {value} at {time_text(each.start)}{over}")
+        return words
+
+    def _shown(self, name: str, value: float, sign: str = "") -> str:
+        signal = self.process.signal(name)
+        shown = from_si(value, signal.unit, signal.shown_unit)
+        return f"{shown:{sign}.4g} {unit_text(signal.shown_unit)}".strip()
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class OpenLoopRun(_Drawn, Simulation):
+    """What a plant did without a controller: trajectories, events, balances, plot.
+
+    Parameters
+    ----------
+    plan : Plan
+        What was to happen.
+    """
+
+    plan: Plan = field(kw_only=True)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return a dataset over time [s]; each variable carries its unit and description."""
+        return inner.dataset(self.signals, self.values, self.time, {"process": self.process.name})
+
+    def __rich__(self) -> RenderableType:
+        """Return what it did and how sure that is."""
+        from clepsydra.report.simulation_screen import simulation_screen
+
+        return simulation_screen(self.plan, self)

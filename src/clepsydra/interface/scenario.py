@@ -1,0 +1,105 @@
+"""Events as the scenario of a closed loop."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+import numpy as np
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.words import time_text
+from clepsydra.interface.events import changes_of
+from clepsydra.interface.plant import Plant
+from clepsydra.interface.quantities import Quantity, read_time
+from clepsydra.loop.default_scenario import MOST_SAMPLES, default_scenario, segment_samples
+from clepsydra.loop.duration import samples_before
+from clepsydra.loop.profile import Change, profiles_of
+from clepsydra.loop.scenario import Scenario, Segment
+
+
+def scenario_of(
+    plant: Plant, events: object = None, duration: Quantity | None = None, seed: int = 1
+) -> Scenario:
+    """Return exactly these events, from rest, without noise; without events the default scenario.
+
+    Parameters
+    ----------
+    plant : Plant
+    events : sequence of Event, optional
+    duration : str or float, optional
+        "20 min"; a number is in s. If left out, as long after the last event as the default
+        scenario would wait.
+    seed : int
+        Of the noise of the default scenario.
+
+    Raises
+    ------
+    InputError
+        An event is wrong, or the scenario has no length or is too long.
+    """
+    process, period = plant.process, plant.process.sampling_period
+    if events is None and duration is None:
+        return default_scenario(plant.linear, seed)
+    changes = changes_of(events or [], plant, controlled=True)
+    length = _length(plant, changes, duration)
+    samples = max(1, samples_before(length, period))
+    if samples > MOST_SAMPLES:
+        raise InputError(
+            "duration", time_text(length, 4),
+            f"at most {time_text(MOST_SAMPLES * period, 4)}, {MOST_SAMPLES:,} sampling periods",
+            "shorten it, or lengthen the sampling period of the process",
+        )  # fmt: skip
+    at = plant.point.as_dict()
+    moved = (*process.controlled, *(signal.name for signal in process.disturbances))
+    before = {name: at[name] for name in moved}
+    profiles = profiles_of(changes, before, period, samples)
+    loads = [profiles[signal.name] for signal in process.disturbances]
+    return Scenario(
+        period,
+        np.stack([profiles[name] for name in process.controlled], axis=1),
+        np.stack(loads, axis=1) if loads else np.zeros((samples, 0)),
+        np.zeros((samples, len(process.measurements))),
+        tuple(_segments(changes, before, plant, samples)),
+        seed,
+    )
+
+
+def _length(plant: Plant, changes: list[Change], duration: Quantity | None) -> float:
+    if duration is not None:
+        length = read_time("simulation", "duration", duration)
+        if length == 0.0:
+            raise InputError(
+                "simulation, duration", duration, "a time above 0 s", "write as in '20 min'"
+            )
+        return length
+    period = plant.process.sampling_period
+    rest, each = segment_samples(plant.linear)
+    last = max((change.stop for change in changes), default=rest * period)
+    return last + each * period
+
+
+def _segments(
+    changes: list[Change], before: dict[str, float], plant: Plant, samples: int
+) -> list[Segment]:
+    """Return a stretch for each step that comes alone: only then is it known what it does."""
+    process, period = plant.process, plant.process.sampling_period
+    groups = [
+        (start, list(group))
+        for start, group in groupby(changes, key=lambda each: samples_before(each.start, period))
+    ]
+    ends = [start for start, _ in groups[1:]] + [samples]
+    now, found = dict(before), []
+    for (start, group), end in zip(groups, ends, strict=True):
+        change = group[0]
+        if len(group) == 1 and not change.is_ramp:
+            found.append(
+                Segment(
+                    "setpoint" if change.signal in process.controlled else "load",
+                    change.signal,
+                    start * period,
+                    end * period,
+                    change.value - now[change.signal],
+                )
+            )
+        now |= {change.signal: change.value for change in group}
+    return found

@@ -1,0 +1,66 @@
+"""The scores of a run, printed with units and words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from clepsydra.interface.shown import Shown
+from clepsydra.process.process import Process
+from clepsydra.report.analysis_tables import Grid
+from clepsydra.scores.catalogue import SCORES
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+#: What says most of a loop, in the order of a table.
+_SHORT = ("iae", "overshoot", "settling_time", "total_variation")
+
+
+class Scores(Shown, dict[str, float]):
+    """Score to its value, "iae[level_1]", in SI or the unit of its definition.
+
+    Parameters
+    ----------
+    values : mapping
+    process : Process
+        Lends units.
+    duration : float
+        Of the run [s].
+    """
+
+    def __init__(self, values: Mapping[str, float], process: Process, duration: float) -> None:
+        super().__init__(values)
+        self._process, self._duration = process, duration
+
+    def __rich__(self) -> RenderableType:
+        """Return all of them."""
+        return self._table(tuple(SCORES))
+
+    def short(self) -> RenderableType:
+        """Return a table of those that say most."""
+        return self._table(_SHORT)
+
+    def _table(self, keys: tuple[str, ...]) -> RenderableType:
+        from clepsydra.report.score_tables import score_text
+        from clepsydra.report.tables import grid_table
+
+        signals = list(dict.fromkeys(name.partition("[")[2].removesuffix("]") for name in self))
+        rows = []
+        for key in keys:
+            cells = [
+                " ".join(
+                    score_text(
+                        self._process, name, self[f"{key}[{name}]"], SCORES[key], self._duration
+                    )
+                ).strip()
+                if f"{key}[{name}]" in self
+                else ""
+                for name in signals
+            ]
+            if any(cells):
+                rows.append((key, *cells))
+        used = [place for place in range(len(signals)) if any(row[place + 1] for row in rows)]
+        head = ("score", *(signals[place] for place in used))
+        body = tuple((row[0], *(row[place + 1] for place in used)) for row in rows)
+        return grid_table(Grid("Scores", head, body))

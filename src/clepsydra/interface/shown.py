@@ -1,0 +1,59 @@
+"""Results that answer when they are printed."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+_WIDTH = 100
+
+
+class Shown:
+    """What prints itself as the command line shows it, in text and, by Rich, in colour."""
+
+    def __rich__(self) -> RenderableType:
+        """Return what a terminal shows."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        """Return it as text of at most 100 columns."""
+        from rich.console import Console
+
+        console = Console(width=_WIDTH, file=io.StringIO(), color_system=None, record=True)
+        console.print(self.__rich__())
+        lines = console.export_text().splitlines()
+        return "\n".join(line.rstrip() for line in lines).strip("\n")
+
+    def __str__(self) -> str:
+        """Return the same."""
+        return repr(self)
+
+
+_Kind = TypeVar("_Kind")
+
+
+def lifted(kind: type[_Kind], inner: Any, **more: Any) -> _Kind:
+    """Return a result of an inner package as one of the interface, which inherits from its class.
+
+    Parameters
+    ----------
+    kind : type
+        A subclass of the inner dataclass.
+    inner : object
+    **more
+        Fields that the subclass adds, or in the place of the inner ones.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> class Titled(Signal):
+    ...     title = "A level"
+    >>> lifted(Titled, Signal("level", "m")).unit
+    'm'
+    """
+    given = {each.name: getattr(inner, each.name) for each in fields(inner)}
+    return kind(**{**given, **more})

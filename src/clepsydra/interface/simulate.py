@@ -1,0 +1,124 @@
+"""`cl.simulate`: a plant on its own or under a controller."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import overload
+
+from clepsydra.base.arguments import require_type
+from clepsydra.controllers.controller import Controller
+from clepsydra.interface.controller import of_plant
+from clepsydra.interface.events import Event, changes_of
+from clepsydra.interface.plant import Plant
+from clepsydra.interface.quantities import Quantity, with_unit
+from clepsydra.interface.run import OpenLoopRun, Run
+from clepsydra.interface.scenario import scenario_of
+from clepsydra.interface.shown import lifted
+from clepsydra.loop.loop import Loop
+from clepsydra.loop.open_loop_plan import Start, plan_simulation, read_state
+from clepsydra.loop.solver import Solver
+
+
+@overload
+def simulate(
+    plant: Plant,
+    controller: None = None,
+    events: Sequence[Event] | None = None,
+    *,
+    duration: Quantity | None = None,
+    start: Start = "rest",
+    state: Mapping[str, Quantity] | None = None,
+    solver: Solver = "kernel",
+) -> OpenLoopRun: ...
+@overload
+def simulate(
+    plant: Plant,
+    controller: Controller,
+    events: Sequence[Event] | None = None,
+    *,
+    duration: Quantity | None = None,
+    seed: int = 1,
+    solver: Solver = "kernel",
+) -> Run: ...
+def simulate(
+    plant: Plant,
+    controller: Controller | None = None,
+    events: Sequence[Event] | None = None,
+    *,
+    duration: Quantity | None = None,
+    start: Start = "rest",
+    state: Mapping[str, Quantity] | None = None,
+    seed: int = 1,
+    solver: Solver = "kernel",
+) -> Run | OpenLoopRun:
+    """Simulate a plant, on its nonlinear equations, from rest at its operating point.
+
+    Parameters
+    ----------
+    plant : Plant
+    controller : Controller, optional
+        Without one the inputs stay where they rest, but for the events.
+    events : sequence of Event, optional
+        Of `cl.step`, `cl.ramp` and `cl.disturbance`: exactly these, without noise. Under a
+        controller and without events it is the default scenario: a step up and down of each
+        setpoint, the load steps of the process, and a stretch of noise.
+    duration : str or float, optional
+        "20 min"; a number is in s. Chosen if left out.
+    start : {"rest", "empty"}
+        Without a controller: at rest, or with empty tanks.
+    state : mapping, optional
+        Without a controller: states that start elsewhere, {"tank_1.level": "5 cm"}; a number is in
+        the state's display unit.
+    seed : int
+        Of the noise of the default scenario.
+    solver : {"kernel", "reference"}
+        The compiled kernel, its step halved until the error is below 1e-6, or CVODES.
+
+    Returns
+    -------
+    Run or OpenLoopRun
+        With trajectories, scores and a plot.
+
+    Raises
+    ------
+    InputError
+        A signal is unknown, a quantity is none of it or leaves its range, the controller is none of
+        this plant, or the simulation has no length.
+    NoEquilibrium
+        The plant does not rest anywhere.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> run = simulate(plant, None, [cl.step("pump_1", to="3.2 V", at="1 min")], duration="20 min")
+    >>> round(100 * float(run.values["tank_1.level"][-1]), 2)  # [cm]
+    13.32
+    """
+    require_type(plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")')
+    if controller is not None:
+        loop = Loop(of_plant(controller, plant), plant.measured)
+        changes = () if events is None else changes_of(events, plant, controlled=True)
+        scenario = scenario_of(plant, events, duration, seed)
+        if solver == "reference" or not controller.setpoints:
+            run = loop.run(scenario, solver=solver)
+        else:
+            run = loop.run_checked(scenario)
+        return lifted(Run, run, changes=tuple(changes))
+    plan = plan_simulation(
+        plant.process,
+        () if events is None else changes_of(events, plant, controlled=False),
+        duration=None if duration is None else str(with_unit(duration, "s")),
+        start=start,
+        state={
+            name: read_state(name, _state(name, value, plant), plant.process, "state")
+            for name, value in (state or {}).items()
+        },
+        rest=plant.asked_for,
+    )
+    return lifted(OpenLoopRun, plan.run(solver), plan=plan)
+
+
+def _state(name: str, value: Quantity, plant: Plant) -> object:
+    units = {signal.name: signal.shown_unit for signal in plant.process.state}
+    return with_unit(value, units.get(name, "1"))

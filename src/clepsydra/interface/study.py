@@ -1,0 +1,242 @@
+"""`cl.study`: controllers designed, simulated, scored and ranked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from clepsydra.base.arguments import require_type, sequence_of
+from clepsydra.base.errors import InputError
+from clepsydra.controllers import controller as inner
+from clepsydra.interface.controller import Controller, of_plant
+from clepsydra.interface.events import Event
+from clepsydra.interface.plant import Plant, load
+from clepsydra.interface.quantities import Quantity
+from clepsydra.interface.run import Run
+from clepsydra.interface.scenario import scenario_of
+from clepsydra.interface.scores import Scores
+from clepsydra.interface.shown import Shown, lifted
+from clepsydra.studies import result as results
+from clepsydra.studies.file.reader import is_study_file, read_study
+from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest
+from clepsydra.studies.study import StudyProgress, run_study
+
+if TYPE_CHECKING:
+    import pandas
+    from rich.console import RenderableType
+
+
+class Candidate(results.Candidate):
+    """A controller of a study with its run, its scores and its place in the ranking.
+
+    `controller`, `run`, `scores`, `rank`, `standing`, `maximum_sensitivity`, `reason`, `warnings`
+    and, of a tuned one, `tuning`.
+    """
+
+    controller: Controller
+    run: Run
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Study(Shown, results.StudyResult):
+    """The controllers of a study in order of rank, and what came out.
+
+    Printed, it shows the verdict, the ranking and the reasons.
+
+    Parameters
+    ----------
+    plant : Plant
+    """
+
+    ranking: tuple[Candidate, ...]
+    plant: Plant = field(kw_only=True)
+
+    @property
+    def best(self) -> Candidate:
+        """The first of the ranking.
+
+        Raises
+        ------
+        InputError
+            No controller applies.
+        """
+        if self.ranking:
+            return self.ranking[0]
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in self.not_applicable)
+        raise InputError(
+            "study", "no controller that applies", "at least one", f"see why: {reasons[:200]}"
+        )
+
+    def __getitem__(self, name: str) -> Candidate:
+        """Return a candidate by the name of its controller."""
+        by_name = {candidate.controller.name: candidate for candidate in self.ranking}
+        if name not in by_name:
+            from clepsydra.base.suggestion import suggestion
+
+            raise InputError(
+                "study", str(name)[:60], f"one of: {'; '.join(by_name)}",
+                suggestion(name, by_name, "choose one of them"),
+            )  # fmt: skip
+        return by_name[name]
+
+    def report(self, path: str | Path) -> None:
+        """Write the study as one HTML file."""
+        from clepsydra.report.html import write_report
+
+        write_report(self, path)
+
+    def save(self, path: str | Path) -> None:
+        """Write the trajectories of all runs as one Parquet file."""
+        from clepsydra.loop.parquet import write_parquet
+
+        write_parquet([candidate.run for candidate in self.ranking], Path(path))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the ranking as a table: one row a controller, one column a score [SI]."""
+        import pandas
+
+        rows = [
+            {
+                "standing": each.standing.name.lower(),
+                "max|S|": each.maximum_sensitivity,
+                **each.scores,
+            }
+            for each in self.ranking
+        ]
+        names = [each.controller.name for each in self.ranking]
+        return pandas.DataFrame(rows, index=pandas.Index(names, name="controller"))
+
+    def __rich__(self) -> RenderableType:
+        """Return the ranking of a terminal."""
+        from clepsydra.report.tables import ranking_table
+
+        return ranking_table(self)
+
+
+def study(
+    plant: Plant | str | Path,
+    controllers: Sequence[inner.Controller] | None = None,
+    events: Sequence[Event] | None = None,
+    *,
+    duration: Quantity | None = None,
+    seed: int | None = None,
+    only: str | None = None,
+    folder: str | Path | None = None,
+    progress: Callable[[StudyProgress], None] | None = None,
+) -> Study:
+    """Simulate controllers of a plant in the same scenario, score and rank them.
+
+    Parameters
+    ----------
+    plant : Plant, str or Path
+        Or the path of a study file, which says itself what is studied, or a name or path as for
+        `cl.load`.
+    controllers : sequence of Controller, optional
+        If left out, every design that applies, and PI control tuned by simulation.
+    events, duration : optional
+        The scenario, as for `cl.simulate`; the default scenario if left out.
+    seed : int, optional
+        Of noise and tuning; 1, or that of the study file, if left out.
+    only : str, optional
+        The name of the one design that is wanted, "PI, SIMC".
+    folder : str or Path, optional
+        Where a tuning keeps what it has computed until it is done, to go on after control-C.
+    progress : callable, optional
+        Takes how far the study is, before each controller.
+
+    Returns
+    -------
+    Study
+        With `best`, `ranking`, `verdict` and `report(path)`.
+
+    Raises
+    ------
+    InputError
+        Something given cannot be used; the message says what and where.
+    NoEquilibrium
+        The plant has no operating point.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> found = study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
+    >>> found.best.controller.name
+    'PI, AMIGO'
+    """
+    kept = None if folder is None else Path(folder)
+    if isinstance(plant, (str, Path)):
+        if is_study_file(str(plant)):
+            _check_alone(controllers, events, duration)
+            request = read_study(plant, seed=seed)
+            own = Plant(request.process)
+            found = run_study(request, progress=progress, tuning_folder=kept, only=only)
+            return _of_plant(found, own)
+        plant = load(plant)
+    require_type(plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")')
+    scenario = scenario_of(plant, events, duration, 1 if seed is None else seed)
+    given = None if controllers is None else _given(controllers, plant)
+    request = StudyRequest(
+        path=None,
+        title=plant.process.title,
+        process=plant.process,
+        analysis=plant.analysis,
+        scenario=scenario,
+        controllers=given or (),
+        scores=(),
+        seed=1 if seed is None else seed,
+    )
+    found = run_study(request, progress=progress, tuning_folder=kept, only=only)
+    return _of_plant(found, plant)
+
+
+def _check_alone(controllers: object, events: object, duration: object) -> None:
+    for name, value in (("controllers", controllers), ("events", events), ("duration", duration)):
+        if value is not None:
+            raise InputError(
+                f"study, {name}", "given beside a study file", f"no {name}: the file names them",
+                "leave them out, or give the plant instead of the file",
+            )  # fmt: skip
+
+
+def _given(controllers: object, plant: Plant) -> tuple[ControllerRequest, ...]:
+    """Return controllers as a study file asks for them, each by a name of its own."""
+    chosen = sequence_of(
+        controllers, inner.Controller, "study, controllers", "a list of controllers",
+        "write as in [cl.design.simc(plant)]",
+    )  # fmt: skip
+    if not chosen:
+        raise InputError(
+            "study, controllers", "none", "at least one controller",
+            "leave the list out for every design that applies",
+        )  # fmt: skip
+    own = [of_plant(each, plant) for each in chosen]
+    names = [each.name for each in own]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(
+                "study, controllers", name, "controllers of different names",
+                f'name one of them otherwise, as in controller.named("{name}, 2")',
+            )  # fmt: skip
+    return tuple(ControllerRequest(each.name, _made(each), None, each.name) for each in own)
+
+
+def _made(controller: inner.Controller) -> Maker:
+    """Return what makes a controller that is there already."""
+    return lambda analysis, model: controller
+
+
+def _of_plant(found: results.StudyResult, plant: Plant) -> Study:
+    ranking = tuple(
+        lifted(
+            Candidate,
+            each,
+            controller=of_plant(each.controller, plant),
+            run=lifted(Run, each.run),
+            scores=Scores(each.scores, plant.process, each.run.scenario.duration),
+        )
+        for each in found.ranking
+    )
+    return lifted(Study, found, ranking=ranking, plant=plant)

@@ -1,0 +1,183 @@
+"""`cl.tune`: the settings of a controller found by simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from clepsydra.base.arguments import require_type
+from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
+from clepsydra.controllers import controller as inner
+from clepsydra.interface.controller import Controller, of_plant
+from clepsydra.interface.events import Event
+from clepsydra.interface.plant import Plant
+from clepsydra.interface.quantities import Quantity, arguments
+from clepsydra.interface.scenario import scenario_of
+from clepsydra.interface.settings import SYMBOLS, loops_of
+from clepsydra.interface.shown import lifted
+from clepsydra.studies.file.tuning_reader import TUNING_KEYS, read_tuning
+from clepsydra.studies.tuning.result import TuningResult
+from clepsydra.studies.tuning.search import Progress
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+#: The limits of a tuning, and the keys that study files have for them.
+_LIMITS = {
+    "max|S|": "maximum_sensitivity",
+    "overshoot": "overshoot",
+    "total_variation": "total_variation",
+}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TunedController(Controller):
+    """A controller that was tuned by simulation, and how.
+
+    Parameters
+    ----------
+    tuning : TuningResult
+        `objective`, `scores` and `maximum_sensitivity`, each also of the start, `binding` limits,
+        `evaluations` and the `front` of score against robustness.
+    """
+
+    tuning: TuningResult = field(kw_only=True)
+
+    def __rich__(self) -> RenderableType:
+        """Return name, what the tuning achieved, and settings."""
+        from rich.console import Group
+        from rich.text import Text
+
+        found = self.tuning
+        words = (
+            f"Tuned by {found.evaluations} simulations: objective {found.objective:.3g} from "
+            f"{found.start_objective:.3g}, max|S| {found.maximum_sensitivity:.2f} from "
+            f"{found.start_maximum_sensitivity:.2f}"
+        )
+        words += f"; it stands on {', '.join(found.binding)}." if found.binding else "."
+        return Group(super().__rich__(), Text(words))
+
+
+def tune(
+    controller: inner.Controller,
+    plant: Plant,
+    goal: str | Sequence[str] | Mapping[str, float] = "iae",
+    limits: Mapping[str, Any] | None = None,
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    events: Sequence[Event] | None = None,
+    duration: Quantity | None = None,
+    seed: int = 1,
+    state_file: str | Path | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> TunedController:
+    """Change the settings of a controller until its simulated loop scores best.
+
+    Parameters
+    ----------
+    controller : Controller
+        Where the search starts.
+    plant : Plant
+    goal : str, sequence of str or mapping
+        A score of all its signals, "iae", or of one, "iae[level_1]"; of several the largest counts,
+        each relative to the start. Scores with weights, {"iae": 1.0, "total_variation": 0.1}, are
+        added up.
+    limits : mapping, optional
+        "overshoot", "10 %" of the step; "max|S|", 1.6, and 2 if left out; "total_variation",
+        {"pump_1": "300 %"} of the range or a number in the display unit.
+    parameters : mapping, optional
+        What may move and how far, {"level_1": {"K": ("1 %/%", "9 %/%")}}, as in study files; gains
+        and integral times within a factor of ten if left out.
+    events, duration : optional
+        The scenario, as for `cl.simulate`; the default scenario if left out.
+    seed : int
+        Of the search and of the noise of the default scenario.
+    state_file : str or Path, optional
+        Where everything computed is kept, so that the same call goes on after control-C.
+    progress : callable, optional
+        Takes how far the search is, after each batch.
+
+    Returns
+    -------
+    TunedController
+
+    Raises
+    ------
+    InputError
+        A score, a limit or a bound cannot be used.
+    NotApplicable
+        The controller has nothing to tune, or no candidate keeps the limits.
+
+    Examples
+    --------
+    See docs/python.md.
+    """
+    start = of_plant(controller, plant)
+    written: dict[str, Any] = {"objective": goal if isinstance(goal, str) else _plain(goal)}
+    written |= _limits(limits or {}, plant)
+    if parameters is not None:
+        written["parameters"] = _bounds(parameters)
+    table = arguments("tuning", written, TUNING_KEYS)
+    request = read_tuning(table, plant.process, loops_of(start, plant.process))
+    found = request.run(
+        start,
+        plant.measured,
+        scenario_of(plant, events, duration, seed),
+        seed=seed,
+        progress=progress,
+        state_file=None if state_file is None else Path(state_file),
+    )
+    tuned = lifted(Controller, found.controller, plant=plant)
+    return lifted(TunedController, replace(tuned, name=f"{start.name}, tuned"), tuning=found)
+
+
+def _plain(goal: object) -> Any:
+    require_type(
+        goal, (Mapping, list, tuple), "tuning, goal", "a score, several, or scores with weights",
+        'write as in "iae", ["iae[level_1]", "ise[level_2]"] or {"iae": 1.0}',
+    )  # fmt: skip
+    return dict(goal) if isinstance(goal, Mapping) else list(goal)  # type: ignore[call-overload]
+
+
+def _limits(limits: Mapping[str, Any], plant: Plant) -> dict[str, Any]:
+    require_type(
+        limits, Mapping, "tuning, limits", "limits with their values",
+        'write as in {"overshoot": "10 %", "max|S|": 1.6}',
+    )  # fmt: skip
+    found: dict[str, Any] = {}
+    for name, value in limits.items():
+        if name not in _LIMITS:
+            raise InputError(
+                "tuning, limits", str(name)[:60], f"one of {', '.join(_LIMITS)}",
+                suggestion(name, _LIMITS, "choose one of them"),
+            )  # fmt: skip
+        if name == "total_variation" and isinstance(value, Mapping):
+            from clepsydra.interface.quantities import with_unit
+
+            units = {signal.name: signal.shown_unit for signal in plant.process.inputs}
+            value = {key: with_unit(each, units.get(key, "1")) for key, each in value.items()}
+        found[_LIMITS[name]] = value
+    return found
+
+
+def _bounds(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Return bounds as a study file has them, by its keys and with lists."""
+    keys = {symbol: key for key, symbol in SYMBOLS.items()}
+    require_type(
+        parameters, Mapping, "tuning, parameters", "loops with their settings and bounds",
+        'write as in {"level_1": {"K": ("1 %/%", "9 %/%")}}',
+    )  # fmt: skip
+    found: dict[str, Any] = {}
+    for name, value in parameters.items():
+        if isinstance(value, Mapping):
+            found[name] = {keys.get(key, key): _pair(each) for key, each in value.items()}
+        else:
+            found[name] = _pair(value)
+    return found
+
+
+def _pair(value: Any) -> Any:
+    return list(value) if isinstance(value, (tuple, list)) else value

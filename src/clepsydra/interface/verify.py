@@ -1,0 +1,85 @@
+"""`cl.verify`: the proof that what is exported runs what was simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from clepsydra.controllers import controller as inner
+from clepsydra.controllers.plant_shell.settings import PlantShell
+from clepsydra.deploy.proof import proof as inner_proof
+from clepsydra.deploy.proof.of_study import controller_item, process_item_of
+from clepsydra.deploy.proof.proof import FEWEST, ProofProgress, prove
+from clepsydra.interface.controller import of_plant
+from clepsydra.interface.plant import Plant
+from clepsydra.interface.scenario import scenario_of
+from clepsydra.interface.shown import Shown, lifted
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+
+class Proof(Shown, inner_proof.Proof):
+    """Each target compared with the simulation: `holds`, `rows`, `failures`, `refusals`."""
+
+    def __rich__(self) -> RenderableType:
+        """Return the rows and what they say."""
+        from clepsydra.deploy.proof.screen import proof_screen
+
+        return proof_screen(self)
+
+
+def verify(
+    controllers: inner.Controller | Sequence[inner.Controller],
+    plant: Plant,
+    *,
+    scans: int = FEWEST,
+    seed: int = 1,
+    shell: PlantShell | None = None,
+    folder: str | Path | None = None,
+    progress: Callable[[ProofProgress], None] | None = None,
+) -> Proof:
+    """Run controllers and process as C, Structured Text and FMU; compare with the simulation.
+
+    Parameters
+    ----------
+    controllers : Controller or sequence of Controller
+    plant : Plant
+    scans : int
+        Random scans of each, at least 10,000.
+    seed : int
+        Of the scans.
+    shell : PlantShell, optional
+        As in `cl.export`.
+    folder : str or Path, optional
+        Where the proof is written as JSON and Markdown, row by row, so that a second call goes on.
+    progress : callable, optional
+        Takes how far the proof is, before each row.
+
+    Returns
+    -------
+    Proof
+
+    Raises
+    ------
+    InputError
+        There is no compiler, a package of the extra "verify" is missing, or there are too few
+        scans.
+
+    Examples
+    --------
+    See docs/plc.md.
+    """
+    many = [controllers] if isinstance(controllers, inner.Controller) else list(controllers)
+    scenario = scenario_of(plant)
+    items = [controller_item(of_plant(each, plant), plant.point, scenario, shell) for each in many]
+    found = prove(
+        [*items, process_item_of(plant.point)],
+        scans=scans,
+        seed=seed,
+        progress=progress,
+        folder=None if folder is None else Path(folder),
+        stem=f"{plant.process.file_stem}-proof",
+    )
+    return lifted(Proof, found)

@@ -1,0 +1,44 @@
+"""From a process of the catalogue to proven code, as a user of other libraries would write it."""
+
+import pytest
+
+import clepsydra as cl
+
+
+def test_the_whole_way(tmp_path):
+    plant = cl.load("quadruple-tank")
+    analysis = cl.analyse(plant)
+    assert "Relative gains" in repr(analysis)
+    pi = cl.design.simc(plant)
+    assert "level_1" in repr(pi)
+    run = cl.simulate(plant, pi)
+    assert {"iae[level_1]", "overshoot[level_2]"} <= set(run.scores)
+    assert run.plot().axes and len(run.to_pandas()) == run.time.size
+    assert run.to_xarray()["tank_1.level"].attrs["units"] == "m"
+    bold = pi.with_values({"level_1": {"K": 6.0}})
+    events = [
+        cl.step("level_1", "+1 V", at="1 min"),
+        cl.ramp("level_2", "+1 V", over="5 min"),
+        cl.disturbance("inflow_1", "+10 %"),
+    ]
+    run = cl.simulate(plant, bold, events)
+    assert [change.signal for change in run.changes] == ["level_1", "level_2", "inflow_1"]
+    study = cl.study(plant, [pi, bold])
+    assert study.best.controller.name in (pi.name, bold.name) and len(study.ranking) == 2
+    study.report(tmp_path / "out.html")
+    assert (tmp_path / "out.html").stat().st_size > 10_000
+    best = cl.tune(pi, plant, goal="iae", limits={"overshoot": "10 %", "max|S|": 1.6})
+    assert best.tuning.objective < 1.0 and best.tuning.maximum_sensitivity < 1.6 + 1e-5
+    record = cl.simulate(plant, None, [cl.step("pump_1", "+0.5 V", at="1 min")])
+    record.save(tmp_path / "record.csv")
+    model = cl.identify(tmp_path / "record.csv", "pump_1", "level_1")
+    assert model.best.name in repr(model)
+    written = cl.export(bold, plant, tmp_path / "out", to="st")
+    assert any(path.suffix == ".st" for path in written.files)
+
+
+@pytest.mark.thorough
+def test_the_proof():
+    plant = cl.load("quadruple-tank")
+    proof = cl.verify(cl.design.simc(plant), plant)
+    assert proof.holds, repr(proof)
