@@ -14,7 +14,7 @@ import pytest
 import clepsydra as cl
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.kinds import KINDS
-from clepsydra.process.reader import _GENERAL_KEYS
+from clepsydra.process.reader import _GENERAL_KEYS, load_process
 
 TEMPLATE = (resources.files("clepsydra.cli") / "new_process.toml").read_text(encoding="utf-8")
 
@@ -47,7 +47,7 @@ def test_processes_prints_one_json_document_with_what_load_process_says(command)
     entries = json.loads(output)["processes"]
     assert [entry["name"] for entry in entries] == catalogue_names()
     for entry in entries:
-        process = cl.load_process(entry["name"])
+        process = load_process(entry["name"])
         assert (entry["title"], entry["source"]) == (process.title, process.source)
         assert entry["variants"] == dict(process.variants)
         assert tuple(entry["default_variants"]) == tuple(process.variant)
@@ -111,7 +111,7 @@ def test_a_plant_without_rest_is_drawn_and_the_reason_given(command, tmp_path):
 def test_a_new_file_loads_and_can_be_studied(command, tmp_path):
     status, output, _ = command("new", "my-plant")
     assert status == 0 and "my-plant.toml" in output
-    assert cl.load_process(tmp_path / "my-plant.toml").name == "my-plant"
+    assert load_process(tmp_path / "my-plant.toml").name == "my-plant"
     status, _, errors = command("study", "my-plant.toml", "--json")
     assert (status, errors) == (0, "")
     assert names(tmp_path) == ["my-plant.html", "my-plant.parquet", "my-plant.toml"]
@@ -151,7 +151,7 @@ def test_what_the_template_shows_in_comments_can_be_written(table, tmp_path):
         text = text.replace('destination = "tank_1"\ntime', 'destination = "basin"\ntime')
     (tmp_path / "plant.toml").write_text(text, encoding="utf-8")
     name = re.match(r"\[\w+\.(\w+)\]", lines[0]).group(1)
-    assert name in {e.name for e in cl.load_process(tmp_path / "plant.toml").elements}
+    assert name in {e.name for e in load_process(tmp_path / "plant.toml").elements}
 
 
 @pytest.mark.parametrize("name", ["quadruple-tank", "eight-tanks"])
@@ -161,7 +161,7 @@ def test_a_copy_differs_in_its_name_only(command, tmp_path, name):
     original = catalogue_file(name).read_text(encoding="utf-8").splitlines()
     pairs = zip(copied, original, strict=True)
     assert [pair for pair in pairs if len(set(pair)) > 1] == [('name = "mine"', f'name = "{name}"')]
-    assert cl.load_process(tmp_path / "mine.toml").name == "mine"
+    assert load_process(tmp_path / "mine.toml").name == "mine"
 
 
 def test_nothing_is_written_over(command, tmp_path):

@@ -6,15 +6,20 @@ import numpy as np
 import pytest
 from pages import blocks
 
-import clepsydra as cl
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
+from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.own_law import load_law
 from clepsydra.controllers.python_law import PythonLaw, python_law
+from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.designs.own_law import own_controller
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
+from clepsydra.linear.analysis import analyse
 from clepsydra.loop.closed_loop import closed_loop
+from clepsydra.loop.default_scenario import default_scenario
+from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
+from clepsydra.process.reader import load_process
 from clepsydra.program.step_law import StepLaw
 
 SLOW, USE, FAST = (block.text for block in blocks("docs/own-law.md", "python"))
@@ -23,7 +28,7 @@ WIRES = {"measurements": ["level_1"], "setpoints": ["level_1"], "manipulated": [
 
 @pytest.fixture(scope="module")
 def model():
-    return cl.analyse(cl.load_process("quadruple-tank")).model
+    return analyse(load_process("quadruple-tank")).model
 
 
 @pytest.fixture(autouse=True)
@@ -42,7 +47,7 @@ def pi_loop(model, file: str, gain: float = 2.0):
     controller = own_controller(
         model, load_law(file), **WIRES, values={"gain": gain}, initial_state={"integral": 3.0}
     )
-    return cl.Loop(controller, model)
+    return Loop(controller, model)
 
 
 def hard_scenario(model) -> Scenario:
@@ -102,7 +107,7 @@ def test_every_kind_of_process_is_moved_as_by_the_compiled_loop(name, pump) -> N
     """Switches, lags, components and a transport delay, whose ring lives between the calls."""
     if name == "rig":
         name = str(Path(__file__).parents[1] / "dead-time.toml")
-    analysis = cl.analyse(cl.load_process(name))
+    analysis = analyse(load_process(name))
     process = analysis.model.point.process
     level = process.controlled[0]
     pump = pump if pump in [u.name for u in process.inputs] else process.inputs[0].name
@@ -115,8 +120,8 @@ def test_every_kind_of_process_is_moved_as_by_the_compiled_loop(name, pump) -> N
             analysis.model, loaded(text), measurements=[level], setpoints=[level],
             manipulated=[pump], values={"gain": -0.1 * span / size, "bias": at},
         )  # fmt: skip
-        loops.append(cl.Loop(controller, analysis.model))
-    scenario = beginnings(cl.default_scenario(analysis.model), process.disturbances)
+        loops.append(Loop(controller, analysis.model))
+    scenario = beginnings(default_scenario(analysis.model), process.disturbances)
     slow, fast = (loop.run(scenario) for loop in loops)
     assert np.ptp(fast.values[pump]) > 0.05 * span
     if name == "wet-well":
@@ -195,7 +200,7 @@ def test_a_class_keeps_its_tables_and_the_run_can_be_replayed(model) -> None:
     controller = own_controller(
         model, law, measurements=["level_1"], setpoints=[], manipulated=["pump_1"]
     )
-    loop, scenario = cl.Loop(controller, model), hard_scenario(model)
+    loop, scenario = Loop(controller, model), hard_scenario(model)
     first, second = loop.run(scenario), loop.run(scenario)
     assert first.values["pump_1"][:5].tolist() == [3.0, 3.5, 2.5, 3.0, 3.5]
     np.testing.assert_array_equal(first.values["level_1"], second.values["level_1"])
@@ -207,7 +212,7 @@ def test_what_python_cannot_do_is_refused(model) -> None:
                                                             substeps=1)):  # fmt: skip
         with pytest.raises(ClepsydraError, match="my_pi: a law in Python has no program"):
             refused()
-    assert "my_fast_pi" in cl.print_structured_text(
+    assert "my_fast_pi" in print_structured_text(
         pi_loop(model, "my_fast_pi.py").controller.program()
     )
 
@@ -259,7 +264,7 @@ def test_a_step_that_fails_names_line_sample_and_time(model, end, expected, solv
         model, loaded(STEP + end), measurements=["level_1"], setpoints=[], manipulated=["pump_1"]
     )
     with pytest.raises(InputError) as caught:
-        cl.Loop(controller, model).run(hard_scenario(model), solver=solver)
+        Loop(controller, model).run(hard_scenario(model), solver=solver)
     assert str(caught.value).startswith(expected)
 
 
@@ -304,7 +309,7 @@ def test_a_wrong_wire_is_refused(model) -> None:
     with pytest.raises(InputError, match="manipulated: got 'pump_3', expected an input of quad"):
         own_controller(model, law, **(WIRES | {"manipulated": ["pump_3"]}))
     with pytest.raises(InputError, match="add integral_time"):
-        cl.Controller("a", "b", "", law, {"gain": 1.0}, {}, ("level_1",), ("level_1",), ("pump_1",))
+        Controller("a", "b", "", law, {"gain": 1.0}, {}, ("level_1",), ("level_1",), ("pump_1",))
 
 
 def test_differences_leave_modes_alone() -> None:

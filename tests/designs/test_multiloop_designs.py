@@ -8,17 +8,24 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
-import clepsydra as cl
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.pid_form import PidForm
+from clepsydra.designs.amigo import design_amigo
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.fuzzy_control import design_fuzzy_pi
+from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
+from clepsydra.designs.lambda_tuning import design_lambda
 from clepsydra.designs.loops.detuning import detune
 from clepsydra.designs.loops.margin_settings import margin_of, pi_for_margin, pid_for_margin
 from clepsydra.designs.loops.multiloop import MultiloopPid
 from clepsydra.designs.loops.pid_settings import PidSettings, slowed_down
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.phase_margin import default_crossover, design_phase_margin
+from clepsydra.designs.polynomial.polynomial_control import design_polynomial
 from clepsydra.designs.simc import design_simc
+from clepsydra.designs.tyreus_luyben import design_tyreus_luyben
+from clepsydra.designs.variable_structure_pid import design_variable_structure_pid
+from clepsydra.designs.ziegler_nichols import design_ziegler_nichols
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.response import evaluate_transfer, frequency_response
 from clepsydra.process.reader import load_process
@@ -453,16 +460,16 @@ def test_settings_that_no_controller_takes_are_not_applicable(
 @pytest.mark.parametrize(
     "design",
     [
-        cl.design_simc,
-        cl.design_lambda,
-        cl.design_phase_margin,
-        cl.design_ziegler_nichols,
-        cl.design_tyreus_luyben,
-        cl.design_amigo,
-        cl.design_fuzzy_pi,
-        cl.design_glover_mcfarlane,
-        cl.design_polynomial,
-        cl.design_variable_structure_pid,
+        design_simc,
+        design_lambda,
+        design_phase_margin,
+        design_ziegler_nichols,
+        design_tyreus_luyben,
+        design_amigo,
+        design_fuzzy_pi,
+        design_glover_mcfarlane,
+        design_polynomial,
+        design_variable_structure_pid,
     ],
 )
 def test_without_a_pairing_it_is_the_one_that_the_relative_gains_suggest(design):

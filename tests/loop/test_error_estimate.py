@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from random_plants import random_plant
 
-import clepsydra as cl
 from clepsydra.base.errors import ClepsydraError
+from clepsydra.loop import simulation
 from clepsydra.loop.open_loop import Simulation, simulate
 from clepsydra.loop.open_loop_plan import plan_simulation
 from clepsydra.loop.refinement import refined
@@ -46,7 +46,7 @@ def drawn_run(folder: Path, seed: int) -> Simulation | None:
     }
     duration = f"{SAMPLES * process.sampling_period:.9g} s"
     try:
-        return cl.simulate(process, words, duration=duration, start="empty")
+        return simulation.simulate(process, words, duration=duration, start="empty")
     except ClepsydraError:  # no linear model with half-full tanks, from which the step comes
         return None
 
@@ -127,5 +127,5 @@ def test_the_estimate_of_a_smooth_run_is_at_most_thirty_times_its_error(name):
     words = {signal.name: f"{1.1 * signal.initial:.9g} {signal.unit}" for signal in process.inputs}
     period = 20.0 * process.sampling_period
     slow = replace(process, sampling_period=period)
-    run = cl.simulate(slow, words, duration=f"{60 * period:g} s")
+    run = simulation.simulate(slow, words, duration=f"{60 * period:g} s")
     assert 10.0 < ratio(run) < 30.0

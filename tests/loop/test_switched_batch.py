@@ -5,12 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import clepsydra as cl
+from clepsydra.designs.simc import design_simc
 from clepsydra.engine.kernel import Kernel
+from clepsydra.linear.analysis import analyse
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.lane_status import LaneStatus, lane_status
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.motion_block import CLOCK
+from clepsydra.process.reader import load_process
 
 PLANT = Path(__file__).parents[1] / "switched-tanks.toml"
 SAMPLES = 400
@@ -18,8 +20,8 @@ SAMPLES = 400
 
 @pytest.fixture(scope="module")
 def loop() -> Loop:
-    analysis = cl.analyse(cl.load_process(PLANT))
-    return Loop(cl.design_simc(analysis.model, analysis.pairing), analysis.model)
+    analysis = analyse(load_process(PLANT))
+    return Loop(design_simc(analysis.model, analysis.pairing), analysis.model)
 
 
 def batch(loop: Loop, demands: np.ndarray, **options):
@@ -75,8 +77,8 @@ def test_a_tank_above_its_rim_is_a_status(loop):
 @pytest.mark.parametrize("hole", [1.0, 3e4])
 def test_a_step_beyond_the_reach_of_the_method_is_a_status(hole):
     """A hole as large as the tank: at 10 cm its rate is 3e4 times too fast for a step of 1 s."""
-    analysis = cl.analyse(cl.load_process(Path(__file__).parents[1] / "one-tank.toml"))
-    loop = Loop(cl.design_simc(analysis.model, analysis.pairing), analysis.model)
+    analysis = analyse(load_process(Path(__file__).parents[1] / "one-tank.toml"))
+    loop = Loop(design_simc(analysis.model, analysis.pairing), analysis.model)
     program = closed_loop(loop.process, loop.controller, substeps=1, statuses=True)
     area = loop.process.signal("outlet_1.area").initial
     result = Kernel(program).run(
@@ -91,8 +93,8 @@ def test_a_step_beyond_the_reach_of_the_method_is_a_status(hole):
 
 
 def test_emptied_is_a_status():
-    analysis = cl.analyse(cl.load_process(Path(__file__).parents[1] / "one-tank.toml"))
-    loop = Loop(cl.design_simc(analysis.model, analysis.pairing), analysis.model)
+    analysis = analyse(load_process(Path(__file__).parents[1] / "one-tank.toml"))
+    loop = Loop(design_simc(analysis.model, analysis.pairing), analysis.model)
     program = closed_loop(loop.process, loop.controller, substeps=1, statuses=True)
     off = loop.at_rest() | {"pump_1.mode": 0.0, "pump_1.manual": 0.0}
     for samples, emptied in ((5, False), (400, True)):

@@ -13,11 +13,13 @@ from pages import blocks
 
 import clepsydra as cl
 from clepsydra.base.errors import InputError
+from clepsydra.linear.analysis import analyse
 from clepsydra.process import reader
 from clepsydra.process.orifice import Orifice
 from clepsydra.process.own_elements import joining_own
 from clepsydra.process.reader import load_process
 from clepsydra.report.drawing import process_drawing
+from clepsydra.studies.study import run_study
 
 PYTHON, TOML, SHORT = (block.text for block in blocks("docs/own-element.md", "python", "toml"))
 
@@ -66,11 +68,11 @@ def test_an_outlet_in_ten_lines_is_the_same_weir() -> None:
         rate = float(process.dynamics([level], [3.0], [1e-4], process.parameter_values))
         assert rate == pytest.approx(3.0 * 0.2e-3 + 1e-4 - flow(level), rel=1e-12)
     assert [s.name for s in process.state] == [s.name for s in whole.state]
-    assert cl.run_study("weir-tank.toml").ranking
+    assert run_study("weir-tank.toml").ranking
 
 
 def test_the_operating_point_and_its_time_constant() -> None:
-    analysis = cl.analyse(load_process("weir-tank.toml"))
+    analysis = analyse(load_process("weir-tank.toml"))
     above = (1e-3 / flow(1.2)) ** 0.4  # flow(1.2) is the flow at one metre above the tip
     assert analysis.operating_point.as_dict()["tank_1.level"] == pytest.approx(0.2 + above)
     (pole,) = analysis.model.A.ravel()
@@ -78,7 +80,7 @@ def test_the_operating_point_and_its_time_constant() -> None:
 
 
 def test_a_study_and_a_drawing() -> None:
-    result = cl.run_study("weir-tank.toml")
+    result = run_study("weir-tank.toml")
     assert result.ranking[0].rank == 1
     assert result.ranking[0].maximum_sensitivity < 2.0
     levels = result.ranking[0].run.to_pandas()["tank_1.level"]

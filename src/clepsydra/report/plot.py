@@ -34,11 +34,15 @@ def plot(run: Run | Simulation) -> Figure:
 
     Examples
     --------
-    >>> import clepsydra as cl
-    >>> analysis = cl.analyse(cl.load_process("quadruple-tank"))
-    >>> controller = cl.design_simc(analysis.model, analysis.pairing)
-    >>> loop = cl.Loop(controller, analysis.model)
-    >>> figure = plot(loop.run(cl.default_scenario(analysis.model)))
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.loop.loop import Loop
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> loop = Loop(controller, analysis.model)
+    >>> figure = plot(loop.run(default_scenario(analysis.model)))
     >>> len(figure.axes)  # the strip, four levels, two pumps, two inflows
     9
     """

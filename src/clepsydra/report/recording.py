@@ -63,11 +63,15 @@ def recording_of(run: Run | Simulation) -> Recording:
 
     Examples
     --------
-    >>> import clepsydra as cl
-    >>> analysis = cl.analyse(cl.load_process("quadruple-tank"))
-    >>> controller = cl.design_simc(analysis.model, analysis.pairing)
-    >>> loop = cl.Loop(controller, analysis.model)
-    >>> recording_of(loop.run(cl.default_scenario(analysis.model))).controlled
+    >>> from clepsydra.designs.simc import design_simc
+    >>> from clepsydra.linear.analysis import analyse
+    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> from clepsydra.loop.loop import Loop
+    >>> from clepsydra.process.reader import load_process
+    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> loop = Loop(controller, analysis.model)
+    >>> recording_of(loop.run(default_scenario(analysis.model))).controlled
     ('level_1', 'level_2')
     """
     process = run.process
