@@ -18,9 +18,11 @@ from clepsydra.interface.analyse import poles as poles
 from clepsydra.interface.analyse import relative_gains as relative_gains
 from clepsydra.interface.analyse import zeros as zeros
 from clepsydra.interface.analysis import Analysis as Analysis
+from clepsydra.interface.catalogue import catalogue as catalogue
 from clepsydra.interface.controller import Controller as Controller
 from clepsydra.interface.events import Event as Event
 from clepsydra.interface.events import disturbance as disturbance
+from clepsydra.interface.events import profile as profile
 from clepsydra.interface.events import ramp as ramp
 from clepsydra.interface.events import step as step
 from clepsydra.interface.export import Exported as Exported
@@ -28,6 +30,10 @@ from clepsydra.interface.export import export as export
 from clepsydra.interface.identify import FittedPlant as FittedPlant
 from clepsydra.interface.identify import Identification as Identification
 from clepsydra.interface.identify import identify as identify
+from clepsydra.interface.new import new_process as new_process
+from clepsydra.interface.new import new_study as new_study
+from clepsydra.interface.papers import Audit as Audit
+from clepsydra.interface.papers import audit as audit
 from clepsydra.interface.plant import Plant as Plant
 from clepsydra.interface.plant import load as load
 from clepsydra.interface.run import OpenLoopRun as OpenLoopRun
@@ -43,7 +49,6 @@ from clepsydra.interface.verify import Proof as Proof
 from clepsydra.interface.verify import verify as verify
 from clepsydra.linear.equilibrium import NoEquilibrium as NoEquilibrium
 from clepsydra.linear.linear_model import LinearModel as LinearModel
-from clepsydra.process.catalogue_names import catalogue_names as catalogue_names
 from clepsydra.process.element import Connection as Connection
 from clepsydra.process.element import Element as Element
 from clepsydra.process.element import Flow as Flow

@@ -295,7 +295,7 @@ def test_an_interrupted_study_ends_with_status_130(command, tmp_path, monkeypatc
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("clepsydra.studies.study.run_study", interrupted)
+    monkeypatch.setattr("clepsydra.interface.study.run_study", interrupted)
     status, output, errors = command("study", NAMES[0])
     assert (status, output) == (130, "")
     assert "Traceback" not in errors

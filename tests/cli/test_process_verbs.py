@@ -16,7 +16,7 @@ from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.kinds import KINDS
 from clepsydra.process.reader import _GENERAL_KEYS, load_process
 
-TEMPLATE = (resources.files("clepsydra.cli") / "new_process.toml").read_text(encoding="utf-8")
+TEMPLATE = (resources.files("clepsydra.interface") / "new_process.toml").read_text(encoding="utf-8")
 
 
 def names(folder):

@@ -24,25 +24,19 @@ def analyse(
     ] = None,
 ) -> None:
     """Show operating point, poles, zeros, static gain, RGA and pairing of a process."""
-    from clepsydra.cli.output import check_ending, output_file, print_json
-    from clepsydra.linear.analysis import analyse as analyse_process
-    from clepsydra.process.reader import load_process
+    from clepsydra.cli.output import check_ending, output_file, print_json, show
+    from clepsydra.interface.analyse import analyse as analysis_of
+    from clepsydra.interface.plant import load
 
     if file is not None:
         check_ending(file, ".html", ".htm")
-    analysis = analyse_process(load_process(process))
+    analysis = analysis_of(load(process))
     if file is not None:
-        from clepsydra.report.analysis_page import write_analysis_page
-
-        write_analysis_page(analysis, output_file(file))
+        analysis.report(output_file(file))
     if as_json:
         written = {} if file is None else {"page": str(file)}
         print_json({**analysis.as_dict(), **written})
         return
-    from rich.console import Console
-
-    from clepsydra.report.tables import analysis_table
-
-    Console(width=100).print(analysis_table(analysis))
+    show(analysis)
     if file is not None:
         typer.echo(f"Page: {file}")

@@ -18,13 +18,8 @@ from clepsydra.cli.plant_options import (
 from clepsydra.cli.subject import SubjectArgument, name_of
 
 if TYPE_CHECKING:
-    from clepsydra.controllers.plant_shell.settings import PlantShell
-    from clepsydra.deploy.export import ExportedFiles
-    from clepsydra.deploy.fmi.write import FmiVersion
-    from clepsydra.deploy.printing.precision import Precision
-    from clepsydra.process.process import Process
-    from clepsydra.studies.file.request import StudyRequest
-    from clepsydra.studies.result import StudyResult
+    from clepsydra.interface.plant import Plant
+    from clepsydra.interface.subject import StudyRequest
 
 
 class Target(Enum):
@@ -106,49 +101,56 @@ def export(
     ] = Path(),
 ) -> None:
     """Write a controller for the plant, printed from the program that was simulated."""
-    from clepsydra.base.files import write_together
-    from clepsydra.cli.output import make_folder, print_json
-    from clepsydra.cli.plant_options import read_plant_shell
-    from clepsydra.cli.subject import read_subject, study_of_one
-    from clepsydra.studies.file.request import StudyRequest
+    from clepsydra.cli.output import make_folder, named_options, print_json, show
+    from clepsydra.cli.plant_options import shell_options
+    from clepsydra.cli.subject import study_of_one
+    from clepsydra.interface.export import export as export_code
+    from clepsydra.interface.shell import plant_shell
+    from clepsydra.interface.subject import plant_of, read_subject
 
     make_folder(folder)
     code = (Target.st, Target.c)
     _check_fits("--dialect", dialect, target in (Target.st,), "--to st")
     _check_fits("--precision", precision, target in code, "--to st or --to c")
     _check_fits("--fmi", fmi, target is Target.fmu, "--to fmu")
-    plant = fail_safe or sensor_delay or setpoint_rate or rate_limit
-    shelled = controller is not None and target is not Target.tuning
-    _check_fits("plant options", plant, shelled, "a --controller that is exported as code or FMU")
-    request = read_subject(subject, seed)
-    process = request.process if isinstance(request, StudyRequest) else request
-    settings = read_plant_shell(
-        process,
+    options = shell_options(
         fail_safe=fail_safe,
         sensor_delay=sensor_delay,
         setpoint_rate=setpoint_rate,
         rate_limit=rate_limit,
     )
-    version: FmiVersion = fmi.value if fmi else "3.0"
+    shelled = controller is not None and target is not Target.tuning
+    _check_fits(
+        "plant options",
+        any(options.values()),
+        shelled,
+        "a --controller that is exported as code or FMU",
+    )
+    request = read_subject(subject, seed)
+    plant = plant_of(request)
+    with named_options(*options):
+        plant_shell(plant, **options)  # refused before a controller is made
+    chosen, scenario = None, None
     if controller is None:
-        found = _process(request, target, version)
+        _check_process(request, target)
     else:
         study = study_of_one(request, controller, seed, folder, quiet=as_json)
-        spoken = dialect.value if dialect else "codesys"
-        width: Precision = precision.value if precision else "double"
-        found = _controller(study, controller, settings, target, spoken, width, version)
-    written = write_together(folder, found.files)
+        chosen, scenario, plant = study[controller].controller, study.scenario, study.plant
+    found = export_code(
+        chosen,
+        plant,
+        folder,
+        target.value,
+        dialect=dialect.value if dialect else "codesys",
+        precision=precision.value if precision else "double",
+        fmi=fmi.value if fmi else "3.0",
+        scenario=scenario,
+        **options,
+    )
     if as_json:
-        print_json({"files": [str(path) for path in written], **found.facts})
+        print_json({"files": [str(path) for path in found.files], **found.facts})
         return
-    from rich.console import Console
-
-    for part in found.screen:
-        Console(width=100).print(part)
-    for path in written:
-        typer.echo(f"Written: {path}")
-    if found.next_step:
-        typer.echo(f"Next: {found.next_step}")
+    show(found)
 
 
 def _check_fits(option: str, value: object, fits: bool, where: str) -> None:
@@ -160,42 +162,13 @@ def _check_fits(option: str, value: object, fits: bool, where: str) -> None:
         raise InputError(option, shown, f"such an option with {where} only", "leave it out")
 
 
-def _process(request: Process | StudyRequest, target: Target, version: FmiVersion) -> ExportedFiles:
-    """Export the process itself, which is possible as an FMU only."""
+def _check_process(request: Plant | StudyRequest, target: Target) -> None:
+    """Refuse to export the process itself as anything else than an FMU."""
     from clepsydra.base.errors import InputError
-    from clepsydra.deploy.export import export_process_fmu
-    from clepsydra.linear.analysis import analyse
-    from clepsydra.studies.file.request import StudyRequest
-    from clepsydra.studies.study import controller_names
+    from clepsydra.interface.study import names_of
 
     if target is not Target.fmu:
         raise InputError(
-            "--controller", "none", f"the name of one: {'; '.join(controller_names(request))}",
+            "--controller", "none", f"the name of one: {'; '.join(names_of(request))}",
             "name it in quotation marks",
         )  # fmt: skip
-    analysis = request.analysis if isinstance(request, StudyRequest) else analyse(request)
-    return export_process_fmu(analysis.operating_point, version=version)
-
-
-def _controller(
-    study: StudyResult,
-    name: str,
-    settings: PlantShell,
-    target: Target,
-    dialect: str,
-    precision: Precision,
-    version: FmiVersion,
-) -> ExportedFiles:
-    from clepsydra.deploy import export as exports
-    from clepsydra.deploy.exportable import exportable
-
-    chosen = next(c.controller for c in study.ranking if c.controller.name == name)
-    point = study.analysis.operating_point
-    if target is Target.tuning:
-        return exports.export_tuning(chosen, point, study.scenario)
-    ready = exportable(chosen, point, settings)
-    if target is Target.st:
-        return exports.export_structured_text(ready, dialect=dialect, precision=precision)
-    if target is Target.c:
-        return exports.export_c(ready, precision=precision)
-    return exports.export_controller_fmu(ready, version=version)

@@ -50,13 +50,10 @@ def identify(
 ) -> None:
     """Identify a model from a record: ARX, FOPDT, SOPDT, IPDT, or parameters of a process."""
     from clepsydra.base.errors import InputError
-    from clepsydra.cli.output import make_folder, output_file, print_json
-    from clepsydra.identification.identification import Identification, identify_model
-    from clepsydra.identification.process_file import write_fitted_process
-    from clepsydra.identification.process_fit import ProcessFit, fit_process
-    from clepsydra.identification.record_csv import read_record
-    from clepsydra.process.reader import load_process
-    from clepsydra.report.identification_page import write_identification_page
+    from clepsydra.cli.output import make_folder, output_file, print_json, show
+    from clepsydra.interface.identify import FittedPlant, Identification
+    from clepsydra.interface.identify import identify as identify_model
+    from clepsydra.interface.plant import load
 
     make_folder(folder)
     page = output_file(folder / f"{data.stem}-identification.html")
@@ -73,25 +70,20 @@ def identify(
             )  # fmt: skip
     if write is not None and write.suffix.lower() != ".toml":
         raise InputError("--write", str(write), "a file that ends in .toml", "rename it")
-    found: Identification | ProcessFit
+    found: Identification | FittedPlant
     if process is None:
-        found = identify_model(read_record(data), manipulated, measured)
+        found = identify_model(data, manipulated, measured)
     else:
-        plant = load_process(process)
         names = [name.strip() for name in (parameters or "").split(",") if name.strip()]
-        found = fit_process(plant, read_record(data, plant), names)
-    write_identification_page(found, page)
+        found = identify_model(data, plant=load(process), parameters=names)
+    found.report(page)
     written = {"page": str(page)}
-    if write is not None and isinstance(found, ProcessFit):
-        write_fitted_process(found, write)
+    if write is not None and isinstance(found, FittedPlant):
+        found.write(write)
         written["process file"] = str(write)
     if as_json:
         print_json({**found.as_dict(), **written})
         return
-    from rich.console import Console
-
-    from clepsydra.report.identification_screen import identification_screen
-
-    Console(width=100).print(identification_screen(found))
+    show(found)
     for what, where in written.items():
         typer.echo(f"{what.capitalize()}: {where}")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +37,35 @@ def check_ending(path: Path, *endings: str) -> None:
         raise InputError(
             "--output", str(path), f"the name of a file that ends in {endings[0]}", "rename it"
         )
+
+
+@contextmanager
+def named_options(*arguments: str, **others: str) -> Iterator[None]:
+    """Give an error of an argument of the interface the name of its option.
+
+    Parameters
+    ----------
+    *arguments : str
+        Whose option is called like the argument.
+    **others : str
+        Argument to its option, where it is called otherwise.
+    """
+    options = {each: f"--{each.replace('_', '-')}" for each in arguments} | others
+    try:
+        yield
+    except InputError as error:
+        first, comma, rest = error.place.partition(", ")
+        if first not in options:
+            raise
+        place = f"{options[first]}{comma and ' '}{rest}"
+        raise InputError(place, error.value, error.expected, error.remedy) from None
+
+
+def show(result: object) -> None:
+    """Print a result as it shows itself, in at most 100 columns."""
+    from rich.console import Console
+
+    Console(width=100).print(result)
 
 
 def print_json(document: dict[str, Any] | list[Any]) -> None:

@@ -24,9 +24,9 @@ def papers(
     """Run the experiments of five published documents and judge every printed number."""
     import os
 
-    from clepsydra.cli.output import make_folder, output_file, print_json
+    from clepsydra.cli.output import make_folder, output_file, print_json, show
     from clepsydra.cli.progress import shown_progress
-    from clepsydra.papers.audit import audit
+    from clepsydra.interface.papers import audit
 
     make_folder(folder)
     page = output_file(folder / "papers.html")
@@ -35,11 +35,6 @@ def papers(
     if as_json:
         print_json([row.as_dict() for row in result.rows])
         return
-    from rich.console import Console
-
-    from clepsydra.papers.page import write_page
-    from clepsydra.papers.screen import audit_screen
-
-    Console(width=100).print(audit_screen(result))
-    write_page(result, page)
+    show(result)
+    result.report(page)
     typer.echo(f"\nPage: {page}\nNext: open it for the reasons and the redrawn figures.")

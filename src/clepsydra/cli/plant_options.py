@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
-
-if TYPE_CHECKING:
-    from clepsydra.controllers.plant_shell.settings import PlantShell
-    from clepsydra.process.process import Process
 
 
 def _option(name: str, words: str) -> typer.models.OptionInfo:
@@ -34,37 +30,26 @@ RateLimitOption = Annotated[
 ]
 
 
-def read_plant_shell(
-    process: Process,
+def shell_options(
     *,
     fail_safe: Sequence[str] | None,
     sensor_delay: Sequence[str] | None,
     setpoint_rate: Sequence[str] | None,
     rate_limit: Sequence[str] | None,
-) -> PlantShell:
-    """Return the settings that the options ask for; what none names stays as usual."""
-    from clepsydra.controllers.plant_shell.settings import PlantShell
-
-    outputs = {signal.name: signal.unit for signal in process.inputs}
-    sensors = {signal.name: signal.unit for signal in process.measurements}
-    return PlantShell(
-        fail_safe=_read("--fail-safe", fail_safe, outputs),
-        sensor_delay=_read("--sensor-delay", sensor_delay, dict.fromkeys(sensors, "s")),
-        setpoint_rate=_read("--setpoint-rate", setpoint_rate, _per_second(sensors)),
-        rate_limit=_read("--rate-limit", rate_limit, _per_second(outputs)),
-    )
+) -> dict[str, dict[str, str]]:
+    """Return what the options ask for: each setting with its signals and their values."""
+    return {
+        "fail_safe": _read("--fail-safe", fail_safe),
+        "sensor_delay": _read("--sensor-delay", sensor_delay),
+        "setpoint_rate": _read("--setpoint-rate", setpoint_rate),
+        "rate_limit": _read("--rate-limit", rate_limit),
+    }
 
 
-def _per_second(units: dict[str, str]) -> dict[str, str]:
-    return {name: f"({unit})/s" if "/" in unit else f"{unit}/s" for name, unit in units.items()}
-
-
-def _read(option: str, texts: Sequence[str] | None, units: dict[str, str]) -> dict[str, float]:
+def _read(option: str, texts: Sequence[str] | None) -> dict[str, str]:
     from clepsydra.base.errors import InputError
-    from clepsydra.base.suggestion import suggestion
-    from clepsydra.base.units import to_si
 
-    found: dict[str, float] = {}
+    found: dict[str, str] = {}
     for text in texts or ():
         name, equals, value = text.partition("=")
         name = name.strip()
@@ -72,12 +57,7 @@ def _read(option: str, texts: Sequence[str] | None, units: dict[str, str]) -> di
             raise InputError(
                 option, text[:60],
                 "each signal once" if equals else "a signal, '=' and its value",
-                f"write as in {option} {next(iter(units))}='1 {next(iter(units.values()))}'",
+                f"write as in {option} SIGNAL='1 s', in the unit that its help says",
             )  # fmt: skip
-        if name not in units:
-            raise InputError(
-                option, name[:60], f"one of {', '.join(units)}",
-                suggestion(name, units, "choose one of them"),
-            )  # fmt: skip
-        found[name] = to_si(value.strip(), units[name], f"{option} {name}")
+        found[name] = value.strip()
     return found

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from clepsydra.cli.options import JsonOption, ProcessArgument
 
 if TYPE_CHECKING:
-    from clepsydra.loop.open_loop import Simulation
-    from clepsydra.loop.open_loop_plan import Plan
-    from clepsydra.loop.profile import Change
-    from clepsydra.process.process import Process
+    from clepsydra.interface.events import Change
+    from clepsydra.interface.plant import Plant
 
 
 class Start(StrEnum):
@@ -87,48 +85,45 @@ def simulate(
     ] = Path(),
 ) -> None:
     """Simulate a process without a controller; write report and trajectories."""
-    from clepsydra.cli.output import make_folder, output_file, print_json
-    from clepsydra.loop.open_loop_plan import plan_simulation
-    from clepsydra.loop.trajectory_file import write_trajectories
-    from clepsydra.process.reader import load_process
-    from clepsydra.report.simulation_page import write_simulation_page
+    from clepsydra.cli.output import make_folder, named_options, output_file, print_json, show
+    from clepsydra.interface.plant import load
+    from clepsydra.interface.simulate import simulate as simulated
 
     make_folder(folder)
-    plant = load_process(process)
+    plant = load(process)
     name = f"{plant.file_stem}-simulation"
     report, data = (output_file(folder / f"{name}.{end}") for end in ("html", data_format.value))
-    plan = plan_simulation(
-        plant,
-        _changes(plant, inputs or [], profile),
-        duration=duration,
-        start=start.value,
-        state=_states(plant, state or []),
-    )
-    run = plan.run(solver.value)
-    write_simulation_page(plan, run, report)
-    write_trajectories(run, data)
+    changes, begins = _changes(plant, inputs or [], profile), _states(state or [])
+    with named_options("state"):
+        run = simulated(
+            plant,
+            None,
+            changes,
+            duration=duration,
+            start=start.value,
+            state=begins,
+            solver=solver.value,
+        )
+    run.report(report)
+    run.save(data)
     written = {"report": str(report), "trajectories": str(data)}
     if as_json:
-        print_json({**_document(plan, run), **written})
+        print_json({**run.as_dict(), **written})
         return
-    from rich.console import Console
-
-    from clepsydra.report.simulation_screen import simulation_screen
-
-    Console(width=100).print(simulation_screen(plan, run))
+    show(run)
     for what, where in written.items():
         typer.echo(f"{what.capitalize()}: {where}")
 
 
-def _changes(process: Process, inputs: list[str], profile: Path | None) -> list[Change]:
+def _changes(plant: Plant, inputs: list[str], profile: Path | None) -> list[Change]:
     from clepsydra.base.errors import InputError
-    from clepsydra.loop.profile import read_assignment
-    from clepsydra.loop.profile_csv import read_profile_csv
+    from clepsydra.interface.events import change_in_words
+    from clepsydra.interface.events import profile as changes_of_file
 
-    changes = [read_assignment(text, process, f"--input {text[:60]}") for text in inputs]
+    changes = [change_in_words(text, plant, f"--input {text[:60]}") for text in inputs]
     if profile is None:
         return changes
-    of_file = read_profile_csv(profile, process)
+    of_file = changes_of_file(profile, plant)
     for change in changes:
         if any(change.signal == other.signal for other in of_file):
             raise InputError(
@@ -138,11 +133,10 @@ def _changes(process: Process, inputs: list[str], profile: Path | None) -> list[
     return [*changes, *of_file]
 
 
-def _states(process: Process, texts: list[str]) -> dict[str, float]:
+def _states(texts: list[str]) -> dict[str, str]:
     from clepsydra.base.errors import InputError
-    from clepsydra.loop.open_loop_plan import read_state
 
-    states: dict[str, float] = {}
+    states: dict[str, str] = {}
     for text in texts:
         name, equals, value = text.partition("=")
         name = name.strip()
@@ -152,60 +146,5 @@ def _states(process: Process, texts: list[str]) -> dict[str, float]:
                 "each state once" if equals else "a state, '=' and its value",
                 "write as in --state tank_1.level=5cm",
             )  # fmt: skip
-        states[name] = read_state(name, value, process, "--state")
+        states[name] = value
     return states
-
-
-def _document(plan: Plan, run: Simulation) -> dict[str, Any]:
-    """Return plan and result as values for JSON, in SI."""
-    import numpy as np
-
-    process = plan.process
-    extremes = {}
-    for signal in run.signals:
-        values = run.values[signal.name]
-        low, high = int(np.argmin(values)), int(np.argmax(values))
-        extremes[signal.name] = {
-            "unit": signal.unit,
-            "start": float(values[0]),
-            "end": float(values[-1]),
-            "smallest": {"value": float(values[low]), "time": float(run.time[low])},
-            "largest": {"value": float(values[high]), "time": float(run.time[high])},
-        }
-    return {
-        "process": process.name,
-        "start": plan.begins,
-        "duration": plan.duration,
-        "sampling_period": process.sampling_period,
-        "samples": plan.samples,
-        "changes": [
-            {
-                "signal": change.signal,
-                "value": change.value,
-                "unit": process.signal(change.signal).unit,
-                "start": change.start,
-                "stop": change.stop,
-            }
-            for change in plan.changes
-        ],
-        "signals": extremes,
-        "events": [
-            {"time": e.time, "event": e.event, "words": e.words, "times": e.times}
-            for e in run.happenings
-        ],
-        "balances": [
-            {
-                "name": b.name,
-                "unit": b.unit,
-                "entered": b.entered,
-                "left": b.left,
-                "gained": b.gained,
-                "error": b.error,
-            }
-            for b in run.balances
-        ],
-        "ended": run.end and {"time": run.end.time, "event": run.end.event},
-        "substeps": run.substeps,
-        "error_estimate": run.error_estimate,
-        "warnings": list(plan.point.warnings),
-    }

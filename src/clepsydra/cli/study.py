@@ -33,10 +33,10 @@ def study(
     ] = None,
 ) -> None:
     """Design, tune, simulate, score and rank controllers; write report and data."""
-    from clepsydra.cli.output import make_folder, output_file, print_json
+    from clepsydra.cli.output import make_folder, output_file, print_json, show
     from clepsydra.cli.progress import shown_progress
-    from clepsydra.cli.subject import read_subject
-    from clepsydra.studies.study import run_study
+    from clepsydra.interface.study import study as study_of
+    from clepsydra.interface.subject import read_subject
 
     make_folder(folder)
     request = read_subject(subject, seed)
@@ -44,23 +44,13 @@ def study(
         output_file(folder / f"{request.file_stem}.{kind}") for kind in ("html", "parquet")
     )
     with shown_progress(quiet=as_json) as tell:
-        result = run_study(
-            request, seed=1 if seed is None else seed, progress=tell, tuning_folder=folder
-        )
+        result = study_of(request, seed=seed, progress=tell, folder=folder)
     if not as_json:
-        from rich.console import Console
-
-        from clepsydra.report.tables import ranking_table
-
-        Console(width=100).print(ranking_table(result))
-
-    from clepsydra.loop.parquet import write_parquet
-    from clepsydra.report.html import write_report
-
-    write_report(result, report)
+        show(result)
+    result.report(report)
     written = {"report": str(report)}
     if result.ranking:
-        write_parquet([candidate.run for candidate in result.ranking], data)
+        result.save(data)
         written["trajectories"] = str(data)
     if as_json:
         print_json({**result.as_dict(), **written})

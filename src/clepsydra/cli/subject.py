@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from clepsydra.process.process import Process
-    from clepsydra.studies.file.request import StudyRequest
-    from clepsydra.studies.result import StudyResult
+    from clepsydra.interface.plant import Plant
+    from clepsydra.interface.study import Study
+    from clepsydra.interface.subject import StudyRequest
 
 SubjectArgument = Annotated[
     str,
@@ -21,41 +21,27 @@ SubjectArgument = Annotated[
 ]
 
 
-def read_subject(subject: str, seed: int | None = None) -> Process | StudyRequest:
-    """Read a study file, or a process of the catalogue or of a file."""
-    from clepsydra.process.reader import load_process
-    from clepsydra.studies.file.reader import is_study_file, read_study
-
-    return read_study(subject, seed=seed) if is_study_file(subject) else load_process(subject)
-
-
 def name_of(controller: str | None) -> str | None:
     """Return the name that a controller is chosen by, of that name or the title of a table."""
-    from clepsydra.controllers.controller import plain_name
+    from clepsydra.interface.controller import plain_name
 
     return None if controller is None else plain_name(controller)
 
 
 def study_of_one(
-    request: Process | StudyRequest, name: str, seed: int | None, folder: Path, *, quiet: bool
-) -> StudyResult:
+    request: Plant | StudyRequest, name: str, seed: int | None, folder: Path, *, quiet: bool
+) -> Study:
     """Make one controller of a study; refuse one that does not apply, with its reason."""
     from clepsydra.base.errors import InputError
     from clepsydra.cli.progress import shown_progress
-    from clepsydra.studies.study import run_study
+    from clepsydra.interface.study import study
 
     with shown_progress(quiet=quiet) as tell:
-        study = run_study(
-            request,
-            seed=1 if seed is None else seed,
-            progress=tell,
-            tuning_folder=folder,
-            only=name,
-        )
-    reasons = dict(study.not_applicable)
+        found = study(request, seed=seed, progress=tell, folder=folder, only=name)
+    reasons = dict(found.not_applicable)
     if name in reasons:
         raise InputError(
             "--controller", name, f"a controller that applies; this one does not: {reasons[name]}",
             "choose another; clepsydra study ranks those that apply",
         )  # fmt: skip
-    return study
+    return found

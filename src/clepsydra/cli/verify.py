@@ -49,50 +49,52 @@ def verify(
 
     Exit status: 0 all within their bounds, 1 not, 130 interrupted; run it again to go on.
     """
-    from clepsydra.cli.output import make_folder, print_json
-    from clepsydra.cli.plant_options import read_plant_shell
+    from clepsydra.cli.output import make_folder, named_options, print_json, show
+    from clepsydra.cli.plant_options import shell_options
     from clepsydra.cli.progress import shown_progress
-    from clepsydra.cli.subject import read_subject, study_of_one
-    from clepsydra.deploy.printing.identifiers import identifier_of
-    from clepsydra.deploy.proof.of_study import proof_items
-    from clepsydra.deploy.proof.proof import prove
-    from clepsydra.studies.file.request import StudyRequest
-    from clepsydra.studies.study import run_study
+    from clepsydra.cli.subject import study_of_one
+    from clepsydra.interface.export import identifier_of
+    from clepsydra.interface.shell import plant_shell
+    from clepsydra.interface.study import study as study_of
+    from clepsydra.interface.subject import plant_of, read_subject
+    from clepsydra.interface.verify import verify as prove
 
     make_folder(folder)
     request = read_subject(subject, seed)
-    settings = read_plant_shell(
-        request.process if isinstance(request, StudyRequest) else request,
+    options = shell_options(
         fail_safe=fail_safe,
         sensor_delay=sensor_delay,
         setpoint_rate=setpoint_rate,
         rate_limit=rate_limit,
     )
-    chosen, stem = 1 if seed is None else seed, request.file_stem
+    with named_options(*options):
+        plant_shell(plant_of(request), **options)  # refused before a controller is made
+    stem = request.file_stem
     if controller is None:
         with shown_progress(quiet=as_json) as tell:
-            study = run_study(request, seed=chosen, progress=tell, tuning_folder=folder)
-        items = proof_items(study, settings)
+            study = study_of(request, seed=seed, progress=tell, folder=folder)
     else:
         study = study_of_one(request, controller, seed, folder, quiet=as_json)
-        items = [
-            item
-            for item in proof_items(study, settings)
-            if item.name == controller or item.kind == "process"
-        ]
         stem = f"{stem}-{identifier_of(controller).replace('_', '-')}"
+    chosen = [
+        each.controller for each in study.ranking if controller in (None, each.controller.name)
+    ]
     with shown_progress(quiet=as_json) as tell:
         proof = prove(
-            items, scans=scans, seed=chosen, progress=tell, folder=folder, stem=f"{stem}-proof"
+            chosen,
+            study.plant,
+            scans=scans,
+            seed=1 if seed is None else seed,
+            scenario=study.scenario,
+            folder=folder,
+            stem=stem,
+            progress=tell,
+            **options,
         )
     if as_json:
         print_json(proof.as_dict())
     else:
-        from rich.console import Console
-
-        from clepsydra.deploy.proof.screen import proof_screen
-
-        Console(width=100).print(proof_screen(proof))
+        show(proof)
     if proof.interrupted:
         raise typer.Exit(130)
     if not proof.holds:

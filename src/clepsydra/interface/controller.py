@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.controllers import controller as inner
+from clepsydra.controllers.controller import plain_name as plain_name
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.settings import settings_grid, values_of

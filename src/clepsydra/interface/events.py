@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from clepsydra.base.arguments import require_type, sequence_of
 from clepsydra.base.errors import InputError
@@ -16,7 +18,11 @@ from clepsydra.interface.quantities import (
     read_time,
 )
 from clepsydra.loop.default_scenario import segment_samples
-from clepsydra.loop.profile import Change
+from clepsydra.loop.profile import Change as Change
+from clepsydra.loop.profile import read_assignment
+from clepsydra.loop.profile_csv import read_profile_csv
+
+_EXAMPLE = 'write as in [cl.step("level_1", "+1 V")]'
 
 
 @dataclass(frozen=True)
@@ -47,6 +53,10 @@ class Event:
     def place(self) -> str:
         """What messages call it."""
         return f"{self.kind} of {self.signal}"
+
+
+#: What happens: events, and the changes of a profile.
+Events = Sequence[Event | Change]
 
 
 def step(
@@ -149,6 +159,36 @@ def _event(
     return event
 
 
+def profile(path: str | Path, plant: Plant) -> list[Change]:
+    """Return the values of signals over time, from a CSV file, as events of `cl.simulate`.
+
+    Parameters
+    ----------
+    path : str or Path
+        Its head names time and signals with their units, "time [min],pump_1 [V]"; each value is
+        held until the next row.
+    plant : Plant
+
+    Raises
+    ------
+    InputError
+        The file cannot be used, or a signal is none that moves a plant without a controller.
+    """
+    return read_profile_csv(path, plant.process)
+
+
+def change_in_words(text: str, plant: Plant, place: str) -> Change:
+    """Return what the command line says of an input: "pump_1=4V@60s..120s".
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> change_in_words("pump_1=4V@60s..120s", cl.load("quadruple-tank"), "--input").stop
+    120.0
+    """
+    return read_assignment(text, plant.process, place)
+
+
 def changes_of(events: object, plant: Plant, *, controlled: bool) -> list[Change]:
     """Return events as changes to values at times [SI], those without a time after each other.
 
@@ -164,9 +204,11 @@ def changes_of(events: object, plant: Plant, *, controlled: bool) -> list[Change
     InputError
         A signal is unknown or not to be moved, a quantity is none of it or leaves its range.
     """
-    given: tuple[Event, ...] = sequence_of(
-        events, Event, "events", "a list of events", 'write as in [cl.step("level_1", "+1 V")]'
-    )
+    require_type(events, (list, tuple), "events", "a list of events", _EXAMPLE)
+    assert isinstance(events, (list, tuple))
+    read = [event for event in events if isinstance(event, Change)]
+    others = [event for event in events if not isinstance(event, Change)]
+    given = sequence_of(others, Event, "events", "a list of events", _EXAMPLE)
     waits = rests = 0.0
     if any(event.at is None for event in given):
         period = plant.process.sampling_period
@@ -182,7 +224,7 @@ def changes_of(events: object, plant: Plant, *, controlled: bool) -> list[Change
         begins = start + lasts + waits
         timed.append((start, start + lasts, event))
     timed.sort(key=lambda entry: entry[0])
-    found: list[Change] = []
+    found = read
     now: dict[str, float] = {}
     for start, stop, event in timed:
         signal = _signal(event, plant, controlled)

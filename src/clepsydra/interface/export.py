@@ -1,4 +1,4 @@
-"""`cl.export` and `cl.verify`: code for the plant, and the proof that it is what was simulated."""
+"""`cl.export`: code for the plant, printed from what was simulated."""
 
 from __future__ import annotations
 
@@ -15,11 +15,14 @@ from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.deploy import export as exports
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.fmi.write import FmiVersion
+from clepsydra.deploy.printing.identifiers import identifier_of as identifier_of
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.interface.controller import of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of
+from clepsydra.interface.shell import Settings, plant_shell
 from clepsydra.interface.shown import Shown
+from clepsydra.loop.scenario import Scenario
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -69,7 +72,11 @@ def export(
     dialect: Dialect = "codesys",
     precision: Precision = "double",
     fmi: FmiVersion = "3.0",
-    shell: PlantShell | None = None,
+    fail_safe: Settings = None,
+    sensor_delay: Settings = None,
+    setpoint_rate: Settings = None,
+    rate_limit: Settings = None,
+    scenario: Scenario | None = None,
 ) -> Exported:
     """Write a controller for the plant, printed from the program that was simulated.
 
@@ -88,8 +95,17 @@ def export(
     precision : {"double", "single"}
         Of Structured Text and C.
     fmi : {"3.0", "2.0"}
-    shell : PlantShell, optional
-        Fail-safe outputs, delays and rates other than the usual ones.
+    fail_safe : mapping, optional
+        Input to its value while a sensor has failed, {"pump_1": "1 V"}; its low limit if left out.
+    sensor_delay : mapping, optional
+        Measurement to how long a fault of it is ridden through, {"level_1": "10 s"}; 4 s.
+    setpoint_rate : mapping, optional
+        Measurement to the fastest change of its setpoint, {"level_1": "0.1 V/s"}; none.
+    rate_limit : mapping, optional
+        Input to its fastest change, {"pump_1": "1 V/s"}; none. Of each, a number is in the display
+        unit of the signal, in s, or in the display unit per s.
+    scenario : Scenario, optional
+        In which the vendors' forms of "tuning" are simulated; the default scenario if left out.
 
     Returns
     -------
@@ -114,7 +130,14 @@ def export(
             "export, to", to, f"one of {', '.join(get_args(Target))}",
             suggestion(to, get_args(Target), "choose one of them"),
         )  # fmt: skip
-    found = _files(controller, plant, to, dialect, precision, fmi, shell)
+    shell = plant_shell(
+        plant,
+        fail_safe=fail_safe,
+        sensor_delay=sensor_delay,
+        setpoint_rate=setpoint_rate,
+        rate_limit=rate_limit,
+    )
+    found = _files(controller, plant, to, dialect, precision, fmi, shell, scenario)
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
     return Exported(
@@ -129,7 +152,8 @@ def _files(
     dialect: Dialect,
     precision: Precision,
     fmi: FmiVersion,
-    shell: PlantShell | None,
+    shell: PlantShell,
+    scenario: Scenario | None,
 ) -> exports.ExportedFiles:
     if controller is None:
         if to != "fmu":
@@ -139,7 +163,7 @@ def _files(
         return exports.export_process_fmu(plant.point, version=fmi)
     own = of_plant(controller, plant)
     if to == "tuning":
-        return exports.export_tuning(own, plant.point, scenario_of(plant))
+        return exports.export_tuning(own, plant.point, scenario or scenario_of(plant))
     ready = exportable(own, plant.point, shell)
     if to == "st":
         return exports.export_structured_text(ready, dialect=dialect, precision=precision)

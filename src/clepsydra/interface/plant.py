@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import ClepsydraError
+from clepsydra.base.files import whole_file
 from clepsydra.base.signal import Signal
 from clepsydra.interface.analysis import Analysis
 from clepsydra.interface.quantities import Quantity, known, read_signal
 from clepsydra.interface.shown import Shown, lifted
 from clepsydra.linear.analysis import analyse
+from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
@@ -127,6 +129,35 @@ class Plant(Shown):
     def linear(self) -> LinearModel:
         """The linear model from inputs to controlled measurements; it has `to_control()`."""
         return self.analysis.model
+
+    def draw(self, path: str | Path) -> NoEquilibrium | None:
+        """Draw the process with the values of its operating point, as SVG.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Returns
+        -------
+        NoEquilibrium or None
+            Why it is drawn without values, where it never rests.
+        """
+        from clepsydra.report.drawing import process_drawing
+
+        reason = None
+        try:
+            point = find_equilibrium(self.process, self._inputs, self._outputs, self._disturbances)
+        except NoEquilibrium as error:
+            point, reason = None, error
+        picture = process_drawing(self.process, point)
+        with whole_file(Path(path)) as part:
+            part.write_text(picture, encoding="utf-8")
+        return reason
+
+    @property
+    def file_stem(self) -> str:
+        """What reports and data of it are called."""
+        return self.process.file_stem
 
     @cached_property
     def measured(self) -> LinearModel:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
@@ -115,3 +117,61 @@ class OpenLoopRun(_Drawn, Simulation):
         from clepsydra.report.simulation_screen import simulation_screen
 
         return simulation_screen(self.plan, self)
+
+    def report(self, path: str | Path) -> None:
+        """Write the simulation as one HTML file."""
+        from clepsydra.report.simulation_page import write_simulation_page
+
+        write_simulation_page(self.plan, self, path)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plan and result as values for JSON, in SI."""
+        plan, process = self.plan, self.process
+        extremes = {}
+        for signal in self.signals:
+            values = self.values[signal.name]
+            low, high = int(np.argmin(values)), int(np.argmax(values))
+            extremes[signal.name] = {
+                "unit": signal.unit,
+                "start": float(values[0]),
+                "end": float(values[-1]),
+                "smallest": {"value": float(values[low]), "time": float(self.time[low])},
+                "largest": {"value": float(values[high]), "time": float(self.time[high])},
+            }
+        return {
+            "process": process.name,
+            "start": plan.begins,
+            "duration": plan.duration,
+            "sampling_period": process.sampling_period,
+            "samples": plan.samples,
+            "changes": [
+                {
+                    "signal": change.signal,
+                    "value": change.value,
+                    "unit": process.signal(change.signal).unit,
+                    "start": change.start,
+                    "stop": change.stop,
+                }
+                for change in plan.changes
+            ],
+            "signals": extremes,
+            "events": [
+                {"time": e.time, "event": e.event, "words": e.words, "times": e.times}
+                for e in self.happenings
+            ],
+            "balances": [
+                {
+                    "name": b.name,
+                    "unit": b.unit,
+                    "entered": b.entered,
+                    "left": b.left,
+                    "gained": b.gained,
+                    "error": b.error,
+                }
+                for b in self.balances
+            ],
+            "ended": self.end and {"time": self.end.time, "event": self.end.event},
+            "substeps": self.substeps,
+            "error_estimate": self.error_estimate,
+            "warnings": list(plan.point.warnings),
+        }

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import overload
 
 from clepsydra.base.arguments import require_type
 from clepsydra.controllers.controller import Controller
 from clepsydra.interface.controller import of_plant
-from clepsydra.interface.events import Event, changes_of
+from clepsydra.interface.events import Events, changes_of
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, with_unit
 from clepsydra.interface.run import OpenLoopRun, Run
@@ -23,7 +23,7 @@ from clepsydra.loop.solver import Solver
 def simulate(
     plant: Plant,
     controller: None = None,
-    events: Sequence[Event] | None = None,
+    events: Events | None = None,
     *,
     duration: Quantity | None = None,
     start: Start = "rest",
@@ -34,7 +34,7 @@ def simulate(
 def simulate(
     plant: Plant,
     controller: Controller,
-    events: Sequence[Event] | None = None,
+    events: Events | None = None,
     *,
     duration: Quantity | None = None,
     seed: int = 1,
@@ -43,7 +43,7 @@ def simulate(
 def simulate(
     plant: Plant,
     controller: Controller | None = None,
-    events: Sequence[Event] | None = None,
+    events: Events | None = None,
     *,
     duration: Quantity | None = None,
     start: Start = "rest",

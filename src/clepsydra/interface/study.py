@@ -11,17 +11,18 @@ from clepsydra.base.arguments import require_type, sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.controllers import controller as inner
 from clepsydra.interface.controller import Controller, of_plant
-from clepsydra.interface.events import Event
-from clepsydra.interface.plant import Plant, load
+from clepsydra.interface.events import Events
+from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity
 from clepsydra.interface.run import Run
 from clepsydra.interface.scenario import scenario_of
 from clepsydra.interface.scores import Scores
 from clepsydra.interface.shown import Shown, lifted
+from clepsydra.interface.subject import read_subject
+from clepsydra.loop.step_size import substeps_for
 from clepsydra.studies import result as results
-from clepsydra.studies.file.reader import is_study_file, read_study
 from clepsydra.studies.file.request import ControllerRequest, Maker, StudyRequest
-from clepsydra.studies.study import StudyProgress, run_study
+from clepsydra.studies.study import StudyProgress, controller_names, run_study
 
 if TYPE_CHECKING:
     import pandas
@@ -116,9 +117,9 @@ class Study(Shown, results.StudyResult):
 
 
 def study(
-    plant: Plant | str | Path,
+    plant: Plant | StudyRequest | str | Path,
     controllers: Sequence[inner.Controller] | None = None,
-    events: Sequence[Event] | None = None,
+    events: Events | None = None,
     *,
     duration: Quantity | None = None,
     seed: int | None = None,
@@ -131,8 +132,8 @@ def study(
     Parameters
     ----------
     plant : Plant, str or Path
-        Or the path of a study file, which says itself what is studied, or a name or path as for
-        `cl.load`.
+        Or the path of a study file, which says itself what is studied, or what was read of one; or
+        a name or path as for `cl.load`.
     controllers : sequence of Controller, optional
         If left out, every design that applies, and PI control tuned by simulation.
     events, duration : optional
@@ -168,14 +169,14 @@ def study(
     """
     kept = None if folder is None else Path(folder)
     if isinstance(plant, (str, Path)):
-        if is_study_file(str(plant)):
-            _check_alone(controllers, events, duration)
-            request = read_study(plant, seed=seed)
-            own = Plant(request.process)
-            found = run_study(request, progress=progress, tuning_folder=kept, only=only)
-            return _of_plant(found, own)
-        plant = load(plant)
+        plant = read_subject(plant, seed)
+    if isinstance(plant, StudyRequest):
+        _check_alone(controllers, events, duration)
+        found = run_study(plant, progress=progress, tuning_folder=kept, only=only)
+        own = Plant(plant.process)
+        return _of_plant(found, own)
     require_type(plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")')
+    substeps_for(plant.linear)  # a process that cannot be simulated is refused before all else
     scenario = scenario_of(plant, events, duration, 1 if seed is None else seed)
     given = None if controllers is None else _given(controllers, plant)
     request = StudyRequest(
@@ -190,6 +191,18 @@ def study(
     )
     found = run_study(request, progress=progress, tuning_folder=kept, only=only)
     return _of_plant(found, plant)
+
+
+def names_of(subject: Plant | StudyRequest) -> tuple[str, ...]:
+    """Return the names of the controllers that a study tries, whether or not they apply.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> names_of(cl.load("equalisation-tank"))[-1]
+    'PI, arrest time, tuned'
+    """
+    return controller_names(subject.process if isinstance(subject, Plant) else subject)
 
 
 def _check_alone(controllers: object, events: object, duration: object) -> None:

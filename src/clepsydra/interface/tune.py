@@ -12,7 +12,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers import controller as inner
 from clepsydra.interface.controller import Controller, of_plant
-from clepsydra.interface.events import Event
+from clepsydra.interface.events import Events
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, arguments
 from clepsydra.interface.scenario import scenario_of
@@ -68,7 +68,7 @@ def tune(
     limits: Mapping[str, Any] | None = None,
     *,
     parameters: Mapping[str, Any] | None = None,
-    events: Sequence[Event] | None = None,
+    events: Events | None = None,
     duration: Quantity | None = None,
     seed: int = 1,
     state_file: str | Path | None = None,

@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clepsydra.controllers import controller as inner
-from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.deploy.proof import proof as inner_proof
 from clepsydra.deploy.proof.of_study import controller_item, process_item_of
 from clepsydra.deploy.proof.proof import FEWEST, ProofProgress, prove
 from clepsydra.interface.controller import of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of
+from clepsydra.interface.shell import Settings, plant_shell
 from clepsydra.interface.shown import Shown, lifted
+from clepsydra.loop.scenario import Scenario
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -36,8 +37,13 @@ def verify(
     *,
     scans: int = FEWEST,
     seed: int = 1,
-    shell: PlantShell | None = None,
+    fail_safe: Settings = None,
+    sensor_delay: Settings = None,
+    setpoint_rate: Settings = None,
+    rate_limit: Settings = None,
+    scenario: Scenario | None = None,
     folder: str | Path | None = None,
+    stem: str | None = None,
     progress: Callable[[ProofProgress], None] | None = None,
 ) -> Proof:
     """Run controllers and process as C, Structured Text and FMU; compare with the simulation.
@@ -50,10 +56,15 @@ def verify(
         Random scans of each, at least 10,000.
     seed : int
         Of the scans.
-    shell : PlantShell, optional
+    fail_safe, sensor_delay, setpoint_rate, rate_limit : mapping, optional
         As in `cl.export`.
+    scenario : Scenario, optional
+        What the loop goes through where single precision is judged by its scores; the default
+        scenario if left out.
     folder : str or Path, optional
         Where the proof is written as JSON and Markdown, row by row, so that a second call goes on.
+    stem : str, optional
+        Of the names of these files; that of the process if left out.
     progress : callable, optional
         Takes how far the proof is, before each row.
 
@@ -72,7 +83,14 @@ def verify(
     See docs/plc.md.
     """
     many = [controllers] if isinstance(controllers, inner.Controller) else list(controllers)
-    scenario = scenario_of(plant)
+    shell = plant_shell(
+        plant,
+        fail_safe=fail_safe,
+        sensor_delay=sensor_delay,
+        setpoint_rate=setpoint_rate,
+        rate_limit=rate_limit,
+    )
+    scenario = scenario or scenario_of(plant)
     items = [controller_item(of_plant(each, plant), plant.point, scenario, shell) for each in many]
     found = prove(
         [*items, process_item_of(plant.point)],
@@ -80,6 +98,6 @@ def verify(
         seed=seed,
         progress=progress,
         folder=None if folder is None else Path(folder),
-        stem=f"{plant.process.file_stem}-proof",
+        stem=f"{stem or plant.file_stem}-proof",
     )
     return lifted(Proof, found)

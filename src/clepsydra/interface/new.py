@@ -1,0 +1,142 @@
+"""`cl.new_process` and `cl.new_study`: a commented file to begin with."""
+
+from __future__ import annotations
+
+import re
+from importlib import resources
+from pathlib import Path
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.suggestion import suggestion
+from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
+from clepsydra.process.flat_variant import flat_text
+from clepsydra.process.process_name import check_process_name
+from clepsydra.process.variants import split_variants
+
+#: The process of a study for which none is named.
+STUDIED = "quadruple-tank"
+
+
+def new_process(name: str, *, copy_of: str | None = None, folder: str | Path = ".") -> Path:
+    """Write a commented process file to begin with; over none that is there.
+
+    Parameters
+    ----------
+    name : str
+        Of the process; the file is NAME.toml.
+    copy_of : str, optional
+        A process of the catalogue to copy; a variant, "averaging-tank:inflow-constant", is written
+        into the copy.
+    folder : str or Path
+
+    Returns
+    -------
+    Path
+        Of the file.
+
+    Raises
+    ------
+    InputError
+        The name cannot be used, the file is there already or cannot be written, or there is no
+        such process.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as here:
+    ...     new_process("my-tanks", copy_of="quadruple-tank", folder=here).name
+    'my-tanks.toml'
+    """
+    check_process_name(name, "name")
+    text = _template("new_process") if copy_of is None else _catalogue(copy_of)
+    path = Path(folder, f"{name}.toml")
+    _write(path, name, _renamed(text, name))
+    return path
+
+
+def new_study(name: str, process: str = STUDIED, *, folder: str | Path = ".") -> Path:
+    """Write a commented study file, which names controllers, scenario and ranking.
+
+    Parameters
+    ----------
+    name : str
+        Of the study; the file is NAME.toml.
+    process : str
+        What is studied: a process of the catalogue, or the path of a process file.
+    folder : str or Path
+
+    Returns
+    -------
+    Path
+        Of the file.
+
+    Raises
+    ------
+    InputError
+        As `new_process`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as here:
+    ...     new_study("compare", "three-tanks", folder=here).name
+    'compare.toml'
+    """
+    name = name.removesuffix(".toml")
+    check_process_name(name, "name")
+    path = Path(folder, f"{name}.toml")
+    _check_free(path, name)  # before the process is analysed
+    _write(path, name, _study(process))
+    return path
+
+
+def _check_free(path: Path, name: str) -> None:
+    if path.exists():
+        raise InputError(
+            "name", name, f"a name for which there is no {path} yet", "choose another name"
+        )
+
+
+def _write(path: Path, name: str, text: str) -> None:
+    try:
+        # Opened only if it does not exist, so that nothing is ever written over.
+        with path.open("x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError:
+        _check_free(path, name)
+        raise
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            "name", str(path), "a file that can be written", f"change the folder ({reason})"
+        ) from None
+
+
+def _template(name: str) -> str:
+    return (resources.files("clepsydra.interface") / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def _study(named: str) -> str:
+    from clepsydra.process.reader import load_process
+    from clepsydra.studies.file.new_study import new_study as study_text
+
+    return study_text(load_process(named), named, _template("new_study"))
+
+
+def _catalogue(named: str) -> str:
+    name, variants = split_variants(named)
+    names = catalogue_names()
+    if name not in names:
+        raise InputError(
+            "copy_of",
+            name[:60],
+            f"a process of the catalogue ({', '.join(names)})",
+            suggestion(name, names, "choose one of them"),
+        )
+    text = catalogue_file(name).read_text(encoding="utf-8")
+    return text if variants is None else flat_text(text, name, variants)
+
+
+def _renamed(text: str, name: str) -> str:
+    """Return a process file with another name; its comments and its order stay."""
+    return re.sub(r'^name = ".*"$', f'name = "{name}"', text, count=1, flags=re.MULTILINE)

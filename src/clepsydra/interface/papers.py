@@ -1,0 +1,54 @@
+"""`cl.audit`: the documents that Clepsydra was built from, number by number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from clepsydra.interface.shown import Shown, lifted
+from clepsydra.papers import audit as inner
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+
+class Audit(Shown, inner.Audit):
+    """Every printed number of the documents with its verdict: `rows`."""
+
+    def __rich__(self) -> RenderableType:
+        """Return how many of what, and the findings."""
+        from clepsydra.papers.screen import audit_screen
+
+        return audit_screen(self)
+
+    def report(self, path: str | Path) -> None:
+        """Write a page with the reasons and the redrawn figures."""
+        from clepsydra.papers.page import write_page
+
+        write_page(self, Path(path))
+
+
+def audit(
+    documents: Sequence[str] = (),
+    *,
+    workers: int = 1,
+    progress: Callable[[inner.AuditProgress], None] | None = None,
+) -> Audit:
+    """Run the experiments of five published documents and judge every printed number.
+
+    Parameters
+    ----------
+    documents : sequence of str
+        Keys of documents; all if left out.
+    workers : int
+        Processes at once.
+    progress : callable, optional
+        Takes how far it is.
+
+    Raises
+    ------
+    InputError
+        A document is unknown.
+    """
+    return lifted(Audit, inner.audit(documents, workers=workers, progress=progress))

@@ -1,0 +1,36 @@
+"""What is studied, exported or verified: a plant, or what a study file asks for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from clepsydra.interface.plant import Plant, load
+from clepsydra.studies.file.reader import is_study_file, read_study
+from clepsydra.studies.file.request import StudyRequest as StudyRequest
+
+
+def read_subject(subject: str | Path, seed: int | None = None) -> Plant | StudyRequest:
+    """Read a study file, or load a plant of the catalogue or of a file.
+
+    Parameters
+    ----------
+    subject : str or Path
+    seed : int, optional
+        In the place of that of the study file.
+
+    Raises
+    ------
+    InputError
+        It is neither, or the file is wrong.
+
+    Examples
+    --------
+    >>> read_subject("quadruple-tank").file_stem
+    'quadruple-tank'
+    """
+    return read_study(subject, seed=seed) if is_study_file(str(subject)) else load(subject)
+
+
+def plant_of(subject: Plant | StudyRequest) -> Plant:
+    """Return the plant that it is about."""
+    return subject if isinstance(subject, Plant) else Plant(subject.process)
