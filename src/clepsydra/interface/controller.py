@@ -86,6 +86,7 @@ class Controller(Shown, inner.Controller):
         from rich.console import Group
         from rich.text import Text
 
+        from clepsydra.report.law_tables import law_grids
         from clepsydra.report.tables import grid_table, hanging
 
         parts: list[RenderableType] = [
@@ -93,9 +94,9 @@ class Controller(Shown, inner.Controller):
             Text(self.design),
         ]
         grid = settings_grid(self, self.plant.process)
-        if grid is not None:
-            parts.append(grid_table(grid))
-        parts += [hanging(f"!  {note}", "yellow") for note in self.notes]
+        grids = law_grids(self, self.plant.process) if grid is None else [grid]
+        parts += [grid_table(each) for each in grids]
+        parts += [hanging(f"•  {note}") for note in self.notes]
         return Group(*parts)
 
 

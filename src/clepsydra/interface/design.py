@@ -5,9 +5,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clepsydra.base.errors import UnknownName
+from clepsydra.controllers.fuzzy.file import load_fuzzy
+from clepsydra.controllers.fuzzy.wired import WiredFuzzy
 from clepsydra.designs.amigo import design_amigo
 from clepsydra.designs.arrest_time import design_arrest_time
 from clepsydra.designs.bryson import design_lqi
@@ -31,7 +34,9 @@ from clepsydra.designs.start_stop_levels import design_start_stop_levels
 from clepsydra.designs.tyreus_luyben import design_tyreus_luyben
 from clepsydra.designs.variable_structure_pid import design_variable_structure_pid
 from clepsydra.designs.ziegler_nichols import design_ziegler_nichols
+from clepsydra.interface.controller import Controller, of_plant
 from clepsydra.interface.lift import of_model
+from clepsydra.interface.plant import Plant
 
 amigo = of_model(design_amigo)
 arrest_time = of_model(design_arrest_time)
@@ -58,10 +63,31 @@ tyreus_luyben = of_model(design_tyreus_luyben)
 variable_structure_pid = of_model(design_variable_structure_pid)
 ziegler_nichols = of_model(design_ziegler_nichols)
 
+
+def fuzzy(plant: Plant, path: str | Path, *, name: str = "Fuzzy") -> Controller:
+    """Return the controller of a fuzzy file, which docs/fuzzy-files.md describes.
+
+    Parameters
+    ----------
+    plant : Plant
+    path : str or Path
+    name : str
+        What the reader sees.
+
+    Raises
+    ------
+    InputError
+        The file cannot be used; the message names the line.
+    """
+    law = WiredFuzzy(load_fuzzy(path), plant.process)
+    return of_plant(law.controller(plant.point, name), plant)
+
+
 __all__ = [
     "amigo",
     "arrest_time",
     "feedback_linearisation",
+    "fuzzy",
     "fuzzy_pi",
     "gain_scheduled_lqi",
     "gain_scheduled_pid",

@@ -135,7 +135,8 @@ def study(
         Or the path of a study file, which says itself what is studied, or what was read of one; or
         a name or path as for `cl.load`.
     controllers : sequence of Controller, optional
-        If left out, every design that applies, and PI control tuned by simulation.
+        If left out, every design that applies, and PI control tuned by simulation. Those of one
+        name are numbered: "PI, SIMC" and "PI, SIMC, 2"; `controller.named` gives another.
     events, duration : optional
         The scenario, as for `cl.simulate`; the default scenario if left out.
     seed : int, optional
@@ -225,14 +226,13 @@ def _given(controllers: object, plant: Plant) -> tuple[ControllerRequest, ...]:
             "study, controllers", "none", "at least one controller",
             "leave the list out for every design that applies",
         )  # fmt: skip
-    own = [of_plant(each, plant) for each in chosen]
-    names = [each.name for each in own]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(
-                "study, controllers", name, "controllers of different names",
-                f'name one of them otherwise, as in controller.named("{name}, 2")',
-            )  # fmt: skip
+    own: list[Controller] = []
+    for each in chosen:
+        name, number = each.name, 1
+        while name in [other.name for other in own]:
+            number += 1
+            name = f"{each.name}, {number}"
+        own.append(of_plant(each, plant).named(name))
     return tuple(ControllerRequest(each.name, _made(each), None, each.name) for each in own)
 
 
