@@ -95,16 +95,17 @@ def design_lqi_extended_kalman(
 ) -> Controller:
     """Design LQI control of states that an extended Kalman filter estimates.
 
-    The regulator is that of `design.bryson.design_lqi` for the operating point. The filter runs
+    The regulator is that of `designs.bryson.design_lqi` for the operating point. The filter runs
     the equations of the process, so that its estimate holds away from the operating point too,
-    and computes its gain as it goes. Its noise is that of `design.kalman.process_noise`. At rest
+    and computes its gain as it goes. Its noise is that of `designs.kalman.process_noise`. At rest
     at the operating point it is the Kalman filter there; the regulator is slowed down by one
     factor until the sensitivity peak of that sampled loop is 2.
 
     Parameters
     ----------
-    model, measurements, maximum_errors, maximum_moves, anti_windup
-        As for `design.lqi_kalman.design_lqi_kalman`.
+    model : LinearModel
+    measurements, maximum_errors, maximum_moves, anti_windup
+        As for `designs.lqi_kalman.design_lqi_kalman`.
 
     Returns
     -------
@@ -199,7 +200,7 @@ def extended_kalman(
     horizon: float,
     method: str,
 ) -> FoundFilter:
-    """Return an extended Kalman filter with the noise of `design.kalman.process_noise`.
+    """Return an extended Kalman filter with the noise of `designs.kalman.process_noise`.
 
     Parameters
     ----------
@@ -207,7 +208,7 @@ def extended_kalman(
     equations : ProcessEquations
         Of the model.
     measurements : sequence of str or None
-        As for `design.states.observed_process.observed_process`.
+        As for `designs.states.observed_process.observed_process`.
     horizon : float
         About the time that a response takes [s].
     method : str

@@ -72,7 +72,7 @@ def design_feedback_linearisation(
     tenth of the range does not saturate an input, lengthened until the sampled loop has a
     sensitivity peak of at most 2. Where the law needs a state that no sensor shows, or the
     measurements are chosen, an observer runs the equations of the process beside it, corrected
-    by the gain of a Kalman filter (`design.kalman`).
+    by the gain of a Kalman filter (`designs.kalman`).
 
     Parameters
     ----------

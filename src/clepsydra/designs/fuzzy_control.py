@@ -147,7 +147,7 @@ def design_fuzzy_pi(
     largest_error : float
         E as a share of the measurement's range.
     closed_loop_time_constant : float, optional
-        Of the linear design, see `design.simc` [s].
+        Of the linear design, see `designs.simc` [s].
 
     Returns
     -------

@@ -179,7 +179,7 @@ def design_gain_scheduled_lqi(
     model : LinearModel
         Of a process at an operating point; its outputs follow the setpoints.
     maximum_errors, maximum_moves, anti_windup
-        As for `design.bryson.design_lqi`.
+        As for `designs.bryson.design_lqi`.
     over, follows, points
         As for `design_gain_scheduled_pid`.
 

@@ -81,7 +81,7 @@ def design_lambda(
     effective delays and at which a setpoint step of a tenth of the measurement's range does not
     saturate the input; a self-regulating loop is not made faster than its own lag. Then all are
     lengthened by one factor until the sampled loops together have a sensitivity peak of 2
-    (`design.loops.detuning`). A given λ is used as it is. An element whose lag is more than ten
+    (`designs.loops.detuning`). A given λ is used as it is. An element whose lag is more than ten
     times λ is taken as integrating: to cancel such a lag would leave loads to be answered as
     slowly.
 

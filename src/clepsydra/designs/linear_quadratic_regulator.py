@@ -58,9 +58,9 @@ def design_lqr(
         Of the states that act on the outputs and of the inputs; default Bryson's weights.
     measurements : sequence of str, optional
         What a filter reads; naming them asks for the filter. See
-        `design.states.observed_process.observed_process`.
+        `designs.states.observed_process.observed_process`.
     maximum_errors, maximum_moves : mapping, optional
-        For Bryson's weights, as for `design.bryson.design_lqi`.
+        For Bryson's weights, as for `designs.bryson.design_lqi`.
 
     Returns
     -------

@@ -38,8 +38,8 @@ def design_lqi_kalman(
 ) -> Controller:
     """Design LQI control of states that a Kalman filter estimates.
 
-    The regulator is that of `design.bryson.design_lqi`, the filter follows from the noise of
-    `design.kalman.process_noise`. The filter estimates the states only: under a constant load
+    The regulator is that of `designs.bryson.design_lqi`, the filter follows from the noise of
+    `designs.kalman.process_noise`. The filter estimates the states only: under a constant load
     its estimate has a bias, which the integrators take up, since they integrate the measured
     errors. A load estimated in addition would be a second integrator for the same purpose.
     With dead time what is on its way is estimated too, so that the law predicts what a change
@@ -55,9 +55,9 @@ def design_lqi_kalman(
     measurements : sequence of str, optional
         What the filter reads, with the controlled outputs among them; default the controlled
         outputs alone where sensors show every state, else all sensors of use
-        (`design.states.observed_process`).
+        (`designs.states.observed_process`).
     maximum_errors, maximum_moves, anti_windup
-        As for `design.bryson.design_lqi`.
+        As for `designs.bryson.design_lqi`.
 
     Returns
     -------

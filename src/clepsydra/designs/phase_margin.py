@@ -122,7 +122,7 @@ def design_phase_margin(
     this margin. Without a given crossover each takes the highest at which a PI has ω Ti ≤ 3, or
     a PID has to lead by no more than 30°, and a setpoint step of a tenth of the measurement's
     range does not saturate the input; then all are slowed down by one factor, K/F and F·Ti,
-    until the sampled loops together have a sensitivity peak of 2 (`design.loops.detuning`), which
+    until the sampled loops together have a sensitivity peak of 2 (`designs.loops.detuning`), which
     changes the margins: the notes give what they became. A given crossover is used as it is,
     and where no form is given a loop that a PI cannot lead enough gets a PID.
 

@@ -82,7 +82,7 @@ def design_pole_placement(
     """Design state feedback with a precompensator by placing the poles of the sampled loop.
 
     u = u° − F x + N (r − r°). By default the poles have Bessel's pattern
-    (`design.states.bessel_poles`) with the largest bandwidth at which a setpoint step of a tenth
+    (`designs.states.bessel_poles`) with the largest bandwidth at which a setpoint step of a tenth
     of a measurement's range does not saturate an input, and at which a sample is at most half of
     the pattern's time 1/ω.
 
@@ -106,7 +106,7 @@ def design_pole_placement(
         One for each state and each input.
     measurements : sequence of str, optional
         What an observer reads; naming them asks for the observer. See
-        `design.states.observed_process.observed_process`.
+        `designs.states.observed_process.observed_process`.
 
     Returns
     -------

@@ -102,11 +102,11 @@ def design_recomputed_lqi(
 ) -> Controller:
     """Design LQI control whose gains follow the operating point without a table.
 
-    At the operating point its gains are those of `design.bryson.design_lqi`; elsewhere they
+    At the operating point its gains are those of `designs.bryson.design_lqi`; elsewhere they
     follow from the same largest deviations and the linear model at the present state and at the
     inputs, filtered over the horizon. Where sensors show every state they are read; else, or
     where measurements are chosen, an extended Kalman filter estimates the states
-    (`design.extended_kalman`). Where the sensitivity peak at the operating point is above 2, moves
+    (`designs.extended_kalman`). Where the sensitivity peak at the operating point is above 2, moves
     are made smaller and the horizon longer by one factor until it is 2.
 
     Parameters
@@ -116,7 +116,7 @@ def design_recomputed_lqi(
     measurements : sequence of str, optional
         What the filter reads; naming them asks for the filter.
     maximum_errors, maximum_moves : mapping, optional
-        As for `design.bryson.design_lqi`.
+        As for `designs.bryson.design_lqi`.
     anti_windup : {"back_calculation", "conditional_integration", "none"}
     steps : int
         Of the Riccati difference equation in a sample.

@@ -92,7 +92,7 @@ def design_simc(
     closed-loop time constant, each loop takes the shortest τc that is not below its effective
     delay and at which a setpoint step of a tenth of the measurement's range does not saturate
     the input by the gain of the rule; then all are lengthened by one factor until the sampled
-    loops together have a sensitivity peak of 2 (`design.loops.detuning`). A given τc is used as it
+    loops together have a sensitivity peak of 2 (`designs.loops.detuning`). A given τc is used as it
     is.
 
     Parameters
@@ -106,7 +106,7 @@ def design_simc(
     closed_loop_time_constant : float, optional
         τc of all loops [s].
     decoupling : {"static", "dynamic"}, optional
-        Decouple the loops (`design.decoupling`).
+        Decouple the loops (`designs.decoupling`).
 
     Returns
     -------

@@ -54,12 +54,12 @@ def design_smith_predictor(
     """Design a digital Smith predictor for each pair.
 
     Each paired element is sampled, of second order at most with whole samples of delay
-    (`design.polynomial.element_sampling`). The primary controller is designed for the model
+    (`designs.polynomial.element_sampling`). The primary controller is designed for the model
     without its delay and with B(1) z^-1 in the place of B:
 
     - "polynomial": the spectral factor of A and B for q_u and the assigned poles make D, and
       A (1 − z^-1) P + B(1) z^-1 Q = D with r0 = D(1)/B(1) the controller. q_u and poles are
-      chosen as in `design.polynomial.polynomial_control` where they are not given.
+      chosen as in `designs.polynomial.polynomial_control` where they are not given.
     - "PI": SIMC for the lags of the model, with half a sampling period as delay.
 
     Where nothing is given all loops are slowed down by one factor until together they have a

@@ -54,7 +54,7 @@ def design_tyreus_luyben(
 
     The ultimate point is computed from the model, with its dead time and half a sampling
     period of delay. Unless `as_published`, all loops are slowed down by one factor until
-    together they have a sensitivity peak of 2 (`design.loops.detuning`).
+    together they have a sensitivity peak of 2 (`designs.loops.detuning`).
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ def design_variable_structure_pid(
 
     The settings are those of SIMC, or the user's. α follows from the loops as designed: while
     an integral saturates it settles three times faster than its loop, and no α is taken that
-    would settle less than two or more than five times faster (`design.saturation_rate`).
+    would settle less than two or more than five times faster (`designs.saturation_rate`).
 
     Parameters
     ----------

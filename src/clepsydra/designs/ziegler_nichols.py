@@ -86,7 +86,7 @@ def design_ziegler_nichols(
     What their experiments would find is computed from the model, with its dead time and half
     a sampling period of delay. The rules aim at a decay by a quarter from swing to swing,
     which is oscillatory and fragile: unless `as_published`, all loops are slowed down by one
-    factor until together they have a sensitivity peak of 2 (`design.loops.detuning`).
+    factor until together they have a sensitivity peak of 2 (`designs.loops.detuning`).
 
     Parameters
     ----------

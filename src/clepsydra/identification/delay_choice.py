@@ -59,7 +59,7 @@ def choose_delay(
     Parameters
     ----------
     signal, output : ndarray [N]
-        As for `identify.arx.fit_arx`.
+        As for `identification.arx.fit_arx`.
     order : int
     delays : iterable of int
         [samples]

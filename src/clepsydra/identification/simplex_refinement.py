@@ -69,7 +69,7 @@ def simplex_fit(
     Raises
     ------
     InputError
-        The records are not usable (`identify.arx.checked_records`), or the search does not end.
+        The records are not usable (`identification.arx.checked_records`), or the search does not end.
 
     References
     ----------
@@ -119,7 +119,7 @@ def refined_coefficients(model: SampledModel, signal: np.ndarray, output: np.nda
     Parameters
     ----------
     model : SampledModel
-        By least squares, say (`identify.arx`).
+        By least squares, say (`identification.arx`).
     signal, output : ndarray [N]
 
     Raises

@@ -31,6 +31,7 @@ _UNITS = {
 #: Arguments that are quantities of signals; a number is in the signal's display unit.
 _OF_SIGNALS = ("maximum_errors", "maximum_moves", "deviation", "points")
 _MODEL = re.compile(r"^    model : LinearModel\n(?:        .*\n)*", re.MULTILINE)
+_OTHERS = re.compile(r"`designs\.[a-z_.]*design_(\w+)`")
 _PLANT = '    plant : Plant\n        As from ``cl.load("quadruple-tank")``.\n'
 _QUANTITIES = """
     Times, angles and rates may be text with a unit, "20 s", "60 deg", or a number in the unit in
@@ -102,6 +103,7 @@ def _documented(text: str) -> str:
     """Return the help of a design with a plant in the place of its model."""
     text = "\n".join(f"    {line}" if line else "" for line in text.splitlines()) + "\n"
     text = _MODEL.sub(_PLANT, text, count=1)
+    text = _OTHERS.sub(r"`cl.design.\1`", text)
     text, _, _ = text.partition("    Examples\n    --------")
     head, line, rest = text.partition("    Parameters\n    ----------\n")
     return inspect.cleandoc(f"{head.rstrip()}\n{_QUANTITIES}\n{line}{rest}")

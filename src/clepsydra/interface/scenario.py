@@ -87,9 +87,9 @@ def _segments(
         (start, list(group))
         for start, group in groupby(changes, key=lambda each: samples_before(each.start, period))
     ]
-    ends = [start for start, _ in groups[1:]] + [samples]
     now, found = dict(before), []
-    for (start, group), end in zip(groups, ends, strict=True):
+    for place, (start, group) in enumerate(groups, start=1):
+        end = groups[place][0] if place < len(groups) else samples
         change = group[0]
         if len(group) == 1 and not change.is_ramp:
             found.append(

@@ -91,26 +91,46 @@ def _of_loop(
 ) -> dict[str, float]:
     place, loop = f"{_PLACE}, {name}", loops[name]
     require_type(given, Mapping, place, "settings with their values", 'write as in {"K": 6.0}')
-    keys = keys_of(controller, loop)
-    by_word = {SYMBOLS.get(key, key): key for key in keys}
     found = {}
     for word, value in given.items():
-        key = by_word.get(word, word)
-        if key not in keys:
-            raise InputError(
-                place, str(word)[:60], f"a setting of this loop ({', '.join(by_word)})",
-                suggestion(word, by_word, "choose one of them"),
-            )  # fmt: skip
+        key = key_of(controller, loop, word, place)
+        parameter = loop.parameter(key)
+        text = with_unit(value, unit_of(controller, loop, key))
+        number = _read(controller, process, loops, place, word, parameter, text)
         if key in GAINS:
-            found[loop.parameter(key)] = _gain(controller, process, loops, loop, key, word, value)
-        else:
-            parameter = loop.parameter(key)
-            found[parameter] = _read(controller, process, loops, place, word, parameter, value)
+            if number < 0.0:
+                raise InputError(
+                    f"{place}, {word}", shown_value(value),
+                    "a gain from 0: the action of the loop gives it its sign", "leave the sign out",
+                )  # fmt: skip
+            number = -number if controller.values[parameter] < 0.0 else number
+        found[parameter] = number
     time, tracking = (loop.parameter(key) for key in ("integral_time", "tracking_time"))
     follows = controller.values.get(tracking) == controller.values.get(time)
     if time in found and tracking in controller.values and tracking not in found and follows:
         found[tracking] = found[time]
     return found
+
+
+def key_of(controller: Controller, loop: LoopSignals, word: object, place: str) -> str:
+    """Return the key of study files for a word of the table; refuse what is none of the loop."""
+    keys = keys_of(controller, loop)
+    by_word = {SYMBOLS.get(key, key): key for key in keys}
+    key = by_word.get(str(word), str(word))
+    if key in keys:
+        return key
+    raise InputError(
+        place, str(word)[:60], f"a setting of this loop ({', '.join(by_word)})",
+        suggestion(word, by_word, "choose one of them"),
+    )  # fmt: skip
+
+
+def unit_of(controller: Controller, loop: LoopSignals, key: str) -> str:
+    """Return the unit in which the table shows a setting."""
+    if key in GAINS:
+        return table_unit(loop) + {"1": "", "1/s": "/s", "s": " s"}[GAINS[key]]
+    law = {parameter.name: parameter for parameter in controller.law.parameters}
+    return law[loop.parameter(key)].shown_unit
 
 
 def keys_of(controller: Controller, loop: LoopSignals) -> list[str]:
@@ -121,28 +141,6 @@ def keys_of(controller: Controller, loop: LoopSignals) -> list[str]:
            and block.number == loop.number for parameter in block.parameters()}  # fmt: skip
     stems = [name.removesuffix(ending) for name in controller.values if name in own]
     return [keys.get(stem, stem) for stem in stems]
-
-
-def _gain(
-    controller: Controller,
-    process: Process,
-    loops: dict[str, LoopSignals],
-    loop: LoopSignals,
-    key: str,
-    word: str,
-    value: Any,
-) -> float:
-    """Return a gain with the sign of its loop's action."""
-    parameter = loop.parameter(key)
-    unit = f"{table_unit(loop)}{ {'1': '', '1/s': '/s', 's': ' s'}[GAINS[key]] }"
-    place = f"{_PLACE}, {loop.measurement.name}"
-    number = _read(controller, process, loops, place, word, parameter, with_unit(value, unit))
-    if number < 0.0:
-        raise InputError(
-            f"{place}, {word}", shown_value(value),
-            "a gain from 0: the action of the loop gives it its sign", "leave the sign out",
-        )  # fmt: skip
-    return -number if controller.values[parameter] < 0.0 else number
 
 
 def table_unit(loop: LoopSignals) -> str:

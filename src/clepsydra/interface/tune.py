@@ -14,9 +14,9 @@ from clepsydra.controllers import controller as inner
 from clepsydra.interface.controller import Controller, of_plant
 from clepsydra.interface.events import Events
 from clepsydra.interface.plant import Plant
-from clepsydra.interface.quantities import Quantity, arguments
+from clepsydra.interface.quantities import Quantity, arguments, with_unit
 from clepsydra.interface.scenario import scenario_of
-from clepsydra.interface.settings import SYMBOLS, loops_of
+from clepsydra.interface.settings import key_of, loops_of, unit_of
 from clepsydra.interface.shown import lifted
 from clepsydra.studies.file.tuning_reader import TUNING_KEYS, read_tuning
 from clepsydra.studies.tuning.result import TuningResult
@@ -89,8 +89,9 @@ def tune(
         "overshoot", "10 %" of the step; "max|S|", 1.6, and 2 if left out; "total_variation",
         {"pump_1": "300 %"} of the range or a number in the display unit.
     parameters : mapping, optional
-        What may move and how far, {"level_1": {"K": ("1 %/%", "9 %/%")}}, as in study files; gains
-        and integral times within a factor of ten if left out.
+        What may move and between which bounds, {"level_1": {"K": (1.0, 9.0)}}, in the words and
+        units of `Controller.with_values`; gains and integral times within a factor of ten if left
+        out.
     events, duration : optional
         The scenario, as for `cl.simulate`; the default scenario if left out.
     seed : int
@@ -119,7 +120,7 @@ def tune(
     written: dict[str, Any] = {"objective": goal if isinstance(goal, str) else _plain(goal)}
     written |= _limits(limits or {}, plant)
     if parameters is not None:
-        written["parameters"] = _bounds(parameters)
+        written["parameters"] = _bounds(parameters, start, plant)
     table = arguments("tuning", written, TUNING_KEYS)
     request = read_tuning(table, plant.process, loops_of(start, plant.process))
     found = request.run(
@@ -155,29 +156,32 @@ def _limits(limits: Mapping[str, Any], plant: Plant) -> dict[str, Any]:
                 suggestion(name, _LIMITS, "choose one of them"),
             )  # fmt: skip
         if name == "total_variation" and isinstance(value, Mapping):
-            from clepsydra.interface.quantities import with_unit
-
             units = {signal.name: signal.shown_unit for signal in plant.process.inputs}
             value = {key: with_unit(each, units.get(key, "1")) for key, each in value.items()}
         found[_LIMITS[name]] = value
     return found
 
 
-def _bounds(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Return bounds as a study file has them, by its keys and with lists."""
-    keys = {symbol: key for key, symbol in SYMBOLS.items()}
+def _bounds(parameters: Mapping[str, Any], start: Controller, plant: Plant) -> dict[str, Any]:
+    """Return bounds as a study file has them: by its keys, in lists, with units."""
+    place = "tuning, parameters"
     require_type(
-        parameters, Mapping, "tuning, parameters", "loops with their settings and bounds",
+        parameters, Mapping, place, "loops with their settings and bounds",
         'write as in {"level_1": {"K": ("1 %/%", "9 %/%")}}',
     )  # fmt: skip
+    loops = loops_of(start, plant.process)
     found: dict[str, Any] = {}
     for name, value in parameters.items():
-        if isinstance(value, Mapping):
-            found[name] = {keys.get(key, key): _pair(each) for key, each in value.items()}
+        if name in loops and isinstance(value, Mapping):
+            words = {word: key_of(start, loops[name], word, f"{place}, {name}") for word in value}
+            found[name] = {
+                key: _pair(value[word], unit_of(start, loops[name], key))
+                for word, key in words.items()
+            }
         else:
-            found[name] = _pair(value)
+            found[name] = _pair(value, "1")
     return found
 
 
-def _pair(value: Any) -> Any:
-    return list(value) if isinstance(value, (tuple, list)) else value
+def _pair(value: Any, unit: str) -> Any:
+    return [with_unit(each, unit) for each in value] if isinstance(value, (tuple, list)) else value

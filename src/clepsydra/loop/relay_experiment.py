@@ -118,7 +118,7 @@ def relay_experiment(
 ) -> RelayRecord:
     """Run a relay on the nonlinear process, from rest at its operating point.
 
-    The bias is the input at rest, and the other inputs stay. `design.relay_autotune` reads the
+    The bias is the input at rest, and the other inputs stay. `designs.relay_autotune` reads the
     ultimate point off the record.
 
     Parameters

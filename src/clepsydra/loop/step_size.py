@@ -44,7 +44,7 @@ def substeps_for(model: LinearModel) -> int:
     ------
     InputError
         The process is sampled so slowly that more than 10,000 steps would be needed
-        (`design.sampled.sampling_period`), or the model has no operating point.
+        (`designs.sampled.sampling_period`), or the model has no operating point.
 
     Examples
     --------

@@ -85,7 +85,7 @@ def run_study(
     process : Process, StudyRequest, str or Path
         A process, a name of the catalogue or a process file: every design that applies is
         tried in the default scenario, and PI control is tuned by simulation. Or a study file,
-        read by `study.file.reader.read_study`, which says what is tried.
+        read by `studies.file.reader.read_study`, which says what is tried.
     seed : int
         Of the measurement noise and the tuning; that of a study file stands in the file.
     progress : callable, optional

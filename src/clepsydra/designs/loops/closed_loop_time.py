@@ -47,7 +47,7 @@ def design_by_time(
     """Return the controller for the given time, or the shortest that all loops together bear.
 
     Without a given time, all times are lengthened by one factor until the sampled loops
-    together have a sensitivity peak of 2 (`design.loops.detuning`). A given time is used as it is.
+    together have a sensitivity peak of 2 (`designs.loops.detuning`). A given time is used as it is.
 
     Parameters
     ----------

@@ -70,7 +70,7 @@ class MultiloopPid:
     method : str
         Of the design, for names and messages.
     decoupling : {"static", "dynamic"}, optional
-        Whether the law decouples the loops (`design.decoupling`); each setting is then that of
+        Whether the law decouples the loops (`designs.decoupling`); each setting is then that of
         its own element alone.
 
     Raises

@@ -85,7 +85,7 @@ def sampled_element(element: TransferElement, period: float, *, method: str) -> 
 
     An element of one or two poles is sampled exactly, with a dead time of any length: a part of
     a sample adds a coefficient to B. One of more poles is first reduced to two lags and whole
-    samples of delay (`design.polynomial.moment_matching`).
+    samples of delay (`designs.polynomial.moment_matching`).
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ def modelled_pairs(
         The one that the relative gains suggest for None.
     given : sequence of SampledModel, optional
         One for each pair, an identified one say; without them the paired elements are sampled
-        (`design.polynomial.element_sampling`).
+        (`designs.polynomial.element_sampling`).
     method : str
         For the message.
 

@@ -43,7 +43,7 @@ def settling_times(
     Raises
     ------
     InputError, NotSampled
-        As `design.sampled.sampled_loop.sampled_loop`.
+        As `designs.sampled.sampled_loop.sampled_loop`.
 
     Examples
     --------

@@ -132,9 +132,9 @@ def lqi_gains_by_weights(
     The process ẋ = A x + B u, y = C x is held over each sampling period Δt. Its integrators are
     those of the step law, w(k+1) = w(k) + Δt y(k), so that the law with these gains is the
     optimal one and no approximation of it. The cost counts what x does between the samples
-    (`design.sampled.sampled_cost`). As Δt tends to zero this is the continuous LQI. With dead time
+    (`designs.sampled.sampled_cost`). As Δt tends to zero this is the continuous LQI. With dead time
     the states of the sampled model are those of the process and what is on its way
-    (`design.sampled.sampled_process`), and the cost counts the sampling instants.
+    (`designs.sampled.sampled_process`), and the cost counts the sampling instants.
 
     Parameters
     ----------

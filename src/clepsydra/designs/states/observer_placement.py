@@ -25,7 +25,7 @@ def placed_correction(
     """Return M of the current observer with which (I − M C) Φ has the given eigenvalues.
 
     Φ − M (C Φ) is the dual of Φ − Γ F, so that it is placed as a feedback is
-    (`design.states.placement`).
+    (`designs.states.placement`).
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def bessel_correction(
 ) -> np.ndarray:
     """Return M with which the slow modes of the estimate's error have Bessel's pattern.
 
-    Errors that die away faster by themselves are left alone (`design.states.slow_modes`).
+    Errors that die away faster by themselves are left alone (`designs.states.slow_modes`).
 
     Parameters
     ----------

@@ -12,6 +12,8 @@ from clepsydra.program.delay_ring import DelayRing
 
 #: Samples in manual at rest, after which one law has taken over what another one holds for it.
 _SAMPLES = 4
+#: As many as an observer may take to come to rest.
+_MOST_SAMPLES = 5000
 #: A state moved by less than this share of its size was moved by rounding.
 _ROUNDING = 1e-12
 
@@ -66,8 +68,8 @@ def resting_states(loop: Loop, values: Mapping[str, np.ndarray]) -> dict[str, np
 def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
     """Return the initial state of the other loop's controller, whose law is the same.
 
-    As in `resting_states`, with other values or at another operating point: a few samples in
-    manual at rest tell where its states belong.
+    As in `resting_states`, with other values or on another process: samples in manual at rest tell
+    where its states belong, as many as an observer needs to come to rest as well.
 
     Parameters
     ----------
@@ -90,7 +92,9 @@ def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
     9.197
     """
     before, after = (
-        _in_manual(loop, {k: np.array([v]) for k, v in loop.controller.values.items()})[:, 0]
+        _in_manual(
+            loop, {k: np.array([v]) for k, v in loop.controller.values.items()}, _MOST_SAMPLES
+        )[:, 0]
         for loop in (own, other)
     )
     state = dict(own.controller.initial_state)
@@ -102,8 +106,13 @@ def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
     return state
 
 
-def _in_manual(loop: Loop, values: Mapping[str, np.ndarray | float]) -> np.ndarray:
-    """Return the state of a law after some samples in manual at rest [states, candidates]."""
+def _in_manual(
+    loop: Loop, values: Mapping[str, np.ndarray | float], most: int = _SAMPLES
+) -> np.ndarray:
+    """Return the state of a law after some samples in manual at rest [states, candidates].
+
+    After that it goes on until nothing moves any more, up to `most` samples.
+    """
     controller, law = loop.controller, loop.controller.law
     now = {**loop.at_rest(), **loop.point.as_dict()}
     now |= {f"{name}.mode": float(Mode.MANUAL) for name in controller.manipulated}
@@ -113,6 +122,9 @@ def _in_manual(loop: Loop, values: Mapping[str, np.ndarray | float]) -> np.ndarr
     inputs = np.repeat(loop.law_inputs(now)[:, None], count, axis=1)
     start = np.array([controller.initial_state[entry.name] for entry in law.state])
     state = np.repeat(start[:, None], count, axis=1)
-    for _ in range(_SAMPLES):
-        state = np.array(law.function(state, inputs, parameters)[0])
+    for sample in range(most):
+        before, state = state, np.array(law.function(state, inputs, parameters)[0])
+        still = np.abs(state - before) <= _ROUNDING * np.maximum(1.0, np.abs(state))
+        if sample >= _SAMPLES and np.all(still):
+            break
     return state

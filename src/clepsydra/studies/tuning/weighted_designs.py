@@ -29,7 +29,7 @@ def lqi_by_bryson(
     maximum_moves: Mapping[str, float] | None = None,
     anti_windup: AntiWindup = "back_calculation",
 ) -> WeightedDesign:
-    """Return LQI by Bryson's rule with its weights; all as for `design.bryson.design_lqi`.
+    """Return LQI by Bryson's rule with its weights; all as for `designs.bryson.design_lqi`.
 
     Examples
     --------
@@ -49,7 +49,7 @@ def lqi_of_weights(
     *,
     anti_windup: AntiWindup = "back_calculation",
 ) -> WeightedDesign:
-    """Return LQI by given weights; all as for `design.lqi_by_weights.design_lqi_by_weights`.
+    """Return LQI by given weights; all as for `designs.lqi_by_weights.design_lqi_by_weights`.
 
     Examples
     --------

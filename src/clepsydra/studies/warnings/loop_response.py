@@ -112,7 +112,7 @@ def loop_response(controller: Controller, model: LinearModel) -> LoopResponse:
     Raises
     ------
     InputError, NotSampled, ClepsydraError
-        As `design.sampled.sampled_loop`.
+        As `designs.sampled.sampled_loop`.
 
     References
     ----------

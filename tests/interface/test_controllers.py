@@ -1,0 +1,105 @@
+"""Controllers in the words and units of their own table, on their plant and on others."""
+
+import numpy as np
+import pytest
+
+import clepsydra as cl
+
+
+def at_rest(plant, controller):
+    """Return how far anything moves when nothing happens, as a share of its range."""
+    run = cl.simulate(plant, controller, [], duration="10 min")
+    spans = [(signal.name, signal.span) for signal in plant.process.measurements]
+    return max(np.ptp(run.values[name]) / span for name, span in spans)
+
+
+def test_a_gain_is_in_percent_per_percent_of_the_ranges(basin):
+    """The level of the basin in mA, its valve in %: K in %/% is not the gain of the law."""
+    pi = cl.design.simc(basin)
+    (measured,), (moved,) = pi.measurements, pi.manipulated
+    signals = basin.process.signal(measured), basin.process.signal(moved)
+    factor = signals[1].percent_span / signals[0].percent_span
+    changed = pi.with_values({measured: {"K": 2.0}})
+    assert abs(changed.values["proportional_gain_1"]) == pytest.approx(2.0 * factor, rel=1e-12)
+    assert np.sign(changed.values["proportional_gain_1"]) == np.sign(
+        pi.values["proportional_gain_1"]
+    )
+    same = pi.with_values({measured: {"gain": "200 %/%"}})
+    assert same.values["proportional_gain_1"] == pytest.approx(
+        100 * changed.values["proportional_gain_1"]
+    )
+    assert "2.000 %/%" in repr(changed)
+
+
+def test_a_direct_acting_loop_stays_one(basin):
+    pi = cl.design.simc(basin)
+    assert pi.values["proportional_gain_1"] < 0.0
+    changed = pi.with_values({"level": {"K": 1.0}})
+    assert changed.values["proportional_gain_1"] < 0.0 and at_rest(basin, changed) < 1e-9
+
+
+def test_what_the_table_shows_can_be_given_back(plant, pi):
+    """The numbers of the printed table, given as bare numbers, are the settings."""
+    rows = [line.split() for line in repr(pi).splitlines() if line.startswith(" level_")]
+    for name, moved, gain, _, time, _, weight, tracking, _ in rows:
+        assert moved in pi.manipulated
+        back = pi.with_values(
+            {name: {"K": float(gain), "Ti": float(time), "b": float(weight),
+                    "tracking_time": float(tracking)}}
+        )  # fmt: skip
+        for key, value in pi.values.items():
+            assert back.values[key] == pytest.approx(value, rel=5e-4)
+    assert len(rows) == 2
+
+
+def test_a_tracking_time_follows_its_integral_time(pi):
+    changed = pi.with_values({"level_1": {"Ti": "1 min"}})
+    assert changed.values["integral_time_1"] == changed.values["tracking_time_1"] == 60.0
+    apart = pi.with_values({"level_1": {"Ti": 60, "tracking_time": 20}})
+    assert apart.values["tracking_time_1"] == 20.0
+    later = apart.with_values({"level_1": {"Ti": 30}})
+    assert (later.values["integral_time_1"], later.values["tracking_time_1"]) == (30.0, 20.0)
+
+
+def test_the_controller_that_was_changed_stays_as_it_was(pi):
+    before = dict(pi.values)
+    changed = pi.with_values({"level_1": {"K": 6.0}}, name="bold")
+    assert pi.values == before and changed.name == "bold" and pi.name == "PI, SIMC"
+
+
+@pytest.mark.parametrize("settings", [{"b": 0.5}, {"K": 9.0}, {"Ti": "5 min", "b": 0.0}])
+def test_it_is_at_rest_with_other_settings(plant, pi, settings):
+    """A smaller setpoint weight needs another integral for the same output."""
+    assert at_rest(plant, pi.with_values({"level_1": settings})) < 1e-9
+
+
+@pytest.mark.parametrize("design", [cl.design.simc, cl.design.lqi, cl.design.lqi_kalman])
+def test_it_is_at_rest_on_another_plant_with_its_signals(plant, design):
+    other = plant.at(outputs={"level_1": "4 V", "level_2": "5 V"})
+    wider = plant.with_values({"tank_1.area": "40 cm^2", "outlet_1.area": "0.08 cm^2"})
+    controller = design(plant)
+    assert at_rest(other, controller) < 1e-6 and at_rest(wider, controller) < 1e-6
+
+
+def test_robustness_by_hand_changes_the_plant_and_not_the_controller(plant, pi):
+    nominal = cl.simulate(plant, pi, [cl.step("level_1", "1 V")])
+    slower = cl.simulate(
+        plant.with_values({"tank_1.area": "56 cm^2"}), pi, [cl.step("level_1", "1 V")]
+    )
+    assert slower.controller.values == pi.values
+    assert slower.scores["rise_time[level_1]"] > 1.3 * nominal.scores["rise_time[level_1]"]
+
+
+def test_parameters_of_other_laws_have_the_names_of_the_law(plant):
+    lqi = cl.design.lqi(plant)
+    changed = lqi.with_values({"feedback_1_1": "1.5 V/V"})
+    assert changed.values["feedback_1_1"] == 1.5 and "feedback" in repr(lqi)
+    with pytest.raises(cl.InputError) as error:
+        lqi.with_values({"feedback_1_9": 1.0})
+    assert error.value.value == "feedback_1_9" and "was meant" in error.value.remedy
+
+
+def test_a_decoupled_controller_has_loops_too(plant):
+    decoupled = cl.design.simc(plant, decoupling="static")
+    changed = decoupled.with_values({"level_2": {"K": 1.0}})
+    assert changed.values["proportional_gain_2"] == 1.0 and at_rest(plant, changed) < 1e-9

@@ -1,0 +1,211 @@
+"""A mistake of a caller names place, value, what was expected and what to do."""
+
+import pytest
+
+import clepsydra as cl
+
+#: What is wrong: the call, its place, its value, a part of what was expected, a part of the remedy.
+MISTAKES = {
+    "process": (
+        lambda plant, pi: cl.load("quadruple-tnak"),
+        ("process", "quadruple-tnak", "quadruple-tank", "'quadruple-tank' was meant"),
+    ),
+    "plant as text": (
+        lambda plant, pi: cl.design.simc("quadruple-tank"),
+        ("plant", "quadruple-tank", "a plant", "cl.load"),
+    ),
+    "controller as text": (
+        lambda plant, pi: cl.simulate(plant, "PI"),
+        ("controller", "PI", "a controller", "cl.design"),
+    ),
+    "other plant": (
+        lambda plant, pi: cl.simulate(cl.load("three-tanks"), pi),
+        ("controller", "PI, SIMC of quadruple-tank", "three-tanks", "design one for this plant"),
+    ),
+    "export to other plant": (
+        lambda plant, pi: cl.export(pi, cl.load("three-tanks")),
+        ("controller", "PI, SIMC of quadruple-tank", "three-tanks", "design one for this plant"),
+    ),
+    "unit of an output": (
+        lambda plant, pi: plant.at(outputs={"level_1": "4 cm", "level_2": "4 V"}),
+        ("operating point, outputs, level_1", "4 cm", "0 to 10 V", '"5 V"'),
+    ),
+    "text without its unit": (
+        lambda plant, pi: plant.at(outputs={"level_1": "4", "level_2": "4 V"}),
+        ("operating point, outputs, level_1", "4", "0 to 10 V", "the unit is missing"),
+    ),
+    "unknown input": (
+        lambda plant, pi: plant.at(inputs={"pmup_1": 3}),
+        ("operating point, inputs", "pmup_1", "pump_1, pump_2", "'pump_1' was meant"),
+    ),
+    "unknown parameter": (
+        lambda plant, pi: plant.with_values({"tank_1.aera": "1 m^2"}),
+        ("plant, values", "tank_1.aera", "a parameter of quadruple-tank", "'tank_1.area' was"),
+    ),
+    "time without its unit": (
+        lambda plant, pi: cl.design.simc(plant, closed_loop_time_constant="20"),
+        ("simc, closed_loop_time_constant", "20", "convertible to s", "the unit is missing"),
+    ),
+    "time in volts": (
+        lambda plant, pi: cl.design.simc(plant, closed_loop_time_constant="20 V"),
+        ("simc, closed_loop_time_constant", "20 V", "convertible to s", "measures something else"),
+    ),
+    "signal of a weight": (
+        lambda plant, pi: cl.design.lqi(plant, maximum_errors={"level_9": 1.0}),
+        ("lqi, maximum_errors, level_9", "level_9", "level_1, level_2", "was meant"),
+    ),
+    "unknown loop": (
+        lambda plant, pi: pi.with_values({"level_3": {"K": 1.0}}),
+        ("values", "level_3", "level_1, level_2", "was meant"),
+    ),
+    "unknown setting": (
+        lambda plant, pi: pi.with_values({"level_1": {"Tii": 1.0}}),
+        ("values, level_1", "Tii", "K, Ti, b, tracking_time", "'Ti' was meant"),
+    ),
+    "setting of another unit": (
+        lambda plant, pi: pi.with_values({"level_1": {"Ti": "3 m"}}),
+        ("values, level_1, Ti", "3 m", "in s", "'m' is no unit of it"),
+    ),
+    "gain with a sign": (
+        lambda plant, pi: pi.with_values({"level_1": {"K": -3.0}}),
+        ("values, level_1, K", -3.0, "a gain from 0", "leave the sign out"),
+    ),
+    "integral time of nothing": (
+        lambda plant, pi: pi.with_values({"level_1": {"Ti": 0.0}}),
+        ("values, level_1, Ti", "0.0 s", "s", ""),
+    ),
+    "settings without a loop": (
+        lambda plant, pi: pi.with_values({"level_1": 3.0}),
+        ("values, level_1", 3.0, "settings with their values", '{"K": 6.0}'),
+    ),
+    "a scenario of no length": (
+        lambda plant, pi: cl.simulate(plant, pi, duration=0),
+        ("simulation, duration", 0, "above 0 s", "'20 min'"),
+    ),
+    "a simulation of no length": (
+        lambda plant, pi: cl.simulate(plant, duration="0 s"),
+        ("duration", "0 s", "above 0 s", "'20 min'"),
+    ),
+    "step after the end": (
+        lambda plant, pi: cl.simulate(plant, pi, [cl.step("level_1", 1.0, at="1 h")], duration=60),
+        ("step of level_1", "60 min", "within the duration", "lengthen the duration"),
+    ),
+    "step of an unknown signal": (
+        lambda plant, pi: cl.simulate(plant, pi, [cl.step("level_9", "1 V")]),
+        ("step of level_9", "level_9", "level_1, level_2, inflow_1, inflow_2", "was meant"),
+    ),
+    "step of what the controller moves": (
+        lambda plant, pi: cl.simulate(plant, pi, [cl.step("pump_1", "1 V")]),
+        ("step of pump_1", "pump_1", "the controller moves the inputs", "without a controller"),
+    ),
+    "setpoint without a controller": (
+        lambda plant, pi: cl.simulate(plant, None, [cl.step("level_1", "1 V")]),
+        ("step of level_1", "level_1", "pump_1, pump_2, inflow_1", "give a controller"),
+    ),
+    "step in another unit": (
+        lambda plant, pi: cl.simulate(plant, pi, [cl.step("level_1", "+1 cm")]),
+        ("step of level_1, by", "+1 cm", "a change of level_1 in V", "'cm' is no unit of it"),
+    ),
+    "step out of the range": (
+        lambda plant, pi: cl.simulate(plant, pi, [cl.step("level_1", "+9 V")]),
+        ("step of level_1, by", "+9 V, to 15.1315 V", "0 to 10 V", "stay inside the range"),
+    ),
+    "step of nothing": (
+        lambda plant, pi: cl.simulate(plant, pi, [cl.step("level_1", 0.0)]),
+        ("step of level_1, by", 0.0, "a change of level_1", "leave it out"),
+    ),
+    "step to nowhere": (
+        lambda plant, pi: cl.step("level_1"),
+        ("step of level_1", "neither by nor to", "the size of the change", 'to="50 %"'),
+    ),
+    "ramp of no length": (
+        lambda plant, pi: cl.simulate(plant, pi, [cl.ramp("level_1", "1 V", over=0)]),
+        ("ramp of level_1, over", 0, "above 0 s", "a step instead"),
+    ),
+    "time before the start": (
+        lambda plant, pi: cl.simulate(plant, pi, [cl.step("level_1", "1 V", at=-5)]),
+        ("step of level_1, at", -5, "from 0 s on", "0 s or more"),
+    ),
+    "disturbance of a level": (
+        lambda plant, pi: cl.simulate(plant, pi, [cl.disturbance("level_1", "1 V")]),
+        ("disturbance of level_1", "level_1", "inflow_1, inflow_2", "choose one"),
+    ),
+    "one event and no list": (
+        lambda plant, pi: cl.simulate(plant, pi, cl.step("level_1", "1 V")),
+        ("events", "an Event", "a list of events", "[cl.step("),
+    ),
+    "state of another unit": (
+        lambda plant, pi: cl.simulate(plant, state={"tank_1.level": "5 V"}),
+        ("state, tank_1.level", "5 V", "convertible to m", "measures something else"),
+    ),
+    "no controllers": (
+        lambda plant, pi: cl.study(plant, []),
+        ("study, controllers", "none", "at least one controller", "every design"),
+    ),
+    "name of a design": (
+        lambda plant, pi: cl.study(plant, only="PI, SIMK"),
+        ("controller", "PI, SIMK", "PI, SIMC", "'PI, SIMC' was meant"),
+    ),
+    "goal": (
+        lambda plant, pi: cl.tune(pi, plant, goal="iaf"),
+        ("tuning, objective", "iaf", "iae, ise", "'iae' was meant"),
+    ),
+    "limit": (
+        lambda plant, pi: cl.tune(pi, plant, limits={"overshot": "10 %"}),
+        ("tuning, limits", "overshot", "overshoot", "'overshoot' was meant"),
+    ),
+    "limit of max|S|": (
+        lambda plant, pi: cl.tune(pi, plant, limits={"max|S|": 0.9}),
+        ("tuning, maximum_sensitivity", 0.9, "above 1", "1.4 to 2"),
+    ),
+    "parameter to tune": (
+        lambda plant, pi: cl.tune(pi, plant, parameters={"level_1": {"Tii": ("1 s", "9 s")}}),
+        ("tuning, parameters, level_1", "Tii", "K, Ti, b", "'Ti' was meant"),
+    ),
+    "record": (
+        lambda plant, pi: cl.identify("no-such-record.csv"),
+        ("no-such-record.csv", "no such file", "a CSV file", "check the path"),
+    ),
+    "target": (
+        lambda plant, pi: cl.export(pi, plant, to="sts"),
+        ("export, to", "sts", "st, c, fmu, tuning", "'st' was meant"),
+    ),
+    "process as text": (
+        lambda plant, pi: cl.export(None, plant, to="st"),
+        ("export, controller", "none", "a controller", "give a controller"),
+    ),
+    "fail-safe value": (
+        lambda plant, pi: cl.export(pi, plant, fail_safe={"pump_1": "1 m"}),
+        ("fail_safe, pump_1", "1 m", "convertible to V", "measures something else"),
+    ),
+    "too few scans": (
+        lambda plant, pi: cl.verify(pi, plant, scans=10),
+        ("proof, scans", 10, "at least 10,000", "choose more"),
+    ),
+    "a system of nothing": (
+        lambda plant, pi: cl.zeros("G"),
+        ("python-control system", "str", "a control.StateSpace", "control.ss"),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", MISTAKES)
+def test_a_mistake_names_what_is_wrong_and_what_to_do(case, plant, pi, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    call, (place, value, expected, remedy) = MISTAKES[case]
+    with pytest.raises(cl.InputError) as error:
+        call(plant, pi)
+    found = error.value
+    assert (found.place, found.value) == (place, value)
+    assert expected in found.expected and remedy in found.remedy
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_design_that_does_not_suit_says_why(plant):
+    with pytest.raises(cl.NotApplicable, match="does not integrate"):
+        cl.design.arrest_time(plant)
+
+
+def test_a_plant_that_cannot_rest_as_asked_says_why(plant):
+    with pytest.raises(cl.NoEquilibrium):
+        cl.analyse(plant.at(outputs={"level_1": "9.9 V", "level_2": "0.2 V"}))
