@@ -89,13 +89,6 @@ def test_states_may_start_elsewhere(plant):
     assert empty.values["tank_3.level"][0] == 0.0 and empty.values["tank_3.level"][-1] > 0.0
 
 
-def test_a_plant_that_never_rests_can_start_empty():
-    plant = cl.load("wet-well")
-    run = cl.simulate(plant, start="empty", duration="10 min")
-    assert run.values["well.level"][-1] > run.values["well.level"][0]
-    assert "signal" in repr(plant)
-
-
 def test_a_profile_of_a_file_moves_the_inputs(plant, tmp_path):
     (tmp_path / "inputs.csv").write_text("time [min],pump_1 [V]\n0,3\n1,3.5\n")
     events = cl.profile(tmp_path / "inputs.csv", plant)

@@ -150,7 +150,10 @@ def export(
     if as_json:
         print_json({"files": [str(path) for path in found.files], **found.facts})
         return
-    show(found)
+    if found.screen:
+        show(found)
+    for line in found.lines:
+        typer.echo(line)
 
 
 def _check_fits(option: str, value: object, fits: bool, where: str) -> None:

@@ -81,8 +81,8 @@ def design_amigo(
     The first-order model comes from the exact step response, as the authors take it: L where
     the steepest tangent leaves the start, T the time from there to 63 %; half a sampling
     period counts as delay. Unless `as_published`, all loops are slowed down by one factor
-    until together they have a sensitivity peak of 2 (`designs.loops.detuning`). The rules themselves
-    aim at a peak of 1.4 of each loop alone.
+    until together they have a sensitivity peak of 2 (`designs.loops.detuning`). The rules
+    themselves aim at a peak of 1.4 of each loop alone.
 
     Parameters
     ----------

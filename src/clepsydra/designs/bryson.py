@@ -85,8 +85,8 @@ def design_lqi(
     zero z in the right half-plane where that is longer: no controller removes an error sooner.
     Of a tank that only integrates it is the time in which the largest moves make the largest
     error. The gains are optimal for the process held over each sampling period
-    (`designs.states.linear_quadratic`), however long that is. Where the sensitivity peak of the loop
-    is above 2, moves are made smaller and the horizon longer by one factor until it is 2.
+    (`designs.states.linear_quadratic`), however long that is. Where the sensitivity peak of the
+    loop is above 2, moves are made smaller and the horizon longer by one factor until it is 2.
 
     Parameters
     ----------

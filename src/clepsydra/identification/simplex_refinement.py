@@ -69,7 +69,8 @@ def simplex_fit(
     Raises
     ------
     InputError
-        The records are not usable (`identification.arx.checked_records`), or the search does not end.
+        The records are not usable (`identification.arx.checked_records`), or the search does not
+        end.
 
     References
     ----------

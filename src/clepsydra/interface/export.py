@@ -52,15 +52,21 @@ class Exported(Shown):
     screen: tuple[RenderableType, ...] = ()
 
     def __rich__(self) -> RenderableType:
-        """Return what was written and what to do with it."""
+        """Return its tables."""
         from rich.console import Group
-        from rich.text import Text
 
-        parts = [
-            *self.screen,
-            *(Text(f"Written: {path}", no_wrap=True, overflow="ignore") for path in self.files),
-        ]
-        return Group(*parts, *([Text(f"Next: {self.next_step}")] if self.next_step else []))
+        return Group(*self.screen)
+
+    def __repr__(self) -> str:
+        """Return its tables, what was written, in lines that are not broken, and what to do."""
+        tables = [super().__repr__()] if self.screen else []
+        return "\n".join([*tables, *self.lines])
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """What was written, a file a line, and what to do with it."""
+        following = (f"Next: {self.next_step}",) if self.next_step else ()
+        return (*(f"Written: {path}" for path in self.files), *following)
 
 
 def export(

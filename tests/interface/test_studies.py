@@ -1,0 +1,99 @@
+"""Controllers compared and tuned."""
+
+import numpy as np
+import pytest
+
+import clepsydra as cl
+
+EVENTS = [cl.step("level_1", "1 V", at="20 s"), cl.disturbance("inflow_2", "50 %", at="3 min")]
+
+
+@pytest.fixture(scope="module")
+def study(plant, pi):
+    slow = cl.design.simc(plant, closed_loop_time_constant="60 s").named("slow")
+    return cl.study(plant, [slow, pi, pi], EVENTS, duration="6 min")
+
+
+def test_it_ranks_what_was_given_in_the_scenario_that_was_given(study, plant):
+    names = [candidate.controller.name for candidate in study.ranking]
+    assert sorted(names) == ["PI, SIMC", "PI, SIMC, 2", "slow"] and names[-1] == "slow"
+    assert study.best is study.ranking[0] and study.best.rank == 1
+    assert study.best.controller.plant is plant and study.scenario.duration == 360.0
+    assert study["slow"].scores["iae[level_1]"] > study["PI, SIMC"].scores["iae[level_1]"]
+
+
+def test_a_run_of_a_study_is_that_of_a_simulation(study, plant, pi):
+    run = cl.simulate(plant, pi, EVENTS, duration="6 min")
+    same = study["PI, SIMC"].run
+    assert np.allclose(run.values["tank_1.level"], same.values["tank_1.level"], atol=2e-7)
+    assert run.scores["iae[level_1]"] == pytest.approx(
+        study["PI, SIMC"].scores["iae[level_1]"], rel=1e-5
+    )
+    assert len(same.plot().axes) > 3
+
+
+def test_what_it_says_is_on_the_screen_in_the_table_and_in_the_report(study, tmp_path):
+    shown = repr(study)
+    assert study.verdict[:40] in shown and all(c.controller.name in shown for c in study.ranking)
+    table = study.to_pandas()
+    assert list(table.index) == [c.controller.name for c in study.ranking]
+    assert table.loc["slow", "max|S|"] == study["slow"].maximum_sensitivity
+    study.report(tmp_path / "study.html")
+    assert "slow" in (tmp_path / "study.html").read_text("utf-8")
+    study.save(tmp_path / "study.parquet")
+    assert (tmp_path / "study.parquet").stat().st_size > 1000
+
+
+def test_an_unknown_controller_of_it_is_a_message(study):
+    with pytest.raises(cl.InputError) as error:
+        study["slwo"]
+    assert error.value.value == "slwo" and "'slow' was meant" in error.value.remedy
+
+
+def test_where_nothing_applies_there_is_no_best(plant):
+    with pytest.raises(cl.InputError) as error:
+        _ = cl.study(plant, only="PI, arrest time").best
+    assert "does not integrate" in error.value.remedy
+
+
+def test_a_study_file_says_itself_what_is_studied(tmp_path):
+    file = tmp_path / "compare.toml"
+    file.write_text(
+        'process = "quadruple-tank"\n[controllers.tight]\ndesign = "simc"\n'
+        'closed_loop_time_constant = "5 s"\n'
+    )
+    study = cl.study(file)
+    plant = cl.load("quadruple-tank")
+    tight = cl.design.simc(plant, closed_loop_time_constant=5.0)
+    assert study.best.controller.name == "tight" and study.best.controller.values == tight.values
+    with pytest.raises(cl.InputError) as error:
+        cl.study(file, [tight])
+    assert error.value.place == "study, controllers"
+
+
+def test_one_design_of_all(plant, pi):
+    study = cl.study("quadruple-tank", only="PI, SIMC")
+    assert [each.controller.values for each in study.ranking] == [pi.values]
+    assert study.scenario.segments == cl.simulate(plant, pi).scenario.segments
+
+
+def test_a_tuning_lowers_its_goal_and_keeps_its_limits(plant):
+    start = cl.design.simc(plant, closed_loop_time_constant="60 s")
+    step = [cl.step("level_1", "0.5 V", at=10)]
+    tuned = cl.tune(
+        start,
+        plant,
+        goal="iae[level_1]",
+        limits={"overshoot": "5 %", "max|S|": 1.5},
+        parameters={"level_1": {"K": (0.1, 3.0), "Ti": ("10 s", "200 s")}},
+        events=step,
+        duration=300,
+    )
+    before, after = (cl.simulate(plant, each, step, duration=300) for each in (start, tuned))
+    assert after.scores["iae[level_1]"] < 0.6 * before.scores["iae[level_1]"]
+    assert after.scores["overshoot[level_1]"] < 5.0 + 0.1
+    assert cl.margins(tuned, plant)["max|S|"].max() < 1.5 + 1e-3
+    assert tuned.tuning.start_objective == pytest.approx(1.0)
+    assert tuned.values["proportional_gain_2"] == start.values["proportional_gain_2"]
+    assert 0.1 <= tuned.values["proportional_gain_1"] <= 3.0
+    assert "tuned" in tuned.name and "simulations" in repr(tuned)
