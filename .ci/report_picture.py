@@ -17,10 +17,10 @@ WIDTH, HEIGHT = 1000, 1100
 
 def main() -> None:
     """Run the study, photograph its report, and describe the picture."""
-    result = cl.run_study("quadruple-tank")
+    result = cl.study("quadruple-tank")
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "report.html"
-        cl.write_report(result, page)
+        result.report(page)
         subprocess.run(
             ["chromium", "--headless", "--no-sandbox", "--hide-scrollbars", "--disable-gpu",
              f"--window-size={WIDTH},{HEIGHT}", f"--screenshot={PICTURE}", page.as_uri()],
