@@ -9,6 +9,7 @@ import signal
 import sys
 import warnings
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NoReturn
 
 _FAILED, _INTERRUPTED = 2, 130
@@ -23,8 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     # The matrices are small: more threads of the linear algebra only wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # Where Matplotlib keeps its fonts is no message to somebody without a home.
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    _keep_fonts_without_a_home()
     from clepsydra.base.errors import ClepsydraError
     from clepsydra.base.words import printable
 
@@ -48,6 +48,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
         _end(
             f"standard output cannot be written: {reason}; make room or send it elsewhere", _FAILED
         )
+
+
+def _keep_fonts_without_a_home() -> None:
+    """Let Matplotlib make a folder for its fonts where nobody has one, and say nothing of it.
+
+    Its versions before 3.11 end without a home; where no folder can be made, all make their own.
+    """
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    try:
+        Path.home()
+    except RuntimeError:
+        os.environ.setdefault("MPLCONFIGDIR", os.devnull)
 
 
 def _run(arguments: Sequence[str]) -> None:
