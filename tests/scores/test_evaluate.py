@@ -290,6 +290,26 @@ def test_what_does_not_fit_together_is_refused(change: dict, message: str) -> No
     assert str(refusal.value).startswith(message)
 
 
+@pytest.mark.parametrize(
+    ("kind", "signal", "length", "held"),
+    [
+        ("setpoint", "level_1", 0.0, False),  # its one sample is no response
+        ("setpoint", "level_1", PERIOD, True),
+        ("noise", "", 0.0, False),
+    ],
+)
+def test_the_shortest_segment_has_two_samples_with_that_at_its_stop(kind, signal, length, held):
+    segment = Stretch(kind, signal, 1000.0, 1000.0 + length, -2.0)
+    if held:
+        assert score_run(TIME, **run(), segments=[segment])
+        return
+    with pytest.raises(InputError) as refusal:
+        score_run(TIME, **run(), segments=[segment])
+    assert refusal.value.place == "segments"
+    assert refusal.value.value == f"{kind} segment from 1000.0 s to 1000.0 s"
+    assert refusal.value.expected == "a segment of at least two samples within 0.0 s to 3999.5 s"
+
+
 def test_time_in_saturation_is_that_at_the_limits_between_which_a_controller_moves():
     given = run()
     usual = score_run(TIME, segments=SEGMENTS, **given)
