@@ -6,7 +6,6 @@ from clepsydra.base.errors import InputError as InputError
 from clepsydra.base.signal import Signal as Signal
 from clepsydra.controllers.own_law import load_law as load_law
 from clepsydra.controllers.pid_form import PidForm as PidForm
-from clepsydra.controllers.plant_shell.settings import PlantShell as PlantShell
 from clepsydra.controllers.python_law import PythonLaw as PythonLaw
 from clepsydra.controllers.python_law import python_law as python_law
 from clepsydra.designs.applicability import NotApplicable as NotApplicable

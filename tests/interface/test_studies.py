@@ -97,3 +97,9 @@ def test_a_tuning_lowers_its_goal_and_keeps_its_limits(plant):
     assert tuned.values["proportional_gain_2"] == start.values["proportional_gain_2"]
     assert 0.1 <= tuned.values["proportional_gain_1"] <= 3.0
     assert "tuned" in tuned.name and "simulations" in repr(tuned)
+
+
+def test_a_tuned_controller_that_is_changed_says_no_more_that_it_is_tuned(plant, pi):
+    tuned = cl.tune(pi, plant, events=[cl.step("level_1", "0.5 V", at=10)], duration=60)
+    changed = tuned.with_values({"level_1": {"K": 2.0}})
+    assert isinstance(tuned, cl.TunedController) and not isinstance(changed, cl.TunedController)

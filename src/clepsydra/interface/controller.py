@@ -64,7 +64,8 @@ class Controller(Shown, inner.Controller):
         (6.0, 3.0)
         """
         found = values_of(self, self.plant.process, values)
-        changed = replace(
+        changed = lifted(
+            Controller,
             self,
             name=name or f"{self.name}, changed",
             design=f"{self.design.rstrip('.')}; then changed by hand.",

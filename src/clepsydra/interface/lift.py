@@ -19,15 +19,15 @@ from clepsydra.studies.file.design_arguments import READERS, OfModelArgument
 
 P = ParamSpec("P")
 
-#: Arguments that are quantities of their own; a number is in this unit.
-_UNITS = {
-    "closed_loop_time_constant": "s",
-    "arrest_time": "s",
-    "phase_margin": "rad",
-    "crossover": "rad/s",
-    "bandwidth": "rad/s",
-    "starts_per_hour": "1",
-}
+#: Arguments that are quantities of their own; a number is in the unit that the design asks for.
+_IN_SI = (
+    "closed_loop_time_constant",
+    "arrest_time",
+    "phase_margin",
+    "crossover",
+    "bandwidth",
+    "starts_per_hour",
+)
 #: Arguments that are quantities of signals; a number is in the signal's display unit.
 _OF_SIGNALS = ("maximum_errors", "maximum_moves", "deviation", "points")
 _MODEL = re.compile(r"^    model : LinearModel\n(?:        .*\n)*", re.MULTILINE)
@@ -48,19 +48,20 @@ def of_model(
     Times, angles and rates may be text with a unit besides numbers.
     """
 
+    signature = inspect.signature(design)
+
     @functools.wraps(design)
     def designed(plant: Plant, *args: P.args, **kwargs: P.kwargs) -> Controller:
         require_type(
             plant, Plant, "plant", "a plant", 'give one, as from cl.load("quadruple-tank")'
         )
-        names = list(inspect.signature(design).parameters)[1:]
-        given = {**dict(zip(names, args, strict=False)), **kwargs}
+        _, *given_ones = signature.bind(None, *args, **kwargs).arguments.items()
+        given = dict(given_ones)
         found = {
             name: _read(design.__name__, name, value, given, plant) for name, value in given.items()
         }
         return of_plant(design(plant.linear, **found), plant)  # type: ignore[call-arg]
 
-    signature = inspect.signature(design)
     first, *others = signature.parameters.values()
     of_plant_ = first.replace(name="plant", annotation="Plant")
     designed.__signature__ = signature.replace(parameters=[of_plant_, *others])  # type: ignore[attr-defined]
@@ -75,10 +76,9 @@ def _read(design: str, name: str, value: Any, given: Mapping[str, Any], plant: P
     place = design.removeprefix("design_").replace("_", " ")
     if name in _OF_SIGNALS and value is not None:
         value = _with_units(name, value, given, plant.process)
-    elif name in _UNITS:
+    elif name in _IN_SI:
         if not isinstance(value, str):
             return value
-        value = value if name != "starts_per_hour" else with_unit(value, "1")
     elif name == "weights" and isinstance(value, Mapping):
         value = {what: dict(weights) for what, weights in value.items()}
     else:

@@ -55,5 +55,6 @@ def lifted(kind: type[_Kind], inner: Any, **more: Any) -> _Kind:
     >>> lifted(Titled, Signal("level", "m")).unit
     'm'
     """
-    given = {each.name: getattr(inner, each.name) for each in fields(inner)}
+    own = [each.name for each in fields(kind) if each.name not in more]  # type: ignore[arg-type]
+    given = {name: getattr(inner, name) for name in own if hasattr(inner, name)}
     return kind(**{**given, **more})
