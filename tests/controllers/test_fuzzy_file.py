@@ -75,6 +75,16 @@ def test_units_and_gains_are_converted_to_the_laws():
     assert controller.law.description[0] == "down: if e is N then u is S"
 
 
+def test_each_error_has_the_setpoint_of_its_own_measurement():
+    rate = 'of = "level_1"\nquantity = "measurement_rate"\nunit = "V/min"\nfilter_time = "2 s"'
+    assert rate in TEXT
+    found = wired(TEXT.replace(rate, 'of = "level_2"\nunit = "V"'))
+    assert found.measurements == found.setpoints == ("level_1", "level_2")
+    rate_of_another = wired(TEXT.replace(rate, rate.replace("level_1", "level_2")))
+    assert rate_of_another.measurements == ("level_1", "level_2")
+    assert rate_of_another.setpoints == ("level_1",)
+
+
 @pytest.mark.parametrize(("line", "time"), [("", 4.0), ('\nfading_time = "0.5 min"', 30.0)])
 def test_what_a_bumpless_start_of_a_position_saves_fades_in_ten_samples_or_as_written(line, time):
     position = TEXT.replace('action = "increment"\nunit = "V/min"', f'unit = "V"{line}')
