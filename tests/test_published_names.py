@@ -6,6 +6,8 @@ import pkgutil
 import pydoc
 import subprocess
 import sys
+from collections import defaultdict
+from pathlib import Path
 
 import pytest
 
@@ -53,6 +55,14 @@ def test_an_unknown_name_is_an_attribute_error_that_says_what_was_meant(owner, n
 TYPED = [
     ('cl.load("quadruple-tank")', "clepsydra.interface.plant.Plant"),
     ("cl.design.simc(plant)", "clepsydra.interface.controller.Controller"),
+    (
+        'cl.design.simc(plant, closed_loop_time_constant="20 s")',
+        "clepsydra.interface.controller.Controller",
+    ),
+    (
+        'cl.design.lqi(plant, maximum_errors={"level_1": "5 %", "level_2": 0.5})',
+        "clepsydra.interface.controller.Controller",
+    ),
     ("cl.simulate(plant)", "clepsydra.interface.run.OpenLoopRun"),
     ("cl.simulate(plant, pi)", "clepsydra.interface.run.Run"),
     ("cl.study(plant, [pi]).best", "clepsydra.interface.study.Candidate"),
@@ -66,9 +76,16 @@ WRONG = [
     "cl.design.smic(plant)",
     "cl.design.simc(plant, closed_loop_time=1.0)",
     "cl.design.simc(pi)",
+    "cl.design.simc(plant, closed_loop_time_constant=[1.0])",
     'cl.export(pi, plant, to="sts")',
     "cl.loda",
 ]
+
+
+def test_the_types_of_the_designs_are_those_of_the_designs():
+    script = Path(__file__).parents[1] / ".ci" / "design_stub.py"
+    done = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.thorough
@@ -88,9 +105,10 @@ def test_a_type_checker_outside_sees_the_types(tmp_path):
         text=True,
         cwd=tmp_path,
     )
-    said = {
-        int(line.split(":")[1]): line for line in done.stdout.splitlines() if "user.py:" in line
-    }
+    said: dict[int, str] = defaultdict(str)
+    for line in done.stdout.splitlines():
+        if "user.py:" in line:
+            said[int(line.split(":")[1])] += line
     for number, (_, kind) in enumerate(TYPED, start=4):
         assert "Revealed" in said[number] and kind in said[number]
     for number in range(4 + len(TYPED), 4 + len(TYPED) + len(WRONG)):

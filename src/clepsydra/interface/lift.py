@@ -20,7 +20,7 @@ from clepsydra.studies.file.design_arguments import READERS, OfModelArgument
 P = ParamSpec("P")
 
 #: Arguments that are quantities of their own; a number is in the unit that the design asks for.
-_IN_SI = (
+IN_SI = (
     "closed_loop_time_constant",
     "arrest_time",
     "phase_margin",
@@ -29,7 +29,7 @@ _IN_SI = (
     "starts_per_hour",
 )
 #: Arguments that are quantities of signals; a number is in the signal's display unit.
-_OF_SIGNALS = ("maximum_errors", "maximum_moves", "deviation", "points")
+OF_SIGNALS = ("maximum_errors", "maximum_moves", "deviation", "points")
 _MODEL = re.compile(r"^    model : LinearModel\n(?:        .*\n)*", re.MULTILINE)
 _OTHERS = re.compile(r"`designs\.[a-z_.]*design_(\w+)`")
 _PLANT = '    plant : Plant\n        As from ``cl.load("quadruple-tank")``.\n'
@@ -74,9 +74,9 @@ def _read(design: str, name: str, value: Any, given: Mapping[str, Any], plant: P
     if isinstance(value, inner.Controller):
         return value
     place = design.removeprefix("design_").replace("_", " ")
-    if name in _OF_SIGNALS and value is not None:
+    if name in OF_SIGNALS and value is not None:
         value = _with_units(name, value, given, plant.process)
-    elif name in _IN_SI:
+    elif name in IN_SI:
         if not isinstance(value, str):
             return value
     elif name == "weights" and isinstance(value, Mapping):
