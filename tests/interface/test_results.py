@@ -93,6 +93,13 @@ def test_a_model_of_a_record_and_settings_from_it(plant, tmp_path):
     assert settings is not None and (tmp_path / "page.html").exists()
 
 
+def test_a_record_of_many_columns_asks_for_arguments_of_python(plant, tmp_path):
+    cl.simulate(plant, None, [cl.step("pump_1", "0.5 V", at=20)]).save(tmp_path / "record.csv")
+    with pytest.raises(cl.InputError) as error:
+        cl.identify(tmp_path / "record.csv")
+    assert 'manipulated="pump_1", measured="' in error.value.remedy
+
+
 def test_parameters_of_a_plant_are_found_again(plant, tmp_path):
     true = plant.with_values({"outlet_1.area": "0.07 cm^2"})
     cl.simulate(true, None, [cl.step("pump_1", "0.5 V", at=20)], duration="5 min").save(

@@ -50,7 +50,7 @@ def identify(
 ) -> None:
     """Identify a model from a record: ARX, FOPDT, SOPDT, IPDT, or parameters of a process."""
     from clepsydra.base.errors import InputError
-    from clepsydra.cli.output import make_folder, output_file, print_json, show
+    from clepsydra.cli.output import make_folder, named_options, output_file, print_json, show
     from clepsydra.interface.identify import FittedPlant, Identification
     from clepsydra.interface.identify import identify as identify_model
     from clepsydra.interface.plant import load
@@ -71,11 +71,12 @@ def identify(
     if write is not None and write.suffix.lower() != ".toml":
         raise InputError("--write", str(write), "a file that ends in .toml", "rename it")
     found: Identification | FittedPlant
-    if process is None:
-        found = identify_model(data, manipulated, measured)
-    else:
-        names = [name.strip() for name in (parameters or "").split(",") if name.strip()]
-        found = identify_model(data, plant=load(process), parameters=names)
+    with named_options("manipulated", "measured"):
+        if process is None:
+            found = identify_model(data, manipulated, measured)
+        else:
+            names = [name.strip() for name in (parameters or "").split(",") if name.strip()]
+            found = identify_model(data, plant=load(process), parameters=names)
     found.report(page)
     written = {"page": str(page)}
     if write is not None and isinstance(found, FittedPlant):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -41,7 +42,7 @@ def check_ending(path: Path, *endings: str) -> None:
 
 @contextmanager
 def named_options(*arguments: str, **others: str) -> Iterator[None]:
-    """Give an error of an argument of the interface the name of its option.
+    """Give an error of an argument of the interface the name of its option, and in its remedy.
 
     Parameters
     ----------
@@ -55,10 +56,11 @@ def named_options(*arguments: str, **others: str) -> Iterator[None]:
         yield
     except InputError as error:
         first, comma, rest = error.place.partition(", ")
-        if first not in options:
-            raise
-        place = f"{options[first]}{comma and ' '}{rest}"
-        raise InputError(place, error.value, error.expected, error.remedy) from None
+        place = f"{options[first]}{comma and ' '}{rest}" if first in options else error.place
+        remedy = error.remedy
+        for argument, option in options.items():
+            remedy = re.sub(rf'\b{argument}="([^"]*)",?', rf"{option} \1", remedy)
+        raise InputError(place, error.value, error.expected, remedy) from None
 
 
 def show(result: object) -> None:

@@ -212,7 +212,7 @@ def _chosen(record: Record, manipulated: str | None, measured: str | None) -> tu
     if manipulated is None or measured is None:
         asked = [("manipulated", manipulated, in_steps), ("measured", measured, others)]
         missing = [option for option, given, _ in asked if given is None]
-        example = [f"--{option} {given or (found or names)[0]}" for option, given, found in asked]
+        example = [f'{option}="{given or (found or names)[0]}"' for option, given, found in asked]
         choice = [
             f"{option} may be {', '.join(found or names)[:120]}"
             for option, given, found in asked
@@ -221,7 +221,7 @@ def _chosen(record: Record, manipulated: str | None, measured: str | None) -> tu
         raise InputError(
             record.place, f"{len(names)} columns",
             f"to be told which of them is {' and which '.join(missing)}",
-            f"name it, as in {' '.join(example)} ({'; '.join(choice)})",
+            f"name it, as in {', '.join(example)} ({'; '.join(choice)})",
         )  # fmt: skip
     moved = record.signal(manipulated, "manipulated")
     output = record.signal(measured, "measured")

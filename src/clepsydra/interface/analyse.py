@@ -54,7 +54,9 @@ def zeros(system: Plant | LinearModel | control.StateSpace) -> np.ndarray:
     Parameters
     ----------
     system : Plant, LinearModel or control.StateSpace
-        Of a plant from its inputs to its controlled measurements.
+        Of a plant from its inputs to its controlled measurements. Every input of a state space of
+        python-control counts; `LinearModel.from_control(system, ["inflow"])` tells apart those
+        that are disturbances.
 
     Examples
     --------
