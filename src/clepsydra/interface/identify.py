@@ -91,7 +91,14 @@ def identify(
 
     Examples
     --------
-    See docs/identify.md.
+    >>> import clepsydra as cl, tempfile
+    >>> plant = cl.load("quadruple-tank")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     cl.simulate(plant, None, [cl.step("pump_1", "50 mV")]).save(f"{folder}/step.csv")
+    ...     found = identify(f"{folder}/step.csv", "pump_1", "level_1")
+    >>> gain, time_constant, _ = (estimate.value for estimate in found.models[0].estimates)
+    >>> round(gain, 1), round(time_constant)  # [V/V], [s]
+    (2.6, 63)
     """
     process = None if plant is None else plant.process
     read = record if isinstance(record, Record) else read_record(record, process)
