@@ -29,6 +29,8 @@ DAMAGED = {
 }
 NOT_REPRODUCIBLE = {
     ("Table 1", "q2s at 0.40 m in tank 3"): 140.1,
+    # Two times that are not printed: 180.0 and 409.8 s give both.
+    ("two-point method", "τp"): 329.2,
     ("two-point method", "td"): 44.06,
     ("closed loop of the PID", "VGM"): 1.79,
     **{("Table 2", f"VGM, poles {pair}"): 0.0 for pair in PAIRS},
@@ -45,21 +47,21 @@ HOLDING = {
     ("Table 2", "speed"),
     ("Table 3", "speed"),
     ("simulation results", "Nyquist plot"),
-    # 13.7 < 16.3 < 20.2 dB, read off the closed loop's magnitude as the document does.
-    ("simulation results", "magnitude plots"),
     # On the document's linear model, which has no pump.
-    ("conclusion", "settling time"),
     ("conclusion", "overshoot"),
     ("conclusion", "desired specifications"),
     ("conclusion", "settling time, ISE and IAE"),
 }
 #: What the document does not say: levels at rest, another ultimate gain, and a pump; and what
 #: hangs on a measure that it does not print: effort or its share of J, where the loop is opened,
-#: the largest deviation or what is left.
+#: the largest deviation or what is left, settling to within 2 % (0.129 s) or 1 % (0.208 s), the
+#: closed loop of FSFB (13.7 < 16.3 < 20.2 dB) or of LQC (9.5 dB three times).
 REMARKS = {
     ("design of the LQC", "effort"),
     ("abstract", "VGM of LQC and FSFB"),
     ("conclusion", "disturbance"),
+    ("conclusion", "settling time"),
+    ("simulation results", "magnitude plots"),
     ("Table 1", "levels that 50 cm³/s keeps"),
     ("Ziegler-Nichols", "ultimate gain of (3)"),
     ("Table 2", "what a setpoint step of 1 cm asks for"),
@@ -106,7 +108,7 @@ def test_everything_else_is_reproduced(rows):
     listed = {*MISPRINTS, *DAMAGED, *NOT_REPRODUCIBLE, *FAILING, *HOLDING, *REMARKS}
     rest = rows.keys() - listed
     assert {rows[key].verdict for key in rest} == {"reproduced"}
-    assert len(rest) == 81
+    assert len(rest) == 80
 
 
 def test_gains_that_round_to_the_digits_of_their_row_are_no_misprints(rows):
@@ -124,8 +126,10 @@ def test_the_gain_margins_of_fig_11_by_hand(rows):
         margin = ((40.0 + 2.0 * p) * (80.0 * p + 2.0 * p**2) - last) / last
         wanted.append(f"{20.0 * np.log10(margin):.1f} dB")
     assert wanted == ["13.7 dB", "16.3 dB", "20.2 dB"]
-    found = rows["simulation results", "magnitude plots"].computed
-    assert [part.split(" and ")[0] for part in found.split(", ")] == wanted
+    found, quadratic = rows["simulation results", "magnitude plots"].computed.split("; ")
+    assert [part.split(" and ")[0] for part in found[len("FSFB ") :].split(", ")] == wanted
+    # Butterworth's polynomial s³ + 2s² + 2s + 1 leaves a factor of 3.
+    assert quadratic.count(f"{20.0 * np.log10(3.0):.1f} dB") == 3
 
 
 def test_the_load_by_another_library(rows):

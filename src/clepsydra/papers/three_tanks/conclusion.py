@@ -36,8 +36,8 @@ class Response(NamedTuple):
     ----------
     overshoot : float
         [%]
-    settling : float
-        To 2 % [s].
+    settling, settling_closely : float
+        To within 2 % and to within 1 % [s].
     absolute, squared : float
         IAE [cm s] and ISE [cm² s] of the setpoint step.
     moved : float
@@ -46,6 +46,7 @@ class Response(NamedTuple):
 
     overshoot: float
     settling: float
+    settling_closely: float
     absolute: float
     squared: float
     moved: float
@@ -64,12 +65,16 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
     best = placed[25]
     others = [*calm.values(), pid]
     names = [*(f"LQC, R = {weight}" for weight in calm), "PID"]
-    on_model = "On the linear model (2), whose feed may be anything; poles -40 and -25 ± j25."
+    on_model = (
+        "On the linear model (2) without a limit of the feed, as the document prints the closed "
+        "loop; poles -40 and -25 ± j25."
+    )
     return [
-        claimed(
+        remark(
             "conclusion", "settling time", "FSFB tracks the setpoint in the desired settling time",
-            best.settling <= SETTLING, f"{best.settling:.3f} s",
-            reason=f"0.2 s is desired; to within 2 %. {on_model}",
+            f"{best.settling:.3f} s to within 2 %, {best.settling_closely:.3f} s to within 1 %",
+            reason="“At least 0.2 seconds” is desired, and can only mean at most. Which band is "
+            f"not said: it holds to within 2 % and fails to within 1 %. {on_model}",
         ),
         claimed(
             "conclusion", "overshoot", "FSFB overshoots less than PID",
@@ -79,18 +84,19 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
         claimed(
             "conclusion", "desired specifications",
             "FSFB comes closer to them than the other controllers",
-            _excess(best) == 0.0 < min(map(_excess, others)),
+            _excess(best) < min(map(_excess, others)),
             f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s; "
             + "; ".join(f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
                         for name, each in zip(names, others, strict=True)),
-            reason=f"An overshoot of less than 3 % and 0.2 s are desired. {on_model}",
+            reason="An overshoot of less than 3 % and 0.2 s are desired; settling to within 2 %. "
+            f"{on_model}",
         ),
         claimed(
             "conclusion", "settling time, ISE and IAE", "FSFB is superior to PID",
-            all(one < other for one, other in zip(best[1:4], pid[1:4], strict=True)),
+            all(one < other for one, other in zip(best[1:5], pid[1:5], strict=True)),
             f"{best.settling:.2f} against {pid.settling:.0f} s, ISE {best.squared:.2g} against "
             f"{pid.squared:.0f} cm² s, IAE {best.absolute:.2g} against {pid.absolute:.0f} cm s",
-            reason=f"Setpoint step of 1 cm. {on_model}",
+            reason=f"Setpoint step of 1 cm; settling to within 2 %. {on_model}",
         ),
         remark(
             "conclusion", "disturbance", "FSFB rejects it better than the other controllers",
@@ -98,8 +104,8 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
             + "; ".join(f"{name} {each.moved:.2g}"
                         for name, each in zip(names, others, strict=True)),
             "cm",
-            reason="No measure is printed. It holds of the largest deviation of level 3, as here, "
-            "after 10 cm³/s into tank 3 on the linear model; of what is left in the end it fails, "
+            reason="No measure is printed. It holds of the largest deviation of level 3, as here "
+            "(FSFB with poles at -25, -10 and -5), after 10 cm³/s into tank 3 on the linear model; of what is left in the end it fails, "
             "since only PID has an integral.",
         ),
     ]  # fmt: skip
@@ -139,6 +145,7 @@ def _response(time: np.ndarray, level: np.ndarray, moved: float) -> Response:
     return Response(
         100.0 * (float(level.max()) / STEP - 1.0),
         settling(time, level),
+        settling(time, level, 0.01),
         float(np.trapezoid(error, time)),
         float(np.trapezoid(error**2, time)),
         moved,

@@ -98,11 +98,29 @@ class FeedbackLoop:
         levels = ", ".join(f"{each:.2f}" for each in self.vector_gain_margins_at_levels)
         found = " and ".join(f"{size:.1f}" for size in self.sensitivity_at_phase_crossings)
         return (
-            "Where the loop is opened is not said. 20 log10 max|S|, the document's S∞, is "
+            "Where the loop is opened is not said. 20 log10 max|S|, the document's S∞, with the "
+            "gains that the exact constants of (2) give is "
             f"{self.vector_gain_margin:.2f} dB at the feed, as here, and {levels} dB at levels 1 "
             "to 3. By (6), where the phase is -180° at the feed, "
             f"20 log10|S| is {found} dB."
         )
+
+    @property
+    def closed_gain_margin(self) -> float:
+        """Gain margin of the closed loop from setpoint to level 3, as of an open one [dB].
+
+        It has no zeros: a₀ / (s³ + a₂ s² + a₁ s + a₀), which turns by 180° at √a₁.
+        """
+        _, second, first, last = np.poly(self.closed).real
+        return 20.0 * math.log10((second * first - last) / last)
+
+    @property
+    def closed_bandwidth(self) -> float:
+        """Frequency to which the closed loop from setpoint to level 3 is above -3 dB [rad/s]."""
+        polynomial = np.poly(self.closed).real
+        frequencies = np.logspace(-1.0, 4.0, 20000)
+        size = np.abs(polynomial[-1] / np.polyval(polynomial, 1j * frequencies))
+        return float(frequencies[size > math.sqrt(0.5)][-1])
 
     def step(self, size: float, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return deviations of the levels [n, 3] and of the feed [n] after a setpoint step."""

@@ -114,14 +114,16 @@ def _transfer_function() -> list[Row]:
     polynomial = np.poly(model.A)
     numerator = float(model.B[0, 0] * model.A[1, 0] * model.A[2, 1])
     why = "From the exact constants of (2)."
-    # Where the rates are rounded first, their sum is another in the last digit.
-    trace = -float(np.trace(model.A.round(4)))
+    # Half a unit of each of the three rates whose sum it is.
+    left, rounded = 3 * 5e-5, -float(np.trace(model.A.round(4)))
     rows = [
         compared("(3)", "numerator", "0.054", numerator, "1/(m² s²)", why=why),
         compared(
-            "(3)", "coefficient of s²", "0.1272", trace, "1/s",
-            why="Sum of the three rates on the diagonal of (2), each rounded to its four decimals; "
-            f"unrounded it is {polynomial[1]:.6f} 1/s.",
+            "(3)", "coefficient of s²", "0.1272", float(polynomial[1]), "1/s",
+            tolerance=left / float(polynomial[1]),
+            why="From the exact constants of (2). It is the sum of the three rates on its "
+            f"diagonal, whose four decimals leave {left:g} open: rounded they make {rounded:.4f}, "
+            "and as (2) prints them, with A22 cut, 0.1271.",
         ),
         compared("(3)", "coefficient of s", "0.0035", float(polynomial[2]), "1/s²", why=why),
         compared("(3)", "constant coefficient", "9.4E-6", float(polynomial[3]), "1/s³", why=why),
@@ -130,9 +132,9 @@ def _transfer_function() -> list[Row]:
     printed = ("-9.4E-6", "-0.0035", "-0.127")
     rows += [
         compared(
-            "(4)", f"A3{j + 1}", printed[j], -float(polynomial[3 - j]), f"1/s^{3 - j}", why=why
+            "(4)", f"A3{j + 1}", printed[j], -float(polynomial[3 - j]), unit, why=why
         )
-        for j in range(3)
+        for j, unit in enumerate(("1/s³", "1/s²", "1/s"))
     ]
     gain = NUMERATOR / DENOMINATOR[3]
     rest = np.linalg.solve(_companion(), -np.array([0.0, 0.0, 1.0]))
@@ -171,14 +173,15 @@ def _controllability() -> list[Row]:
     squared = np.array(_A, dtype=float) @ by_print
     second = [
         (
-            f"the printed A and B give {squared[0]:.4f}, and the -0.2 and 0.05 below it",
+            f"the A of (2) and 64.94 of Qc give {squared[0]:.4f}, and the -0.2 and 0.05 below it",
             round(squared[0], 2) == 0.13 and round(squared[1], 1) == -0.2,
         )
     ]
     # Both entries follow from one wrong rate, so that neither is a digit lost on the way to us.
     other = -0.04 * 64.94, 0.04**2 * 64.94 + 0.0322 * by_print[1]
     one_slip = (
-        "a first rate of -0.04 instead of the -0.0322 of (2) makes both entries as printed",
+        "an A11 of -0.04 instead of the -0.0322 of (2), all else as it is, makes Qc12 and Qc13 as "
+        "printed",
         round(other[0], 1) == -2.6 and round(other[1], 2) == 0.17,
     )
     proof = {(0, 1): [*evidence, one_slip], (0, 2): [*second, one_slip]}

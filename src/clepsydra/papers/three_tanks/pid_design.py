@@ -19,9 +19,6 @@ from clepsydra.papers.three_tanks.printed_model import DENOMINATOR, NUMERATOR
 
 #: The settings that the document goes on with: K_c [m²/s], K_i [m²/s²], K_d [m²].
 GAIN, INTEGRAL_GAIN, DERIVATIVE_GAIN = 0.0012, 0.000013, 0.028
-_READING = (
-    "From two times that are read off a response and not printed; half a percent is left open."
-)
 
 
 class Ultimate(NamedTuple):
@@ -78,7 +75,10 @@ def _two_points() -> list[Row]:
     read = 48.56 + 0.4 * 328.6
     return [
         compared(
-            "two-point method", "τp", "328.6", time_constant, "s", tolerance=0.005, why=_READING
+            "two-point method", "τp", "328.6", time_constant, "s",
+            unprinted=f"The response of (3) passes 33.3 % at {first:.1f} s and 66.6 % at "
+            f"{second:.1f} s. The times that were read are not printed; by the printed τp and td "
+            f"they are {read:.1f} and {read + 328.6 / 1.43:.1f} s.",
         ),
         compared(
             "two-point method", "td", "48.56", first - 0.4 * time_constant, "s",
@@ -118,9 +118,11 @@ def _settings() -> list[Row]:
             f"give {0.6 * 0.0019:.4f}.",
         ),
         compared("Ziegler-Nichols", "τi", "0.017", integral, "s", right_if=[gains_need]),
-        compared("Ziegler-Nichols", "Ki", "0.000013", GAIN / integral, "m²/s²", why="Kc/τi."),
+        compared("Ziegler-Nichols", "Ki", "0.000013", GAIN / integral, "m²/s²", why="Printed Kc over τi = Pu/2."),
         compared("Ziegler-Nichols", "τd", "0.00425", derivative, "s", right_if=[gains_need]),
-        compared("Ziegler-Nichols", "Kd", "0.028", GAIN * derivative, "m²", why="Kc τd."),
+        compared("Ziegler-Nichols", "Kd", "0.028", GAIN * derivative, "m²",
+                 why="Printed Kc times τd = Pu/8; with Kc before rounding it is "
+                 f"{0.6 * point.gain * derivative:.4f}."),
         remark(
             "Ziegler-Nichols", "ultimate gain of (3)", "0.0019 from the model (5)",
             f"{process.gain:.4f} m²/s at {process.frequency:.4f} rad/s",
@@ -176,18 +178,21 @@ def _loop() -> list[Row]:
             place, "internal stability", "not ensured, because GM and PM are not finite",
             bool(poles.real.max() >= 0.0) or not margins.stable,
             f"stable, poles of the printed denominator at most at {poles.real.max():.4f} 1/s",
-            reason=f"GM is infinite, which is no fault: the phase never reaches -180°. PM is "
+            reason="Of the loop of (3) and the printed Kc, Ki and Kd: GM is infinite, which is no "
+            "fault, since the phase reaches -180° at no finite frequency; PM is finite, "
             f"{phase:.1f}°.",
         ),
         compared(
             place, "VGM", "88.3", peak, "dB",
             unprinted="20 log10 max|S|, the document's S∞. (6) takes |S| where the phase is -180°; "
-            "this loop has no such frequency, and what was taken instead is not said.",
+            "the loop of (3) and the printed settings has no such frequency, and what was taken "
+            "instead is not said.",
         ),
         claimed(
             place, "VGM of the PID", "88.3 dB, above the limit of 9.5 dB", peak > 9.5,
             f"{peak:.2f} dB",
-            reason="|S| of this loop stays below 9.5 dB at every frequency.",
+            reason="|S| of the loop of (3) and the printed settings stays below 9.5 dB at every "
+            "frequency.",
         ),
     ]  # fmt: skip
     return rows

@@ -111,9 +111,9 @@ def _closed_loop() -> list[Row]:
     return [*rows, damaged(row, "One digit, which the conversion may have misread.")]
 
 
-def settling(time: np.ndarray, level: np.ndarray) -> float:
-    """Return when a level [n] is within 2 % of its setpoint step for good [s]."""
-    outside = np.flatnonzero(np.abs(level / STEP - 1.0) > 0.02)
+def settling(time: np.ndarray, level: np.ndarray, band: float = 0.02) -> float:
+    """Return when a level [n] is within a band around its setpoint step for good [s]."""
+    outside = np.flatnonzero(np.abs(level / STEP - 1.0) > band)
     return float(time[outside[-1]])
 
 
@@ -121,43 +121,21 @@ def _claims() -> list[Row]:
     time = np.linspace(0.0, 3.0, 30001)
     loops = [placed_loop(distance) for distance, *_ in TABLE]
     settled = [settling(time, loop.step(STEP, time)[0][:, 2]) for loop in loops]
-    gains, widths = zip(*(_closed_loop_magnitude(loop) for loop in loops), strict=True)
-    frequencies = np.logspace(-3, 3, 400)
-    nearest = min(np.abs(loop.frequency_response(frequencies) + 1.0).min() for loop in loops)
+    nearest = min(1.0 / loop.margins.sensitivity.peak for loop in loops)
     return [
         claimed(
             "Table 2", "speed", "poles farther from the axis respond faster",
             settled[0] < settled[1] < settled[2], ", ".join(f"{each:.2f} s" for each in settled),
-            reason="Settling to within 2 % for -25, -10 and -5.",
+            reason="Settling to within 2 % on the linear model for -25, -10 and -5.",
         ),
         claimed(
             "simulation results", "Nyquist plot", "no contour encloses -1",
             all(loop.margins.stable for loop in loops),
             f"nearest distance to -1: {nearest:.3f}",
-            reason="All closed loops are stable. Loops opened at the feed.",
-        ),
-        claimed(
-            "simulation results", "magnitude plots",
-            "a greater dominant pole has less gain margin, which gives more bandwidth",
-            gains[0] < gains[1] < gains[2] and widths[0] > widths[1] > widths[2],
-            ", ".join(f"{gain:.1f} dB and {width:.0f} rad/s"
-                      for gain, width in zip(gains, widths, strict=True)),
-            reason="Read off the magnitude of the closed loop, as Fig. 11 shows it: gain margin "
-            "where its phase is -180°, and bandwidth to -3 dB, for -25, -10 and -5.",
+            reason="All closed loops are stable, as is the open one. Opened at the feed; L comes "
+            "nearest to -1 where it vanishes, at the highest frequencies.",
         ),
     ]  # fmt: skip
-
-
-def _closed_loop_magnitude(loop: FeedbackLoop) -> tuple[float, float]:
-    """Return gain margin [dB] and bandwidth [rad/s] of the closed loop from setpoint to level 3.
-
-    It has no zeros: b₀ / (s³ + a₂ s² + a₁ s + a₀) with b₀ = a₀, and turns by 180° at √a₁.
-    """
-    _, second, first, last = np.poly(loop.closed).real
-    frequencies = np.logspace(-1.0, 4.0, 20000)
-    size = np.abs(last / np.polyval([1.0, second, first, last], 1j * frequencies))
-    width = float(frequencies[size > math.sqrt(0.5)][-1])
-    return 20.0 * math.log10((second * first - last) / last), width
 
 
 def _servo_without() -> Figure:
