@@ -105,8 +105,8 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
                         for name, each in zip(names, others, strict=True)),
             "cm",
             reason="No measure is printed. It holds of the largest deviation of level 3, as here "
-            "(FSFB with poles at -25, -10 and -5), after 10 cm³/s into tank 3 on the linear model; of what is left in the end it fails, "
-            "since only PID has an integral.",
+            "(FSFB with poles at -25, -10 and -5), after 10 cm³/s into tank 3 on the linear model; "
+            "of what is left in the end it fails, since only PID has an integral.",
         ),
     ]  # fmt: skip
 

@@ -131,9 +131,7 @@ def _transfer_function() -> list[Row]:
     # Of the companion form x1 = h3, x2 = dh3/dt, x3 = d²h3/dt² of (3).
     printed = ("-9.4E-6", "-0.0035", "-0.127")
     rows += [
-        compared(
-            "(4)", f"A3{j + 1}", printed[j], -float(polynomial[3 - j]), unit, why=why
-        )
+        compared("(4)", f"A3{j + 1}", printed[j], -float(polynomial[3 - j]), unit, why=why)
         for j, unit in enumerate(("1/s³", "1/s²", "1/s"))
     ]
     gain = NUMERATOR / DENOMINATOR[3]

@@ -132,8 +132,10 @@ def _claims() -> list[Row]:
             "a greater dominant pole has less gain margin, which gives more bandwidth",
             "; ".join(
                 f"{kind} "
-                + ", ".join(f"{each.closed_gain_margin:.1f} dB and {each.closed_bandwidth:.1f} rad/s"
-                            for each in group)
+                + ", ".join(
+                    f"{each.closed_gain_margin:.1f} dB and {each.closed_bandwidth:.1f} rad/s"
+                    for each in group
+                )
                 for kind, group in (("FSFB", placed), ("LQC", loops))
             ),
             reason="Which gain margin is not said. Of the closed loop, as Figs. 11 and 12 show it, "

@@ -118,7 +118,8 @@ def _settings() -> list[Row]:
             f"give {0.6 * 0.0019:.4f}.",
         ),
         compared("Ziegler-Nichols", "τi", "0.017", integral, "s", right_if=[gains_need]),
-        compared("Ziegler-Nichols", "Ki", "0.000013", GAIN / integral, "m²/s²", why="Printed Kc over τi = Pu/2."),
+        compared("Ziegler-Nichols", "Ki", "0.000013", GAIN / integral, "m²/s²",
+                 why="Printed Kc over τi = Pu/2."),
         compared("Ziegler-Nichols", "τd", "0.00425", derivative, "s", right_if=[gains_need]),
         compared("Ziegler-Nichols", "Kd", "0.028", GAIN * derivative, "m²",
                  why="Printed Kc times τd = Pu/8; with Kc before rounding it is "

@@ -164,7 +164,8 @@ def _with_a_pump() -> list[Row]:
             "cm s",
             reason="The tanks by their orifice laws, from rest at 50 cm³/s, with a pump of 0 to "
             "100 cm³/s: setpoint step of 1 cm, then 10 cm³/s into tank 3, each for 1500 s. "
-            "Sampled every 0.01 s with the published feedbacks and every 1 s else; the LQI is ours.",
+            "Sampled every 0.01 s with the published feedbacks and every 1 s else; the LQI is "
+            "ours.",
         ),
         remark(
             "Fig. 10", "time at a limit of the pump", text, "; ".join(limits.values()),
