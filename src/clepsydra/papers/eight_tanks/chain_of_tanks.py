@@ -47,7 +47,8 @@ def _numbers() -> list[Row]:
                 "section 2", "unit of K_g", "m² min", "min/m²", of_gain == {"m": 2, "min": 1},
                 "A level over an inflow, and the inverse of K1 in m²/min: min/m².",
             ),
-            "One minus sign of m^-2 min is lost.",
+            "It looks as if the minus sign of m⁻² min was lost; whether in print or in conversion, "
+            "the text cannot tell.",
         ),
     ]  # fmt: skip
 

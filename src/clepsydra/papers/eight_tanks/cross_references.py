@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from clepsydra.papers.comparison import stated
+from clepsydra.papers.comparison import remark, stated
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.row import Row
 
@@ -86,10 +86,8 @@ def _caption() -> Row:
 
 
 def _pages() -> Row:
-    first, last = 1391, 1357
-    return stated(
-        "references", "pages of [14], V. Kučera, Automatica 29, 1993", f"{first}-{last}",
-        "1361-1375", first <= last,
-        "The last page cannot stand before the first; the journal has the survey of Diophantine "
-        "equations in control on pages 1361 to 1375.",
+    return remark(
+        "references", "pages of [14], V. Kučera, Automatica 29, 1993", "1391-1357", "1361-1375",
+        reason="The last page cannot stand before the first. The document does not show the right "
+        "ones; the journal has a survey by that author, Diophantine equations in control, there.",
     )  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 
 from clepsydra.identification.arx import regressors
 from clepsydra.identification.delay_choice import DelayChoice, choose_delay
-from clepsydra.identification.simplex_refinement import refined_coefficients
+from clepsydra.identification.simplex_refinement import SimplexFit, refined_coefficients
 from clepsydra.papers.comparison import claimed, compared, damaged, remark, stated
 from clepsydra.papers.eight_tanks.six_designs import (
     GAIN,
@@ -24,6 +24,8 @@ from clepsydra.papers.row import Row
 #: The document prints neither; 0.04 m³/min is the step of section 3.2.
 _SAMPLES, _DEVIATION = 500, 0.04
 _DELAYS = range(9)
+#: How much of a step a model that runs by itself is fitted to, ours [min].
+_STEP_MINUTES = 80
 _RECORDS = 100
 #: As (14) lists them.
 _ESTIMATES = ("a1", "a2", "b1", "b2")
@@ -71,7 +73,8 @@ def _shapes() -> list[Row]:
             "(11)", "dimension of F", "F is (N−n−d) × 2n, y has N−n−d entries",
             F.shape == expected and len(y) == expected[0],
             f"{F.shape[0]} × {F.shape[1]} for N = {_SAMPLES}, n = 2, d = 5",
-            reason="Counted in the matrix of (13) for all samples that have a past.",
+            reason="Counted in the matrix of (13), which has n = 2 as (14) has, for all samples "
+            "that have a past.",
         ),
         damaged(
             stated(
@@ -98,7 +101,7 @@ def _delay() -> list[Row]:
         f"{100 * _counts(faster)[PRINTED_D] // _RECORDS} % with {faster} values a period"
         for faster in _FASTER[1:]
     )
-    costs = [_simulation_cost(delay) for delay in range(4, 10)]
+    costs = [_free_fit(delay).cost for delay in range(4, 10)]
     best = 4 + int(np.argmin(costs))
     chosen = int(np.argmax(counts))
     return [
@@ -106,9 +109,11 @@ def _delay() -> list[Row]:
             "section 3.1", "delay steps of the smallest J(d)", str(PRINTED_D),
             float(chosen),
             unprinted=(
-                f"White noise held for a sampling period gives {chosen} in {counts[chosen]} of "
-                f"{_RECORDS} records of {_SAMPLES} samples. The print says nothing of its "
-                f"generator, on which it depends: with a faster one 5 is the smallest in {shares}."
+                "Least squares (12) with n = 2 on (8), without noise of measurement, J(d) over the "
+                "samples that every d has. White noise held for a sampling period gives "
+                f"{chosen} in {counts[chosen]} of {_RECORDS} records of {_SAMPLES} samples. The "
+                "print says nothing of its generator, on which it depends: with a faster one 5 is "
+                f"the smallest in {shares}."
             ),
         ),
         remark(
@@ -116,7 +121,8 @@ def _delay() -> list[Row]:
             "the criterion J(d) represents the accuracy of identification", f"d = {best}",
             reason=(
                 "J(d) judges the prediction of one sample ahead. A model that runs by itself fits "
-                f"the step of section 3.2 best with d = {best}, all four coefficients free: its "
+                f"the first {_STEP_MINUTES} min of the step of section 3.2 best with d = {best}, "
+                "all four coefficients free: its "
                 f"sum of squares is {costs[PRINTED_D - 4] / min(costs):.1f} times smaller than "
                 "with d = 5."
             ),
@@ -125,12 +131,13 @@ def _delay() -> list[Row]:
 
 
 @cache
-def _simulation_cost(delay: int) -> float:
-    inflow = np.concatenate([np.zeros(1), np.full(80, _DEVIATION)])
+def _free_fit(delay: int) -> SimplexFit:
+    """Return the model that fits the step best when it runs by itself."""
+    inflow = np.concatenate([np.zeros(1), np.full(_STEP_MINUTES, _DEVIATION)])
     level = sampled_chain().output(inflow)
     start = printed_model()
     guess = type(start)(start.numerator, start.denominator, delay, 1.0)
-    return refined_coefficients(guess, inflow, level).cost
+    return refined_coefficients(guess, inflow, level)
 
 
 def _gain() -> Row:
@@ -138,18 +145,23 @@ def _gain() -> Row:
         float(np.mean([choice.fits[PRINTED_D].model.static_gain for choice in _records(faster)]))
         for faster in _FASTER
     )
-    printed = printed_model().static_gain
+    printed, free = printed_model().static_gain, _free_fit(PRINTED_D).model
     return claimed(
         "section 3.2", "least squares against fminsearch, by the gain (20)",
         "better identification quality by fminsearch",
-        all(abs(printed - GAIN) < abs(each - GAIN) for each in (mean, *others)),
+        all(
+            max(abs(printed - GAIN), abs(free.static_gain - GAIN)) < abs(each - GAIN)
+            for each in (mean, *others)
+        ),
         f"gain {mean:.2f} by least squares at d = 5, {printed:.3f} of (21), {GAIN} of (8)",
         "min/m²",
         reason=(
-            f"Mean of {_RECORDS} records of white noise held for a sampling period; noise 2, 5 and "
-            f"10 times as fast gives {', '.join(f'{each:.2f}' for each in others)}. What a model "
-            "of too low an order leaves over is no white noise, so that least squares misses the "
-            "gain."
+            "By the gain, which the sentence before it names as the criterion. Mean of "
+            f"{_RECORDS} records of {_SAMPLES} samples without noise of measurement, white noise "
+            "held for a sampling period; noise 2, 5 and 10 times as fast gives "
+            f"{', '.join(f'{each:.2f}' for each in others)}. A simplex search on the step that "
+            f"holds no gain ends at {free.static_gain:.3f} too. What a model of too low an order "
+            "leaves over is no white noise, so that least squares misses the gain."
         ),
     )  # fmt: skip
 

@@ -23,6 +23,8 @@ from clepsydra.papers.row import Row
 
 #: Below this q_u nothing is changed any more.
 _SMALLEST = 1e-9
+#: What the numerical roots leave of rounding.
+_ROUNDING = 1e-10
 
 
 def run() -> Findings:
@@ -56,7 +58,8 @@ def _counts() -> list[Row]:
             "(22)", "feedback parameters", "7",
             f"{counts[0]} with B(1), {counts[1]} with the full B", 7 in counts or not exact,
             f"(29) has degree {D.degree}, as A K: with B(1), as in Fig. 5, P is 1 and Q has "
-            f"{counts[0]} coefficients; with the full B P has one more beside its 1.",
+            f"{counts[0]} coefficients; with the full B P has one more beside its 1. With (28) it "
+            "is the same, with d3 = 0; P's leading 1 counted, it is one more.",
         ),
     ]  # fmt: skip
 
@@ -87,6 +90,10 @@ def _poles() -> list[Row]:
     slow = (0.8, 0.7, 0.9)
     right = np.poly(slow)
     wrong = np.roots([*right[:3], -right[3]])
+    lost = (
+        "It looks as if a minus sign was lost; whether in print or in conversion, the text cannot "
+        "tell."
+    )
     rows = []
     for place, printed, found in (
         ("(31)", (-(a + b + c), a * b + a * c + b * c, a * b * c), real),
@@ -97,7 +104,8 @@ def _poles() -> list[Row]:
         ),
     ):
         for name, formula, value in zip(("d1", "d2", "d3"), printed, found[1:], strict=True):
-            reason = "the product (30) or (32), expanded"
+            product_of = {"(31)": "(30)", "(33)": "(32)"}[place]
+            reason = f"The product {product_of}, expanded."
             if place == "(31)" and name == "d3":
                 reason = (
                     "The product (30) ends with −αβγ, as (33) has it. For α = 0.8, β = 0.7, γ = "
@@ -105,7 +113,7 @@ def _poles() -> list[Row]:
                     f"{np.max(np.abs(wrong)):.2f}."
                 )
             row = compared_formula(place, name, formula, value, reason=reason)
-            rows.append(damaged(row, "A minus sign is lost."))
+            rows.append(damaged(row, lost))
     return rows
 
 
@@ -160,10 +168,11 @@ def _factor() -> list[Row]:
         claimed(
             "section 7", "design without numerical methods",
             "the controller is derived analytically",
-            _largest_error() < 1e-9, f"largest difference {_largest_error():.1e}",
+            _largest_error() < _ROUNDING, f"largest difference below {_ROUNDING:g}",
             reason=(
                 "d1, d2 by a quadratic equation, compared with the stable roots of the whole "
-                "polynomial of fourth degree, found numerically, for q_u from 0.01 to 1000"
+                "polynomial of fourth degree, found numerically, for q_u from 0.01 to 1000. With "
+                "B(1), (22) then is solved by the three coefficients of Q one by one."
             ),
         ),
         remark(
