@@ -99,6 +99,7 @@ def _linear_model() -> list[Row]:
     inflow, outflow = symbols("f_in0 f_out0")
     time, gain = x2 / u1, 1 / u1
     outflow_constant, inflow_constant = plant("outflow"), plant("inflow")
+    why = "(6) at the equilibrium with (14), in the names of (28)."
     rows = [
         stated(
             "(12)", "f_V at rest", "f_out0 - f_out0", str(inflow - outflow),
@@ -108,23 +109,20 @@ def _linear_model() -> list[Row]:
         ),
         compared_formula(
             "(17)", "C by f_in", gain * (u3 - x1) / (time * s + 1),
-            outflow_constant.transfer[0, 0], reason="Linear model of (6).",
+            outflow_constant.transfer[0, 0], reason=why,
         ),
         compared_formula(
-            "(17)", "C by C_in", 1 / (time * s + 1), outflow_constant.transfer[0, 1],
-            reason="Linear model of (6).",
+            "(17)", "C by C_in", 1 / (time * s + 1), outflow_constant.transfer[0, 1], reason=why,
         ),
         compared_formula(
-            "(17)", "V by f_in", 1 / s, outflow_constant.transfer[1, 0],
-            reason="Linear model of (6).",
+            "(17)", "V by f_in", 1 / s, outflow_constant.transfer[1, 0], reason=why
         ),
         compared_formula(
-            "(17)", "V by f_out", -1 / s, inflow_constant.transfer[1, 0],
-            reason="Linear model of (6).",
+            "(17)", "V by f_out", -1 / s, inflow_constant.transfer[1, 0], reason=why
         ),
     ]  # fmt: skip
     A = Matrix([[-u1 / x2, 0], [0, 0]])
-    why = "Derivatives of (6)."
+    why = "Derivatives of (6) at the equilibrium, that of dC/dt by V zero by (14)."
     for name, text, matrix in (
         ("A", "[-u10 0; x20 0; 0 0]", outflow_constant.A),
         ("B", "[u30-x10 u10; x20 x20; 1 0]", outflow_constant.B),
@@ -132,20 +130,22 @@ def _linear_model() -> list[Row]:
         right = str(matrix.tolist())
         rows.append(
             damaged(
-                stated("(32)", name, text, right, text == right, "Derivatives of (6)."),
+                stated("(32)", name, text, right, text == right, why),
                 "The bars of the fractions are lost: 3 × 2 stands there for 2 × 2.",
             )
         )  # fmt: skip
     rows += matrix_rows("(34)", "A", A, inflow_constant.A, why)
     rows += matrix_rows("(34)", "B", Matrix([[0, u1 / x2], [-1, 0]]), inflow_constant.B, why)
+    why = "(36) with the derivatives of (6), that of dC/dt by V zero by (14)."
     G = Matrix([[(u3 - x1) / (u1 + s * x2), u1 / (u1 + s * x2)], [1 / s, 0]])
     rows += matrix_rows("(45)", "Gp", G, outflow_constant.transfer, why)
     G = Matrix([[0, u1 / (u1 + s * x2)], [-1 / s, 0]])
     rows += matrix_rows("(63)", "Gp", G, inflow_constant.transfer, why)
     for place, variant, sign in (("(46)", outflow_constant, 1), ("(64)", inflow_constant, -1)):
+        why = f"{'(45)' if sign > 0 else '(63)'} at (0.2, 0.2, 5, 5, 2)."
         here = {x1: 5, x2: 2, u1: Rational(1, 5), u3: 5}
         printed = Matrix([[0, 1 / (10 * s + 1)], [sign / s, 0]])
-        rows += matrix_rows(place, "Gp at rest", printed, variant.transfer.subs(here), why)
+        rows += matrix_rows(place, "Gp at rest ", printed, variant.transfer.subs(here), why)
     return rows
 
 
@@ -168,7 +168,14 @@ def _matrices() -> list[Row]:
     printed = (("-0.1", "0", "0", "0"), ("0", "0", "0", "0"), ("1", "0", "0", "0"),
                ("0", "1", "0", "0"))  # fmt: skip
     rows += [
-        compared("(92)", f"A{i + 1}{j + 1}", printed[i][j], float(whole[i, j]), digits=4, why=why)
+        compared(
+            "(92)",
+            f"A{i + 1}{j + 1}",
+            printed[i][j],
+            float(whole[i, j]),
+            digits=4,
+            why=why if i < 2 and j < 2 else "Blocks [A 0; C 0] of (88), C the identity.",
+        )
         for i in range(4)
         for j in range(4)
     ]
@@ -176,8 +183,8 @@ def _matrices() -> list[Row]:
     rows.append(
         stated(
             "(88)", "M", "2 × 3", "2 × 2", (2, B.shape[1]) == (2, 3),
-            "M is the lower half of (93) and (95), which have two columns, one for each input "
-            "that is left, as (90) has two rows.",
+            "M is the lower half of (93) and (95), which have two columns: section 3.2 takes the "
+            "model with the two inputs of (29) or (33), and (90) has two rows.",
         )
     )  # fmt: skip
     rows.append(
@@ -215,22 +222,24 @@ def _controllability() -> list[Row]:
         np.block([[A, np.zeros((2, 2))], [np.eye(2), np.zeros((2, 2))]])
     )
     flat = (
-        f"A of (32) and (34) has order {len(A)} and a row of zeros; the extended A of (92), of "
-        f"order 4, has rank {extended}",
+        f"A of (32) and (34), the primary system of the sentence, has order {len(A)} and a row of "
+        f"zeros. The extended A of (92) has rank {extended}, of 4, and is not the primary one",
         not A[1].any() and bool(extended == 2),
     )
     rows.append(compared("(94), (96)", "rank of A", "2", float(rank), right_if=[flat]))
     for place, variant in (("(94)", "outflow"), ("(96)", "inflow")):
         A, B = numbers(variant)  # type: ignore[arg-type]
         rank = int(np.linalg.matrix_rank(np.hstack([B, A @ B])))
-        rows.append(compared(place, "rank of M", "2", float(rank), why="At the equilibrium."))
+        rows.append(
+            compared(place, "rank of M", "2", float(rank), why=f"{place} at (0.2, 0.2, 5, 5, 2).")
+        )
         whole = np.block([[A, B], [np.eye(2), np.zeros((2, 2))]])
         full = int(np.linalg.matrix_rank(whole))
         rows.append(
             claimed(
                 place, "the extended system", "controllable", full == 4, f"rank {full} of 4",
-                reason="Rank of [A B; C 0]. The printed condition, as many inputs as outputs, is "
-                "necessary and not sufficient: an input that acts on no output would pass it.",
+                reason="Rank of [A B; C 0], beside the rank of M. The two printed conditions alone "
+                "do not suffice: two inputs that act alike on two integrators in series meet both.",
             )
         )  # fmt: skip
     return rows

@@ -66,15 +66,30 @@ def controller(first: Expr, second: Expr) -> Any:
     return Matrix([[0, second], [first, 0]])
 
 
+def decoupler(constant: Variant) -> Any:
+    """Return T of (50), by (49); the identity with constant inflow.
+
+    Examples
+    --------
+    >>> decoupler("inflow")
+    Matrix([
+    [1, 0],
+    [0, 1]])
+    """
+    transfer = plant(constant).transfer
+    return Matrix([[1, 0], [simplify(-transfer[0, 0] / transfer[0, 1]), 1]])
+
+
 def closed_loop(constant: Variant, compensator: Any) -> tuple[Any, Any]:
-    """Return G_CL and G_E of (42) and (43) at C_in0 = C0, where the decoupler is one.
+    """Return G_CL and G_E of (42) and (43), with the decoupler.
 
     Examples
     --------
     >>> closed_loop("outflow", controller(K1, K2))[1][1, 1]
     s/(K_p2 + s)
     """
-    loop = plant(constant).transfer.subs(u3, x1) * compensator
+    decoupled = (plant(constant).transfer * decoupler(constant)).applyfunc(simplify)
+    loop = decoupled * compensator
     error = (eye(2) + loop).inv().applyfunc(simplify)
     return (loop * error).applyfunc(simplify), error
 
