@@ -15,6 +15,7 @@ from clepsydra.designs.states.state_controllers import lqi_controller
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
+from clepsydra.papers.averaging_tank.continuous_pi import Constants
 from clepsydra.papers.averaging_tank.lqi import COLUMNS, gains
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL, pi_controller
@@ -36,7 +37,7 @@ def sampling_rows() -> list[Row]:
     """Return the remarks on the sampling period, and on actuators and transport delay."""
     periods = [
         f"{law} {tuned}, f_{constant[:-4]} constant: "
-        f"{1e3 * longest_period(constant, law, tuned):.3g} ms"
+        f"{_milliseconds(longest_period(constant, law, tuned))} ms"
         for constant in _VARIANTS
         for law in _LAWS
         for tuned in _TUNINGS
@@ -50,19 +51,24 @@ def sampling_rows() -> list[Row]:
             for name in controller.manipulated
         )
         found = peak(dataclasses.replace(controller, manipulated=renamed), with_actuators())
-        peaks.append(f"{law}: largest |S| {_words(found)} after {_words(without)}")
+        peaks.append(f"{law}: {_words(found)}, {_words(without)} without them")
     return [
         remark(
             "section 5", "sampling", "an average PLC is sufficient hardware", "; ".join(periods),
             reason="Longest sampling period at which the linear model under the sampled law is "
-            f"stable; a usual cycle is {1e3 * CYCLE:g} ms. The document says of the hardware what "
-            "it can compute, not how often.",
+            f"stable, inputs held and errors summed up to the one before; {1e3 * CYCLE:g} ms is a "
+            "usual cycle. With the present error in the sum PI optimal bears "
+            f"{_milliseconds(longest_with_present_error(OPTIMAL['outflow']))} and "
+            f"{_milliseconds(longest_with_present_error(OPTIMAL['inflow']))} ms. The document says "
+            "of the hardware what it can compute, not how often.",
         ),
         remark(
             "section 5", "actuators and transport delay", "should be considered in the model",
             "; ".join(peaks),
-            reason="A pump of 0.5 s and a pipe of 0.5 s, both ours, constants by hand at "
-            f"{1e3 * CYCLE:g} ms with f_out constant.",
+            reason="A pump with a lag of 0.5 s and a pipe of 0.5 s, both ours, constants by hand "
+            f"at {1e3 * CYCLE:g} ms with f_out constant. The pipe delays flow and concentration, "
+            "as a channel does; one that is always full delays the concentration alone, and PI is "
+            "unstable with it too, LQI is not.",
         ),
     ]  # fmt: skip
 
@@ -100,6 +106,28 @@ def longest_period(constant: Variant, law: str, tuned: str) -> float:
     return math.exp(low)
 
 
+def longest_with_present_error(constants: Constants) -> float:
+    """Return up to which sampling period C is stable [s] if the integral has the present error.
+
+    C under PI control, with α = exp(-Δt/10 s) and k = (1 - α) Kp, has the characteristic
+    polynomial z² + (k (1 + Δt/Ti) - 1 - α) z + α - k. It is stable while 2 (1 + α) >
+    k (2 + Δt/Ti) and k < 1 + α; the second follows from the first.
+
+    Examples
+    --------
+    >>> round(longest_with_present_error(OPTIMAL["outflow"]), 4)
+    0.0203
+    """
+    from scipy.optimize import brentq
+
+    def room(period: float) -> float:
+        alpha = math.exp(-period / 10.0)
+        k = (1.0 - alpha) * constants.gain_c
+        return 2.0 * (1.0 + alpha) - k * (2.0 + period / constants.time_c)
+
+    return float(brentq(room, _SHORTEST, _LONGEST))
+
+
 def peak(controller: Controller, model: LinearModel) -> float:
     """Return the largest |S| of the sampled loop; infinite where it is unstable."""
     return SampledLoops(controller, model).at(controller.values).maximum_sensitivity
@@ -132,4 +160,8 @@ def _sampled(model: LinearModel, period: float) -> LinearModel:
 
 
 def _words(peak: float) -> str:
-    return f"{peak:.2f}" if math.isfinite(peak) else "infinite, unstable"
+    return f"largest |S| {peak:.2f}" if math.isfinite(peak) else "unstable"
+
+
+def _milliseconds(period: float) -> str:
+    return f"{float(f'{1e3 * period:.3g}'):g}"
