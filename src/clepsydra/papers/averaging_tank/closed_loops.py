@@ -330,7 +330,8 @@ def _derivative(section: _Section) -> list[Row]:
     rows.append(
         claimed(
             section.pid, f"steady state, {section.pid}",
-            "the derivative does not affect the steady-state error", rest == Matrix.zeros(2, 2),
+            "the addition of a derivative term does not affect the steady-state error",
+            rest == Matrix.zeros(2, 2),
             "zero in both loops", reason=f"Limit of (44) with {loop}",
         )
     )  # fmt: skip

@@ -182,7 +182,7 @@ def _matrices() -> list[Row]:
     rows += _controllability()
     rows.append(
         stated(
-            "(88)", "M", "2 × 3", "2 × 2", (2, B.shape[1]) == (2, 3),
+            "(88)", "M", "[0 0 0; 0 0 0]", "[0 0; 0 0]", (2, B.shape[1]) == (2, 3),
             "M is the lower half of (93) and (95), which have two columns: section 3.2 takes the "
             "model with the two inputs of (29) or (33), and (90) has two rows.",
         )
@@ -237,7 +237,8 @@ def _controllability() -> list[Row]:
         full = int(np.linalg.matrix_rank(whole))
         rows.append(
             claimed(
-                place, "the extended system", "controllable", full == 4, f"rank {full} of 4",
+                place, "the extended system", "the expanded system is controllable", full == 4,
+                f"rank {full} of 4",
                 reason="Rank of [A B; C 0], beside the rank of M. The two printed conditions alone "
                 "do not suffice: two inputs that act alike on two integrators in series meet both.",
             )

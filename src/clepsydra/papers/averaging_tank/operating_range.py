@@ -168,7 +168,8 @@ def _declines() -> list[Row]:
     return [
         remark(
             "section 5", "large steps",
-            "performance declined as the references deviated significantly from the equilibrium",
+            "as the reference values deviated significantly from the assumed equilibrium point, "
+            "the systems' performance declined",
             "; ".join(found),
             reason="It holds of the worst step of each loop, and not of every large step: LQI does "
             f"not decline in {_flat('outflow')} with f_out constant and in {_flat('inflow')} with "
@@ -205,7 +206,9 @@ def _remedies() -> list[Row]:
     )
     return [
         remark(
-            "section 5", "gain scheduling", "gain scheduling may resolve the decline",
+            "section 5", "gain scheduling",
+            "may be resolved by determining control parameters for multiple equilibrium points and "
+            "using them in the gain scheduling method",
             "; ".join(words for _, _, words in scheduled),
             reason="Worst of the nine large steps, as above. The document says may and prints no "
             "schedule. Ours is over V alone, at "
@@ -214,7 +217,8 @@ def _remedies() -> list[Row]:
         ),
         claimed(
             "section 5", "cyclic calculation",
-            "cyclic calculation of the parameters would resolve the decline",
+            "another method that would resolve this issue is the cyclic calculation of control "
+            "parameters",
             all(after < 0.5 * before for before, after, *_ in remedies),
             "; ".join(words for _, _, words in cyclic),
             reason="Resolved would be less than half of the excess of the worst of the nine steps, "
