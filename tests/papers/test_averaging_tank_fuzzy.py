@@ -12,17 +12,17 @@ MISPRINTS = {
     ("Table 4", "caption"),
     ("Table 4", "name of the set small"),
     ("Table 5", "caption"),
-    ("section 3.3", "union"),
     ("Table 8", "IAE of C"),
 }
-#: Table 6 is lower in four cells.
-FAILED = {("section 4", "indices, fuzzy against all")}
 REMARKS = {
     ("(103c)", "throughput at rest"),
     ("section 5", "steady-state error, fuzzy"),
     # By settling and by first arrival; by a period and a threshold that are not printed.
     ("section 4", "C, fuzzy against the others"),
     ("section 4", "change rates, fuzzy"),
+    # By IAE, ITAE and settling, and by ISE and IE; an operator that no rule needs.
+    ("section 4", "indices, fuzzy against all"),
+    ("section 3.3", "union"),
 }
 
 
@@ -36,7 +36,7 @@ def test_the_verdicts_are_those_of_the_reference(findings):
     found = {(row.place, row.name): row.verdict for row in findings.rows}
     assert len(found) == len(findings.rows) == 26
     assert {key for key, verdict in found.items() if verdict == "misprint"} == MISPRINTS
-    assert {key for key, verdict in found.items() if verdict == "claim fails"} == FAILED
+    assert "claim fails" not in found.values()
     assert {key for key, verdict in found.items() if verdict == "remark"} == REMARKS
     fitted = {key for key, verdict in found.items() if verdict == "consistent"}
     assert len(fitted) == 7 and {place for place, _ in fitted} == {"Table 8"}

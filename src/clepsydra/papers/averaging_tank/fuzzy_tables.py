@@ -1,0 +1,115 @@
+"""Tables 2 to 5: the sets and rules of the fuzzy controller, held against each other."""
+
+from __future__ import annotations
+
+from clepsydra.controllers.fuzzy.membership import Trapezoid
+from clepsydra.controllers.fuzzy.rule import Some, atoms
+from clepsydra.controllers.fuzzy.system import FuzzySystem
+from clepsydra.papers.comparison import claimed, compared, remark, stated
+from clepsydra.papers.row import Row
+
+#: Names of the sets of the flows, as printed; the file has one name for S and S0.
+_TABLE_3 = ("ZO", "S0", "M", "LM", "LL")
+
+
+def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> list[Row]:
+    """Judge Tables 2 to 5 by each other.
+
+    Parameters
+    ----------
+    system : FuzzySystem
+    with_printed_top : FuzzySystem
+        The same with the top of LL at 8.0, as Table 3 prints it.
+    """
+    by_input = {variable.name: variable for variable in system.inputs}
+    flow, inlet = system.outputs[0], system.outputs[2]
+    named = {a.set for rule in system.rules for a in atoms(rule.condition) if a.variable == "e_V"}
+    printed = ("NL", "NS", "ZO", "AP", "LP")
+    lower, upper = ({v.name for v in system.used_by(output)} for output in ("f_out", "C_in"))
+    lower_rules = [r for r in system.rules_for("f_out") if len(list(atoms(r.condition))) == 2]
+    unions = sum(_has_union(rule.condition) for rule in system.rules)
+    edge = flow.sets["LM"]
+    assert isinstance(edge, Trapezoid)
+    misread = with_printed_top.outputs[0].sets["LL"]
+    degree = float(misread.degrees(flow.high))
+    return [
+        stated(
+            "Table 2", "names of the last two sets of eV", "AP, LP", "PS, PL",
+            set(printed) <= named,
+            "Table 4 says PS and PL, as the words beside the names do: positive small and positive "
+            "large, after NL and NS for negative large and small.",
+        ),
+        compared(
+            "Table 3", "top of LL", "8.0", edge.end,
+            right_if=[
+                ("8.0 lies beyond the range 0 to 1, and LM ends at 0.8", 8.0 > flow.high == 1.0),
+                (
+                    f"with 8.0 the largest flow would be LL by {degree:.3f} only, and every other "
+                    "shoulder of Tables 2 and 3 reaches 1 within its range",
+                    degree < 0.1 and _shoulders_reach_one(system),
+                ),
+            ],
+        ),
+        stated(
+            "Table 4", "caption", "Rules of the fuzzy controller regarding C(t)", "regarding V(t)",
+            lower == {"e_C", "de_C"},
+            "Its rows and columns are eV and deV/dt, and section 3.3 has “for the variable V(t) "
+            "(see Tab. 4)”.",
+        ),
+        stated(
+            "Table 5", "caption", "Rules of the fuzzy controller regarding V(t)", "regarding C(t)",
+            upper == {"e_V", "de_V"},
+            "Its rows and columns are eC and deC/dt, and section 3.3 has “for the variable C(t) "
+            "(see Tab. 5)”.",
+        ),
+        stated(
+            "Table 4", "name of the set small", "S", "S0", "S" in _TABLE_3,
+            "Table 3 has no set S, and calls the small set of f_in and f_out S0; so does section "
+            "3.3 where it names the degrees of f_in, and Table 5 has S0.",
+        ),
+        remark(
+            "section 3.3", "union", "union—t-norm MIN",
+            f"{unions} of {len(system.rules)} rules have an OR",
+            reason="The same sentence gives MIN to the intersection as well. A union is an s-norm, "
+            "as MAX; no rule needs one, so nothing printed shows which was meant.",
+        ),
+        compared(
+            "(103a)", "number of the first added rule", "25",
+            float(len(lower_rules) + 9 + 1),
+            why="15 cells of Table 4 and 9 of Table 5 come before.",
+        ),
+        claimed(
+            "Tables 2 and 3", "shapes", "Symmetrical triangular; Asymmetrical triangular",
+            all(
+                _symmetrical(variable.sets[name]) == (name not in ("M", "LM"))
+                for variable in (*by_input.values(), flow, inlet)
+                for name in variable.sets
+                if _is_triangle(variable.sets[name])
+            ),
+            "all triangles but M and LM are symmetrical",
+            reason="Distances of their points; M and LM are those labelled asymmetrical.",
+        ),
+    ]  # fmt: skip
+
+
+def _has_union(condition: object) -> bool:
+    parts = getattr(condition, "parts", ())
+    return isinstance(condition, Some) or any(map(_has_union, parts))
+
+
+def _is_triangle(member: object) -> bool:
+    return isinstance(member, Trapezoid) and len(member.corners) == 4
+
+
+def _symmetrical(member: object) -> bool:
+    assert isinstance(member, Trapezoid)
+    return abs((member.top - member.foot) - (member.end - member.end_of_top)) < 1e-9
+
+
+def _shoulders_reach_one(system: FuzzySystem) -> bool:
+    return all(
+        member.degrees([variable.low, variable.high]).max() == 1.0
+        for variable in (*system.inputs, *system.outputs)
+        for member in variable.sets.values()
+        if isinstance(member, Trapezoid) and len(member.corners) == 2
+    )
