@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from clepsydra.papers.averaging_tank.continuous_pi import Constants, continuous_run
-from clepsydra.papers.averaging_tank.lqi import COLUMNS, gains, lqi_run
+from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, gains, lqi_run
 from clepsydra.papers.averaging_tank.model import numbers
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL, pi_controller, tuned
 from clepsydra.papers.averaging_tank.pid_types import best_index

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from clepsydra.papers.averaging_tank import operating_range
-from clepsydra.papers.averaging_tank.lqi import COLUMNS
+from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS
 from clepsydra.papers.averaging_tank.operating_range import LARGE_STEPS, PERIOD, Step, range_run
 from clepsydra.papers.averaging_tank.range_controllers import KINDS, controller_of, gains_at
 

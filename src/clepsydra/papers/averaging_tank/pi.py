@@ -14,7 +14,7 @@ from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.run import Run
 from clepsydra.papers.averaging_tank.continuous_pi import Constants, continuous_run
-from clepsydra.papers.averaging_tank.lqi import COLUMNS, lqi_run
+from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, lqi_run
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi_limits import other_limits
 from clepsydra.papers.averaging_tank.printed_tables import (

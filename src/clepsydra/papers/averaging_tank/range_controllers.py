@@ -24,7 +24,7 @@ from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
-from clepsydra.papers.averaging_tank.lqi import COLUMNS, Weights
+from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, Weights
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, pi_controller
 from clepsydra.papers.averaging_tank.step_run import high_model_of

@@ -16,7 +16,7 @@ from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.papers.averaging_tank.continuous_pi import Constants
-from clepsydra.papers.averaging_tank.lqi import COLUMNS, gains
+from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, gains
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL, pi_controller
 from clepsydra.papers.averaging_tank.step_run import model_of
