@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.four_tank_laboratory.readings import (
+    DESIGNED,
     PRINTED,
     READINGS,
     USUAL,
     claimed_in_all,
 )
-from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, NON_MINIMUM, SET_UPS
+from clepsydra.papers.four_tank_laboratory.set_ups import SET_UPS
 from clepsydra.papers.four_tank_laboratory.step_and_pours import (
     TABLES,
     median,
@@ -40,13 +41,15 @@ def _claims() -> list[Row]:
                 for set_up in SET_UPS
             ]
             for reading in READINGS
+        } | {
+            DESIGNED: [
+                [median(score, set_up, "decentralised", tank, units="volts") for tank in (1, 2)]
+                for set_up in SET_UPS
+            ],
+            PRINTED: [
+                [float(number) for number in getattr(printed[set_up], score)] for set_up in SET_UPS
+            ],
         }
-        on_paper = [
-            float(two) > float(one)
-            for one, two in zip(
-                getattr(printed[MINIMUM], score), getattr(printed[NON_MINIMUM], score), strict=True
-            )
-        ]
         unit = "%" if score == "overshoot" else "s"
         rows.append(
             claimed_in_all(
@@ -54,14 +57,16 @@ def _claims() -> list[Row]:
                 {
                     reading: all(two > one for one, two in zip(*each, strict=True))
                     for reading, each in values.items()
-                }
-                | {PRINTED: all(on_paper)},
+                },
                 "; ".join(
                     f"{set_up.phase} {one:.3g} and {two:.3g} {unit}"
                     for set_up, (one, two) in zip(SET_UPS, values[USUAL], strict=True)
                 ),
                 reason=f"{score.capitalize()}{' of the step' if score == 'overshoot' else ''} of "
-                "tanks 1 and 2 with PI controllers of ours, medians in percent.",
+                "tanks 1 and 2 with PI controllers of ours, medians in percent"
+                + (", for each of them." if score != "overshoot" else
+                   "; that of tank 1 is smaller, printed 15.17 and 6.67 %, so that it is not "
+                   "“always”."),
             )
         )  # fmt: skip
     return rows

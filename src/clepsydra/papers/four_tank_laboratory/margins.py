@@ -1,6 +1,6 @@
 """The margins of the loops at the gain that was designed and at the simulator's three times it.
 
-The report gives no margins, so that all but its guarantee is remarked.
+The report gives no margins and no controllers, so that all of it is remarked.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from clepsydra.designs.loop_shaping.precompensator import Precompensator, precom
 from clepsydra.designs.loop_shaping.robust_controller import robust_controller
 from clepsydra.designs.loop_shaping.shaped_plant import shaped_plant
 from clepsydra.linear.static_gain import static_gain
-from clepsydra.papers.comparison import claimed, remark
+from clepsydra.papers.comparison import remark
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_laboratory.closed_loop import Kind
@@ -75,8 +75,8 @@ def _gain_of_the_units() -> Row:
         "“previous designed” controllers are used", f"{found:.3g} times their gain",
         reason=f"The simulator subtracts levels in percent of {FULL_LEVEL:g} cm, {volts:g} V, and "
         f"sends the result to the pumps in percent of {FULL_VOLTAGE:g} V: 1 V/V becomes "
-        f"{FULL_VOLTAGE / volts:g} V/V. Figures: the static gain from pump 1 to level 1 in both "
-        "units, which the same controller then meets.",
+        f"{FULL_VOLTAGE / volts:g} V/V, and the static gain from pump 1 to level 1 in "
+        "percent is three times that in volts. Both ranges are the course's and not in the report.",
     )  # fmt: skip
 
 
@@ -106,23 +106,25 @@ def _designed(set_up: SetUp) -> Row:
 def _guarantee() -> Row:
     """Ask whether the robust controllers keep the norm that they promise."""
     found = {set_up: _norm(set_up) for set_up in SET_UPS}
-    return claimed(
-        "Exercise 4.2.2", "Glover-McFarlane in volts", "guarantees robust stabilisation",
-        all(smallest <= sweep <= gamma for smallest, sweep, gamma in found.values()),
+    return remark(
+        "Exercise 4.2.2", "Glover-McFarlane", "guarantees robust stabilisation",
         "; ".join(
-            f"{set_up.phase}: γ_min = {smallest:.3f}, norm {sweep:.3f} below γ = {gamma:.3f}"
-            for set_up, (smallest, sweep, gamma) in found.items()
+            f"{set_up.phase}: γ_min = {smallest:.3f}, γ = {gamma:.3f}, norm {designed:.3f} in "
+            f"volts and {tripled:.3g} at three times the gain"
+            for set_up, (smallest, gamma, designed, tripled) in found.items()
         ),
-        reason="So "
-        + " and ".join(f"{100.0 / sweep:.0f} %" for _, sweep, _ in found.values())
-        + " of the normalised coprime factors of the shaped plant can be off. Norm by a sweep over "
-        "4000 frequencies. The report's controllers are not printed; ours are designed by the "
-        "rules of the course's exercise.",
+        reason="The report's controllers are not printed; ours are designed by the rules of the "
+        "course's exercise. It holds in volts: the norm stays below γ, and "
+        + " and ".join(f"{100.0 / designed:.0f} %" for *_, designed, _ in found.values())
+        + " of the normalised coprime factors of the shaped plant can be off. At the three times "
+        "larger gain of the simulator's percent, for which the printed rise times speak, the norm "
+        "with the shaped plant at three times its gain is above γ. Norms by a sweep over 4000 "
+        "frequencies.",
     )  # fmt: skip
 
 
-def _norm(set_up: SetUp) -> tuple[float, float, float]:
-    """Return γ_min, the norm by a sweep, and γ."""
+def _norm(set_up: SetUp) -> tuple[float, float, float, float]:
+    """Return γ_min, γ, and the norm by a sweep as designed and at three times the gain."""
     model = course_model(set_up)
     shaping: Precompensator = (
         precompensator_of(decentralised(set_up), model)
@@ -133,13 +135,17 @@ def _norm(set_up: SetUp) -> tuple[float, float, float]:
     factors = coprime_factors(shaped.system)
     controller = robust_controller(factors)
     angles = np.concatenate([np.geomspace(1e-6, math.pi, 4000), [math.pi]])
-    G, K = shaped.system.response(angles), controller.system.response(angles)
-    one = np.eye(2)
-    sensitivity = np.linalg.inv(one - G @ K)
-    inner = np.concatenate([np.broadcast_to(one, G.shape), G], axis=2)
-    sweep = np.linalg.norm(np.concatenate([K, np.broadcast_to(one, K.shape)], axis=1)
-                           @ sensitivity @ inner, 2, axis=(1, 2)).max()  # fmt: skip
-    return factors.smallest_gamma, float(sweep), controller.gamma
+    K, one = controller.system.response(angles), np.eye(2)
+
+    def norm(G: np.ndarray) -> float:
+        sensitivity = np.linalg.inv(one - G @ K)
+        inner = np.concatenate([np.broadcast_to(one, G.shape), G], axis=2)
+        outer = np.concatenate([K, np.broadcast_to(one, K.shape)], axis=1)
+        return float(np.linalg.norm(outer @ sensitivity @ inner, 2, axis=(1, 2)).max())
+
+    plant_response = shaped.system.response(angles)
+    tripled = FULL_VOLTAGE / (SENSOR_GAIN * FULL_LEVEL) * plant_response
+    return factors.smallest_gamma, controller.gamma, norm(plant_response), norm(tripled)
 
 
 def _three_times(set_up: SetUp, kind: Kind) -> Row:

@@ -7,7 +7,7 @@ import numpy as np
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import zeros
-from clepsydra.papers.comparison import claimed, compared, compared_formula, stated
+from clepsydra.papers.comparison import claimed, compared, compared_formula, remark
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, NON_MINIMUM, course_model
 from clepsydra.papers.row import Row
@@ -177,8 +177,6 @@ def _zeros() -> list[Row]:
     rightmost = np.maximum(larger.real, smaller.real)
     on_the_border = np.abs(one + two - 1.0) < 1e-9
     above = (one + two > 1.0) & ~on_the_border
-    product, total = larger * smaller, larger + smaller
-    from_coefficients = bool(np.allclose(product, last) and np.allclose(total, -middle))
     found = {
         set_up.phase: max(zero.real for zero in zeros(course_model(set_up)))
         for set_up in (MINIMUM, NON_MINIMUM)
@@ -188,22 +186,23 @@ def _zeros() -> list[Row]:
             "(13)", "zeros for 1 < γ1 + γ2 ≤ 2", "both zeros have negative real parts",
             bool(np.all(rightmost[above] < 0.0)),
             f"largest real part {rightmost[above].max():.3g} rad/s",
-            reason=f"Roots of (12) for {above.sum()} pairs of splits.",
+            reason=f"Roots of (12) for {above.sum()} pairs of splits, with T3 and T4 of the "
+            "course's levels; for any others their sum stays negative and their product positive.",
         ),
         claimed(
-            "(14)", "zeros for 0 < γ1 + γ2 ≤ 1", "a zero has no negative real part",
+            "(14)", "zeros for 0 < γ1 + γ2 ≤ 1", "holds for zeros with non-negative real part",
             bool(np.all(rightmost[~above] >= -1e-12)),
             f"smallest real part of the right one {rightmost[~above].min():.3g} rad/s",
             reason=(
-                f"Roots of (12) for {(~above).sum()} pairs of splits: one of the two, and at "
-                "γ1 + γ2 = 1 it stands at zero. The other is always negative."
+                f"Roots of (12) for {(~above).sum()} pairs of splits: one of the two, which makes "
+                "the process non-minimum phase, as the report goes on; at γ1 + γ2 = 1 it stands at "
+                "zero. The other is always negative."
             ),
         ),
-        stated(
+        remark(
             "Exercise 2.1.5", "name of the theorem", "Veda's theorem", "Vieta's theorem",
-            not from_coefficients,
-            "What is used is that sum and product of the roots are the coefficients, which holds "
-            "here for every pair of splits: Vieta's formulas.",
+            reason="What is used is that sum and product of the roots are the coefficients, known "
+            "by the name of Vieta, which nothing in the report says.",
         ),
         claimed(
             "Exercise 2.1.5", "the two set-ups", "γ = 0.625 is minimum phase, 0.375 is not",

@@ -7,6 +7,7 @@ import math
 from clepsydra.papers.comparison import remark
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.four_tank_laboratory.readings import (
+    DESIGNED,
     PRINTED,
     READINGS,
     USUAL,
@@ -53,7 +54,10 @@ def _beside_decentralised() -> list[Row]:
         pairs = {
             reading: {set_up: _beside(score, set_up, reading) for set_up in SET_UPS}
             for reading in READINGS
-        } | {PRINTED: {set_up: _on_paper(score, set_up) for set_up in SET_UPS}}
+        } | {
+            DESIGNED: {set_up: _beside(score, set_up, USUAL, "volts") for set_up in SET_UPS},
+            PRINTED: {set_up: _on_paper(score, set_up) for set_up in SET_UPS},
+        }
         unit = "%" if score == "overshoot" else "s"
         rows.append(
             claimed_in_all(
@@ -69,8 +73,7 @@ def _beside_decentralised() -> list[Row]:
                 ),
                 reason="PI to Glover-McFarlane, controllers of ours, tank 1 and tank 2, medians in "
                 "percent; in volts "
-                + "; ".join(_pairs(_beside(score, set_up, USUAL, "volts"), unit)
-                            for set_up in SET_UPS)
+                + "; ".join(_pairs(each, unit) for each in pairs[DESIGNED].values())
                 + ". The printed tables have "
                 + "; ".join(_printed(score, set_up, unit) for set_up in SET_UPS) + ".",
             )
@@ -101,35 +104,46 @@ def _trade() -> Row:
     scores = ("overshoot", "rise")
     shares = {
         reading: {
-            set_up: [_share(_beside(score, set_up, reading)) for score in scores]
+            set_up: [_shares(_beside(score, set_up, reading)) for score in scores]
             for set_up in SET_UPS
         }
         for reading in READINGS
     } | {
+        DESIGNED: {
+            set_up: [_shares(_beside(score, set_up, USUAL, "volts")) for score in scores]
+            for set_up in SET_UPS
+        },
         PRINTED: {
-            set_up: [_share(_on_paper(score, set_up)) for score in scores] for set_up in SET_UPS
-        }
+            set_up: [_shares(_on_paper(score, set_up)) for score in scores] for set_up in SET_UPS
+        },
     }
     return claimed_in_all(
         "Exercise 4.2.2", "trade of overshoot for rise time",
         "much more significant in the non-minimum phase",
         {
-            reading: each[NON_MINIMUM][0] < each[MINIMUM][0]
-            and each[NON_MINIMUM][1] > each[MINIMUM][1]
+            reading: all(
+                other < one
+                for one, other in zip(each[MINIMUM][0], each[NON_MINIMUM][0], strict=True)
+            )
+            and all(
+                other > one
+                for one, other in zip(each[MINIMUM][1], each[NON_MINIMUM][1], strict=True)
+            )
             for reading, each in shares.items()
         },
         "; ".join(
-            f"{set_up.phase}: overshoot × {over:.2f}, rise × {rise:.2f}"
+            f"{set_up.phase}: overshoot × {over[0]:.2f} and {over[1]:.2f}, rise × {rise[0]:.2f} "
+            f"and {rise[1]:.2f}"
             for set_up, (over, rise) in shares[USUAL].items()
         ),
-        reason="Glover-McFarlane over PI, controllers of ours, geometric mean of both tanks, "
-        "medians in percent; judged as more.",
+        reason="Glover-McFarlane over PI, controllers of ours, tank 1 and tank 2, medians in "
+        "percent; judged as more in each tank, by both.",
     )  # fmt: skip
 
 
-def _share(pairs: list[tuple[float, float]]) -> float:
-    """Return Glover-McFarlane over PI, geometric mean of both tanks."""
-    return math.sqrt(math.prod(robust / plain for plain, robust in pairs))
+def _shares(pairs: list[tuple[float, float]]) -> list[float]:
+    """Return Glover-McFarlane over PI for each tank."""
+    return [robust / plain for plain, robust in pairs]
 
 
 def _beside_minimum() -> list[Row]:
@@ -145,25 +159,30 @@ def _beside_minimum() -> list[Row]:
                 for set_up in SET_UPS
             ]
             for reading in READINGS
-        } | {PRINTED: [[two for _, two in _on_paper(score, set_up)] for set_up in SET_UPS]}
-        unit, of = (
-            ("%", "both tanks together, as larger") if score == "overshoot" else ("s", "each")
-        )
+        } | {
+            DESIGNED: [
+                [median(score, set_up, "robust", tank, units="volts") for tank in (1, 2)]
+                for set_up in SET_UPS
+            ],
+            PRINTED: [[two for _, two in _on_paper(score, set_up)] for set_up in SET_UPS],
+        }
+        unit, sign = ("%", -1.0) if score == "overshoot" else ("s", 1.0)
         rows.append(
             claimed_in_all(
                 "Exercise 4.2.3", name, claim,
                 {
-                    reading: sum(one) > sum(two)
-                    if score == "overshoot"
-                    else all(two > one for one, two in zip(one, two, strict=True))
-                    for reading, (one, two) in values.items()
+                    reading: all(
+                        sign * (two - one) > 0.0 for one, two in zip(*each, strict=True)
+                    )
+                    for reading, each in values.items()
                 },
                 "; ".join(
                     f"{set_up.phase} {one:.3g} and {two:.3g} {unit}"
                     for set_up, (one, two) in zip(SET_UPS, values[USUAL], strict=True)
                 ),
                 reason=f"{score.capitalize()} of tanks 1 and 2 with Glover-McFarlane controllers "
-                f"of ours, medians in percent; judged for {of}.",
+                f"of ours, medians in percent; judged for each"
+                + (", as larger." if score == "overshoot" else "."),
             )
         )  # fmt: skip
     return rows

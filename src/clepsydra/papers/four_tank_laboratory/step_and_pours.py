@@ -257,7 +257,8 @@ def sensitivity() -> list[Row]:
             + ", ".join(f"{_percent(share)} ({score})" for score, share in moved.items())
             + " at most where 30 % are one deviation and not three, and by "
             + ", ".join(f"{_percent(share)} ({score})" for score, share in holes.items())
-            + " in the minimum phase with the fitted holes. No verdict hangs on either.",
+            + " in the minimum phase with the fitted holes. A number on which readings disagree is "
+            "not reproduced, and a claim is a remark.",
         )
     ]  # fmt: skip
 
