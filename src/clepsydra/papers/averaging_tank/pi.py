@@ -79,7 +79,7 @@ def run() -> Findings:
         "Fig. 7", "Steps of both references under PI control",
         {each.title: _drawn(each) for v in _VARIANTS for each in (BY_HAND[v], OPTIMAL[v])},
         _DRAWN,
-        "With the printed constants C_in swings between its limits: an integral time of a "
+        "With the printed optimum C_in swings between its limits: an integral time of a "
         "millisecond makes IE small and the loop ring.",
     )  # fmt: skip
     return Findings((*_signed_error(), *_table_6(), *_claims()), (figure,))
@@ -325,8 +325,9 @@ def _claims() -> list[Row]:
             "optimal constants: shorter settling and rise time",
             f"C settles in {free.settling('C'):.3f} s after {hand.settling('C'):.3f} s by hand "
             f"and rises in {free.rise_time('C'):.3f} s after {hand.rise_time('C'):.3f} s",
-            reason="It hangs on the limit of C_in, which Table 6 was made without and Fig. 7 may "
-            "have: this is without, constants (80) and (81), to within 2 % and from 10 to 90 %. "
+            reason="It hangs on the limit of C_in, which Table 6 lacks with f_in constant and "
+            "Fig. 7 may have: this is without, constants (80) and (81), to within 2 % and from 10 "
+            "to 90 %. "
             f"With 0 to 25 kmol/m³ C would settle in {limited.settling('C'):.1f} s, with C_in at a "
             f"limit for {limited.at_limit('inlet'):.1f} s. V settles sooner either way, in "
             f"{free.settling('V'):.2f} s after {hand.settling('V'):.2f} s.",
