@@ -61,8 +61,9 @@ def _gains() -> list[Row]:
         for column in (COLUMNS[0], COLUMNS[2])
     )
     square = (
-        "Fi12² is Q4/R1 for any plant of this form, and Fi21 = 10 in the same matrix is √(Q3/R2)",
-        abs(hand[0, 3] ** 2 - 10.0) < 1e-6 and abs(hand[1, 2] - 10.0) < 1e-6,
+        "Fi12² is Q4/R1 = 10 for any plant of this form; and F12 beside it asks for it, as F12² = "
+        "Q2/R1 + 2 Fi12",
+        abs(hand[0, 3] ** 2 - 10.0) < 1e-6 and abs((3.0536**2 - 3.0) / 2.0 - hand[0, 3]) < 2e-4,
     )
     rows = [
         compared("(97b)", "F12", "3.0536", hand[0, 1], "1/s", why=first),
