@@ -23,8 +23,9 @@ from clepsydra.papers.row import Row
 PLACE = "section 5"
 LIMIT = 10.0
 _READING = (
-    "Limits and settings, those of its [5], are not printed; read as Johansson's PI controllers on "
-    f"{USUAL.sensor:g} V/cm without bias, pumps from 0 to {USUAL.limit:g} V, tanks from empty to "
+    "Limits and settings, those of its [5], are not printed; read as Johansson's PI controllers in "
+    f"volts, without decoupling, on {USUAL.sensor:g} V/cm without bias, pumps from 0 to "
+    f"{USUAL.limit:g} V, tanks from empty to "
     "12.4 and 12.7 cm."
 )
 #: Others than that reading.
@@ -52,7 +53,7 @@ def filling() -> Findings:
     rows = [
         *_overshoots(runs),
         *_speed(runs),
-        _saturation(old, new),
+        _saturation(runs),
         _without_saturation(),
         _energy(old, new),
         _overflow(),
@@ -88,8 +89,9 @@ def _overshoots(runs: dict[str, Filling]) -> list[Row]:
             farther,
             "%",
             tolerance=0.1,
-            why=f"printed as “around”. {_READING}",
-            unprinted=f"{_READING} So h1 and h2 overshoot by {_both(old, 'overshoot')} %, of which "
+            why=f"“Around” is taken as 10 %. {_READING}",
+            unprinted=f"{_READING} “Around” is taken as 10 %. So h1 and h2 overshoot by "
+            f"{_both(old, 'overshoot')} %, of which "
             "the farther stands here; on the linearised tanks it is "
             f"{_both(runs['conventional in ν'], 'overshoot')} %.",
         ),
@@ -149,8 +151,11 @@ def _speed(runs: dict[str, Filling]) -> list[Row]:
     ]
 
 
-def _saturation(old: Filling, new: Filling) -> Row:
-    times = [(new.saturated(pump, LIMIT), old.saturated(pump, LIMIT)) for pump in (1, 2)]
+def _saturation(runs: dict[str, Filling]) -> Row:
+    times, linear = (
+        [(runs[new].saturated(pump, LIMIT), runs[old].saturated(pump, LIMIT)) for pump in (1, 2)]
+        for new, old in (("variable", "conventional"), ("variable in ν", "conventional in ν"))
+    )
     shares = [
         filled("variable_structure").saturated(pump, READINGS[lane].limit, lane)
         / filled(CONVENTIONAL).saturated(pump, READINGS[lane].limit, lane)
@@ -161,17 +166,21 @@ def _saturation(old: Filling, new: Filling) -> Row:
         PLACE,
         "time of the pumps at a limit",
         "returns within the constrained range much faster",
-        max(shares) < 1.0,
-        ", ".join(
-            f"v{pump} {one:.1f} against {other:.1f}" for pump, (one, other) in enumerate(times, 1)
-        ),
+        max(shares) < 1.0 and all(one < other for one, other in linear),
+        _pumps(times),
         "s",
         reason="Our reading of a garbled sentence: “returns to the control range within a "
         "constrained range [11-13]. The PID control is much faster, while the conventional PID "
         "control can only passively adjust the control input back”. At both limits; judged as "
         f"faster, since how much is much is not said. {_READING} In all {len(shares) // 2} "
         f"readings ({_OTHERS}) in which the pumps saturate it is {min(shares):.2f} to "
-        f"{max(shares):.2f} of the time.",
+        f"{max(shares):.2f} of the time. On the linearised tanks it is {_pumps(linear)} s.",
+    )
+
+
+def _pumps(times: list[tuple[float, float]]) -> str:
+    return ", ".join(
+        f"v{pump} {new:.1f} against {old:.1f}" for pump, (new, old) in enumerate(times, 1)
     )
 
 
@@ -184,8 +193,10 @@ def _without_saturation() -> Row:
         equal == 0.0,
         f"{equal:.1g}",
         "cm",
-        reason="Largest difference of the levels between variable structure and no anti-windup "
-        "where the pumps may go to 1000 V; below zero they are limited as ever, which a filling to "
+        reason="Where u_n is u_s, (14) integrates e and nothing else: the loop is the one without "
+        "anti-windup, to which linear analysis applies. Largest difference of the levels between "
+        "the two in a filling where the pumps may go to 1000 V; below zero they are limited "
+        "as ever, which a filling to "
         f"{100 * at_target().operating_point.state[0]:.3g} cm does not reach.",
     )
 
@@ -228,9 +239,10 @@ def _overflow() -> Row:
         "water over the rims",
         "conventional PID is prone to overflow when the target level is high",
         old.spilt() > 0.0,
-        f"{old.spilt():.3g}",
+        f"{old.spilt():.0f}",
         "cm³",
-        reason=f"Filled to {100 * HIGH[0]:g} cm, in Johansson's tanks, 20 cm high; by the printed "
+        reason=f"Both levels filled to {100 * HIGH[0]:g} cm, in Johansson's tanks, 20 cm high, "
+        f"with his PI controllers in volts, pumps from 0 to {LIMIT:g} V; by the printed "
         f"overshoot of 12 % any setpoint above {20.0 / 1.12:.1f} cm runs over. With variable "
         f"structure it is {new.spilt():.3g} cm³.",
     )

@@ -130,8 +130,9 @@ def _shown(run: Run) -> list[Row]:
             "outputs of P+ under (9) until a pump saturates",
             _TEXT,
             f"{100 * max(errors) / VOLTS_PER_METRE:.1e} cm for {end - start:.0f} s",
-            reason="After a step of half a centimetre. Both lower levels stand at their "
-            "setpoints, and a table of them shows nothing wrong.",
+            reason="From 100 s after a step of h1 by half a centimetre until a pump is at its "
+            "limit. Both lower levels stand at their setpoints, and a table of them shows nothing "
+            "wrong.",
         ),
         remark(
             "section 3",
@@ -148,7 +149,8 @@ def _shown(run: Run) -> list[Row]:
             _TEXT,
             f"pump at its limit after {end - BEFORE:.0f} s, error {max(last):.1f} cm, "
             f"{spilt:.0f} cm³ spilt",
-            reason="With a pump at its limit the outputs are lost as well.",
+            reason="The same step of half a centimetre, 870 s after it. With a pump at its limit "
+            "the outputs are lost as well.",
         ),
     ]
 

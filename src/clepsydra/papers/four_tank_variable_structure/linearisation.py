@@ -188,7 +188,7 @@ def _decoupling(s: Derived) -> list[Row]:
                 s.L[1],
                 reason="dy2/dt above it has it.",
             ),
-            "The minus sign before a2 √(2 g h2) is lost.",
+            "The minus sign before a2 √(2 g h2) seems lost.",
         )
     )
     zero = Integer(0)
@@ -216,7 +216,7 @@ def _decoupling(s: Derived) -> list[Row]:
             str(determinant),
             reason="It depends on no level, so that E is regular at every one and each input of "
             "(9) moves its own output alone. What the feedback hides is another matter, see the "
-            "last experiment.",
+            "rows on P+.",
         )
     )
     needed = [h for h in s.h if any(entry.has(h) for entry in s.L)]
@@ -236,18 +236,15 @@ def _decoupling(s: Derived) -> list[Row]:
     squared = (Matrix([(Matrix([x1]).jacobian(state) * g)[0]]).jacobian(state) * g)[0]
     mixed = (Matrix([(Matrix([x1]).jacobian(state) * f)[0]]).jacobian(state) * g)[0]
     rows.append(
-        damaged(
-            stated(
-                "section 3",
-                "derivative in which the input appears",
-                "y^(r) = L_f^n h + L_g^n h u",
-                "y^(r) = L_f^r h + L_g L_f^(r−1) h u",
-                bool(squared == mixed),
-                f"For d²y/dt² = u the input's factor is 1: L_g² h is {squared} and L_g L_f h is "
-                f"{mixed}; (8) has the right one.",
-            ),
-            "n stands for r_j in all of this line, where y^(r) is d^n y/dt^n, as both look alike; "
-            "its terms may not be what was printed.",
+        stated(
+            "section 3",
+            "derivative in which the input appears",
+            "y^(r) = L_f^n h + L_g^n h u",
+            "y^(r) = L_f^r h + L_g L_f^(r−1) h u",
+            bool(squared == mixed),
+            "The first row of (8) has L_g L_f^(r−1) h as the factor of the input, and (7) has "
+            "L_f^r h. They are right: for d²y/dt² = u that factor is 1, and L_g² h is "
+            f"{squared}, L_g L_f h {mixed}.",
         )
     )
     return rows
@@ -283,7 +280,7 @@ def _new_inputs(s: Derived) -> list[Row]:
                 reason="With r1 = 1 the sum ends at r1 − 1 = 0, as (13) has no derivative above "
                 "r − 1; n − 1 = 3 would bring in three further Lie derivatives.",
             ),
-            "n may be a misread r_i, as in section 3, and L_f^h beside it a misread L_f^k.",
+            "The place is garbled: n may be a misread r_i, and L_f^h beside it a misread L_f^k.",
         )
     )
     y, second = symbols("y m1")

@@ -21,6 +21,8 @@ from clepsydra.papers.row import Row
 #: Of both pumps [V].
 LIMITS = np.linspace(4.0, 20.0, 33)
 SHOWN = (4.0, 6.0, 10.0, 15.0, 20.0)
+#: More than no time at a limit [s].
+_SHORTEST = 1e-3
 #: Where the five ways are told in figures [V].
 USUAL = 10.0
 _NOTES = {
@@ -54,7 +56,7 @@ def _lane(limit: float) -> int:
     return int(np.argmin(np.abs(LIMITS - limit)))
 
 
-def _shares(runs: dict[str, Filling]) -> list[float]:
+def _shares(runs: dict[str, Filling], least: float = SATURATED) -> list[float]:
     """Return the time at a limit as a share of conventional PID's, where that saturates."""
     new, old = runs["variable_structure"], runs[CONVENTIONAL]
     times = [
@@ -62,7 +64,7 @@ def _shares(runs: dict[str, Filling]) -> list[float]:
         for lane, limit in enumerate(LIMITS)
         for pump in (1, 2)
     ]
-    return [one / other for one, other in times if other >= SATURATED]
+    return [one / other for one, other in times if other >= least]
 
 
 def _returns(runs: dict[str, dict[str, Filling]]) -> Row:
@@ -72,14 +74,16 @@ def _returns(runs: dict[str, dict[str, Filling]]) -> Row:
         "section 4, (3)",
         "time of the pumps at a limit, from 4 to 20 V",
         "returns to the linear range faster than the normal saturation method",
-        all(max(each) < 1.0 for each in shares.values()),
+        all(max(each) < 1.0 for each in shares.values())
+        and all(max(_shares(found, _SHORTEST)) <= 1.0 for found in runs.values()),
         "; ".join(
             f"{reading} {min(each):.2f} to {max(each):.2f} times as long"
             for reading, each in shares.items()
         ),
-        reason=f"Both pumps at the {counts} of {2 * len(LIMITS)} limits at which conventional PID "
-        f"stands for {SATURATED:g} s or more, 0.5 V/cm and no bias. That the level comes sooner is "
-        "not said there.",
+        reason=f"Two pumps at {len(LIMITS)} limits are {2 * len(LIMITS)} cases: in {counts} of "
+        f"them conventional PID, with a limiter alone, stands at a limit for {SATURATED:g} s or "
+        "more; 0.5 V/cm and no bias. In the others it is never longer with variable structure. "
+        "That the level comes sooner is not said there.",
     )
 
 
