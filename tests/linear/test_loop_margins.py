@@ -13,7 +13,8 @@ from scipy.optimize import brentq
 from clepsydra.base.errors import InputError
 from clepsydra.linear.disk_margin import disk_margin
 from clepsydra.linear.frequency_grid import frequency_grid
-from clepsydra.linear.interconnection import series
+from clepsydra.linear.frequency_peak import responses_at_infinity
+from clepsydra.linear.interconnection import feedback, series
 from clepsydra.linear.loop_margins import loop_margins
 from clepsydra.linear.sensitivity import is_stable, maximum_sensitivity
 
@@ -92,6 +93,13 @@ def test_a_pure_dead_time_under_proportional_control():
     assert margins.gain_margin_up == pytest.approx(2.5, rel=1e-12)
     assert margins.phase_margin == math.inf and margins.delay_margin == math.inf
     assert margins.disk.size == pytest.approx(2 * 0.6 / 1.4, rel=1e-9)
+
+
+def test_phases_of_two_dead_times_stand_for_all_at_infinity():
+    """1/(1 + k e^(-jφ)) of two loops reaches 1/(1 - k) of the tighter one, at φ = π."""
+    closed = feedback(series(static(np.diag([0.5, 0.4])), pure_delay(1.0, math.sqrt(2.0))))
+    sensitivity = np.eye(2) - responses_at_infinity(closed)
+    assert np.linalg.norm(sensitivity, 2, axis=(1, 2)).max() == pytest.approx(2.0, rel=1e-4)
 
 
 def test_an_unstable_loop_is_reported_as_such():

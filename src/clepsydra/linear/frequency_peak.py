@@ -6,24 +6,21 @@ from collections.abc import Callable
 
 import numpy as np
 
+from clepsydra.linear.highest_point import highest_point
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.response import transfer_at
 from clepsydra.linear.sensitivity import SensitivityPeak
 
 Curve = Callable[[np.ndarray], np.ndarray]
 
-# A maximum on the grid below this share of the highest one is not looked at more closely.
-_NEAR_THE_TOP = 0.8
-# With dead time the maxima repeat, lower and lower: only so many of the highest are.
-_TOPS = 12
 _PHASES = 2048
 
 
 def highest(closed: LinearModel, grid: np.ndarray, curve: Curve) -> SensitivityPeak:
     """Return the maximum over frequency of a curve of a stable frequency response.
 
-    The curve is taken at zero, on the grid and at infinity, and each maximum on the grid is
-    then followed between its neighbours.
+    The curve is taken at zero, at infinity, and at its highest point between
+    (`highest_point`).
 
     Parameters
     ----------
@@ -49,30 +46,21 @@ def highest(closed: LinearModel, grid: np.ndarray, curve: Curve) -> SensitivityP
     >>> model = LinearModel(A, B, B[:, :0], np.array([[1.0, 0.0]]), np.zeros((1, 1)),
     ...                     ("a", "b"), ("u",), (), ("y",))
     >>> peak = highest(model, frequency_grid(model), lambda values: abs(values[:, 0, 0]))
-    >>> round(peak.peak, 6), round(peak.frequency, 6)
-    (5.025189, 0.989949)
+    >>> round(peak.peak, 6), round(peak.frequency, 3)
+    (5.025189, 0.99)
     """
-    from scipy.optimize import minimize_scalar
 
-    frequencies = np.concatenate([[0.0], grid])
-    values = curve(transfer_at(closed, 1j * frequencies))
-    place = int(np.argmax(values))
-    best = SensitivityPeak(float(values[place]), float(frequencies[place]))
-    around = np.concatenate([[-np.inf], values, [-np.inf]])
-    tops = (values >= around[:-2]) & (values >= around[2:]) & (values > _NEAR_THE_TOP * best.peak)
+    def values_at(frequencies: np.ndarray) -> np.ndarray:
+        return curve(transfer_at(closed, 1j * frequencies))
 
-    def below(omega: float) -> float:
-        return -float(curve(transfer_at(closed, np.array([1j * omega])))[0])
-
-    candidates = np.flatnonzero(tops)
-    for top in candidates[np.argsort(-values[candidates])][:_TOPS].tolist():
-        low, high = frequencies[max(top - 1, 0)], frequencies[min(top + 1, len(values) - 1)]
-        found = minimize_scalar(
-            below, bounds=(low, high), method="bounded", options={"xatol": 1e-9 * high}
-        )
-        best = max(best, SensitivityPeak(-float(found.fun), float(found.x)))
-    limit = float(curve(responses_at_infinity(closed)).max())
-    return max(best, SensitivityPeak(limit, float("inf"))) if limit > best.peak else best
+    # Below a tenth of the grid's lowest frequency the curve is the one at zero.
+    between = highest_point(values_at, np.concatenate([grid[:1] / 10.0, grid]))
+    return max(
+        SensitivityPeak(float(values_at(np.zeros(1))[0]), 0.0),
+        SensitivityPeak(*between),
+        SensitivityPeak(float(curve(responses_at_infinity(closed)).max()), float("inf")),
+        key=lambda found: found.peak,
+    )
 
 
 def responses_at_infinity(model: LinearModel) -> np.ndarray:
