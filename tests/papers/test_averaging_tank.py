@@ -166,15 +166,16 @@ def test_claims_fail_where_the_documents_own_figures_contradict_them(rows):
     assert keys(rows, "claim fails") == FAILING
 
 
-def test_table_7_is_reproduced_but_where_it_was_solved_from(rows):
+def test_table_7_is_reproduced_but_where_it_was_solved_from_or_the_solver_decides(rows):
     cells = [row for row in rows.values() if row.place == "Table 7"]
     assert len(cells) == 40
-    assert sum(row.verdict == "reproduced" for row in cells) == 40 - len(SOLVED_FROM)
+    others = len(SOLVED_FROM) + len(OF_THE_SOLVER)
+    assert sum(row.verdict == "reproduced" for row in cells) == 40 - others
 
 
 def test_the_rest_is_as_printed(rows):
     rest = [row for row in rows.values() if row.is_counted and row.is_as_printed]
-    assert {row.verdict for row in rest} == {"reproduced", "claim holds"} and len(rest) >= 200
+    assert {row.verdict for row in rest} == {"reproduced", "claim holds"} and len(rest) >= 180
 
 
 def test_no_type_is_worse_than_one_that_it_contains():
