@@ -1,0 +1,159 @@
+"""The scripts of docs/examples run, and print what physics or another way of computing says."""
+
+import math
+import re
+import runpy
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import pytest
+from scipy.optimize import brentq
+from tools import need, need_compiler
+
+FOLDER = Path(__file__).parent.parent / "docs" / "examples"
+NUMBER = r"(-?\d+\.?\d*)"
+#: The tank of `cl.new_process` at 3 V: pump [cm³/(s V)], hole [cm²], 2 g [cm/s²].
+PUMP, HOLE, TWICE_GRAVITY = 3.33, 0.071, 2 * 981.0
+
+
+@pytest.fixture
+def printed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+
+    def run(name: str) -> str:
+        runpy.run_path(str(FOLDER / f"{name}.py"))
+        plt.close("all")
+        return capsys.readouterr().out
+
+    return run
+
+
+def numbers(pattern: str, text: str) -> list[float]:
+    """Return what stands at # in each place where the pattern does."""
+    found = re.findall(pattern.replace("#", NUMBER), text)
+    assert found, f"{pattern} is not in\n{text}"
+    return [float(value) for value in found]
+
+
+def test_every_script_says_what_it_answers_and_is_short():
+    scripts = sorted(FOLDER.glob("*.py"))
+    assert len(scripts) == 12
+    for script in scripts:
+        first, *rest = script.read_text().splitlines()
+        assert first.startswith("# ") and "?" in first
+        assert 5 <= len([line for line in rest if line]) <= 20
+
+
+def test_open_loop_step(printed):
+    """The level in the end is that at which the hole lets out what comes in (Torricelli)."""
+    inflow = 0.70 * 3.33 * 3.2 + (1 - 0.60) * 3.35 * 3.0
+    level = 0.5 * (inflow / HOLE) ** 2 / TWICE_GRAVITY
+    assert numbers(r"level_1: .* V to # V", printed("open_loop_step")) == [
+        pytest.approx(level, abs=0.01)
+    ]
+
+
+def test_own_law(printed):
+    """P control rests where the hole lets out what pump and load bring; PI on its setpoint."""
+    at_rest = (PUMP * 3.0 / HOLE) ** 2 / TWICE_GRAVITY
+
+    def balance(level: float) -> float:
+        inflow = PUMP * (3.0 - 2.0 * (level - at_rest)) + 2.0
+        return inflow - HOLE * math.sqrt(TWICE_GRAVITY * level)
+
+    offset = 10.0 * (brentq(balance, at_rest, at_rest + 1.0) - at_rest)
+    assert numbers(r": # mm", printed("own_law")) == [
+        pytest.approx(offset, abs=0.01),
+        pytest.approx(0.0, abs=0.01),
+    ]
+
+
+@pytest.mark.thorough
+def test_compare_three_pi(printed):
+    """∫ e dt = Ti Δu / K: twice the gain at the same Ti halves the error of a level."""
+    text = printed("compare_three_pi")
+    bold, usual, calm = (
+        numbers(f"{name} .*level_1 +# ", text)[0] for name in ("bold", "usual", "calm")
+    )
+    assert bold / usual == pytest.approx(0.5, rel=0.1)
+    assert calm > usual
+
+
+@pytest.mark.thorough
+def test_tune_with_overshoot_limit(printed):
+    text = printed("tune_with_overshoot_limit")
+    assert numbers("overshoot # %", text)[-1] <= 5.0
+    assert numbers(r"IAE # V s, tuned", text)[0] > numbers(r"tuned # V s", text)[0]
+
+
+@pytest.mark.thorough
+def test_own_plant_to_structured_text(printed):
+    """SIMC on a slope k' takes Ti = 4 / (k' K), and k' follows from pump, area and ranges."""
+    text = printed("own_plant_to_structured_text")
+    slope = PUMP * 10.0 / (40.0 * 20.0)  # [%/% per s]
+    gain, time = numbers("K = # %/%", text)[0], numbers("Ti = # s", text)[0]
+    assert time == pytest.approx(4 / (slope * gain), rel=0.01)
+
+
+@pytest.mark.thorough
+def test_identify_and_retune(printed):
+    """The pump has 80 % of what was believed, and Ti is as the inverse of that."""
+    text = printed("identify_and_retune")
+    assert numbers("pump_1.gain #", text) == [pytest.approx(0.8 * PUMP, rel=0.005)]
+    believed, found = numbers("Ti = # s", text)
+    assert believed / found == pytest.approx(0.8, rel=0.01)
+
+
+@pytest.mark.thorough
+def test_robustness_by_hand(printed):
+    """A wider tank is slower, so that the same controller crosses over lower."""
+    text = printed("robustness_by_hand")
+    peaks, errors = numbers(r"max\|S\| #", text), numbers("IAE #", text)
+    assert peaks == sorted(peaks, reverse=True) and min(peaks) > 1.0
+    assert errors == sorted(errors)
+
+
+@pytest.mark.thorough
+def test_lqi_with_weights(printed):
+    """A dearer error of level_1 becomes smaller, and the cheaper one of level_2 larger."""
+    text = printed("lqi_with_weights")
+    (even_1, uneven_1), (even_2, uneven_2) = (numbers(f"'level_{i}': #", text) for i in (1, 2))
+    assert uneven_1 < even_1 and uneven_2 > even_2
+
+
+@pytest.mark.thorough
+def test_smith_predictor(printed):
+    text = printed("smith_predictor")
+    smith, pi = (numbers(f"{name}.*IAE # m min", text)[0] for name in ("Smith", "PI"))
+    assert smith < pi
+    assert max(numbers(r"max\|S\| #", text)) <= 2.0 + 0.005  # as printed
+
+
+@pytest.mark.thorough
+def test_notebook_with_plots(printed, tmp_path):
+    """With an integral the level comes to its setpoint, 1 V above where it rests."""
+    text = printed("notebook_with_plots")
+    at_rest = 0.5 * ((0.70 * 3.33 * 3.0 + 0.40 * 3.35 * 3.0) / HOLE) ** 2 / TWICE_GRAVITY
+    assert all(at_rest + 0.99 <= peak <= at_rest + 1.2 for peak in numbers("': #", text))
+    assert all((tmp_path / name).stat().st_size > 5000 for name in ("pi.png", "both.png"))
+
+
+@pytest.mark.thorough
+def test_python_control_object(printed):
+    """Its poles are those of s² + (1/T + k K) s + k K / Ti, by hand."""
+    text = printed("python_control_object")
+    level = (PUMP * 3.0 / HOLE) ** 2 / TWICE_GRAVITY
+    lag = 28.0 / HOLE * math.sqrt(2 * level / 981.0)
+    slope = PUMP * 10.0 / (28.0 * 20.0)
+    gain, time = 3.0, 4 / (3.0 * slope)
+    first, second = numbers("poles .*?#", text)[0], numbers(r"poles \[-\d.*?j +#", text)[0]
+    assert -(first + second) == pytest.approx(1 / lag + gain * slope, abs=0.002)
+    assert first * second == pytest.approx(gain * slope / time, rel=0.05)
+
+
+@pytest.mark.thorough
+def test_export_and_verify(printed):
+    need_compiler()
+    need("fmpy", "tree_sitter_iec61131_3_st")
+    assert "The proof holds" in printed("export_and_verify")
