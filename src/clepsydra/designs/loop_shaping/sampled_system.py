@@ -24,7 +24,7 @@ class SampledSystem(NamedTuple):
     Examples
     --------
     >>> one = np.eye(1)
-    >>> SampledSystem(0.5 * one, one, one, 0.0 * one).largest_gain
+    >>> round(SampledSystem(0.5 * one, one, one, 0.0 * one).largest_gain, 9)
     2.0
     """
 
@@ -64,7 +64,7 @@ class SampledSystem(NamedTuple):
         --------
         >>> one = np.eye(1)
         >>> lag = SampledSystem(0.5 * one, one, one, 0.0 * one)
-        >>> lag.then(lag).largest_gain
+        >>> round(lag.then(lag).largest_gain, 9)
         4.0
         """
         n, r = len(self.A), len(second.A)

@@ -147,8 +147,9 @@ def _unreadable(place: str, matrix: np.ndarray, printed: tuple[str, str, str, st
         )
     open_by = _left_open(COLUMNS[1], (1, 2)) * matrix[1, 2]
     cells = {
-        "(100b)": "The second row of F is that of R, printed above it, and the cells of Fi have "
-        f"two points each; 470.3 may be left of 3470.3, as Q3 leaves ± {open_by:.1f} open.",
+        "(100b)": "The second row of F is that of R, printed above it, and the cells of that "
+        "row of Fi have two points each; 470.3 may be left of 3470.3, as Q3 leaves "
+        f"± {open_by:.1f} open.",
         "(101b)": "F22 and Fi22 are alike, and no cell of the row is a gain by (101a), with Q3 as "
         "printed or as 10.92.",
     }[place]
@@ -268,9 +269,9 @@ def _squared_slopes() -> list[Row]:
                 "for the solver, which is not printed.",
             )  # fmt: skip
             solved = (
-                f"{share:.3f} of it is the derivative of the step itself, over {1e4 * time:.3f}e-4 "
+                f"{share:.3f} of it is the derivative of the step itself, over {1e4 * time:.4f}e-4 "
                 "s, which is not printed and was solved from ISEG of C, f_out constant, by hand: "
-                "it would agree whatever the control does."
+                "that they agree says little of the control."
             )
             rows.append(circular(row, solved))
     return rows

@@ -29,8 +29,8 @@ _STEP = 0.04  # [m³/min]
 _MINUTES = 80
 #: Half of the last digit of the coefficients of (21).
 _ROUNDING_A, _ROUNDING_B = (0.0005, 0.00005), (0.00005, 0.00005)
-#: The length of the record is not printed; with this one every digit of (21) comes out [min].
-_PRINTED_MINUTES = 49
+#: The length of the record is not printed; with so many samples every digit of (21) does.
+_PRINTED_SAMPLES = 49
 
 
 def run() -> Findings:
@@ -58,10 +58,10 @@ def _free() -> SimplexFit:
 
 
 def _coefficients() -> list[Row]:
-    model, longer = _fitted(_PRINTED_MINUTES).model, _fitted().model
+    model, longer = _fitted(_PRINTED_SAMPLES).model, _fitted().model
     chosen = (
-        f"The length of the record, {_PRINTED_MINUTES} min, and what the search holds were chosen "
-        "so that every digit of (21) comes out."
+        f"The length of the record, {_PRINTED_SAMPLES} samples, and what the search holds were "
+        "chosen so that every digit of (21) comes out."
     )
     why = (
         "Simplex search over a held continuous model of second order without zeros, with 5 min of "
