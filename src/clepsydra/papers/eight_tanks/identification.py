@@ -156,7 +156,8 @@ def _gain() -> Row:
         f"gain {mean:.2f} by least squares at d = 5, {printed:.3f} of (21), {GAIN} of (8)",
         "min/m²",
         reason=(
-            "By the gain, which the sentence before it names as the criterion. Mean of "
+            "By the gain, which the sentence before it names as the criterion; by (17) least "
+            "squares are better by their definition. Mean of "
             f"{_RECORDS} records of {_SAMPLES} samples without noise of measurement, white noise "
             "held for a sampling period; noise 2, 5 and 10 times as fast gives "
             f"{', '.join(f'{each:.2f}' for each in others)}. A simplex search on the step that "

@@ -119,10 +119,10 @@ def _settings() -> list[Row]:
         ),
         compared("Ziegler-Nichols", "τi", "0.017", integral, "s", right_if=[gains_need]),
         compared("Ziegler-Nichols", "Ki", "0.000013", GAIN / integral, "m²/s²",
-                 why="Printed Kc over τi = Pu/2."),
+                 why="Printed Kc over τi = Pu/2, with Pu of (5): 0.034 is its frequency."),
         compared("Ziegler-Nichols", "τd", "0.00425", derivative, "s", right_if=[gains_need]),
         compared("Ziegler-Nichols", "Kd", "0.028", GAIN * derivative, "m²",
-                 why="Printed Kc times τd = Pu/8; with Kc before rounding it is "
+                 why="Printed Kc times τd = Pu/8, with Pu of (5); with Kc before rounding it is "
                  f"{0.6 * point.gain * derivative:.4f}."),
         remark(
             "Ziegler-Nichols", "ultimate gain of (3)", "0.0019 from the model (5)",
