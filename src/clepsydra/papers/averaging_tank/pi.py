@@ -307,8 +307,8 @@ def _best_values() -> Row:
         "search minimises, over 20 s in continuous time, after tuning PI control again at 2 ms "
         "from several starts, with the flow within 0 to 1 m³/s and C_in free. IE has a row of "
         f"its own; a column is named where it is lower by {100 * _SAME:g} %. With C_in within "
-        "0 to 25 kmol/m³ too the same columns are lower, for example with T_iC = 0.1 s, gains of 2000 and 80 1/s, and no "
-        "integral of V.",
+        "0 to 25 kmol/m³ too the same columns are lower, for example with T_iC = 0.1 s, "
+        "gains of 2000 and 80 1/s, and no integral of V.",
     )  # fmt: skip
 
 
