@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 from pages import blocks
 
-from clepsydra.base.errors import InputError
+from clepsydra import Element, InputError
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process import reader
-from clepsydra.process.element import Element
 from clepsydra.process.kinds import KINDS
 from clepsydra.process.reader import load_process
 

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
+from clepsydra import InputError, Signal
 from clepsydra.base.arguments import require_type
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.base.files import whole_file, write_together
 
 

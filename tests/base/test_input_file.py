@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.base.input_file import input_text, read_input
 
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 
 
 def test_span_is_the_width_of_the_range() -> None:

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.base.units import from_si, split_quantity, to_si
 
 

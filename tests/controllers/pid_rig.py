@@ -5,9 +5,9 @@ from functools import cache
 
 import numpy as np
 
+from clepsydra import PidForm
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 
 MANUAL, AUTOMATIC, TRACKING = 0, 1, 2
 ANTI_WINDUPS = ("back_calculation", "conditional_integration", "clamping", "none")

@@ -2,8 +2,7 @@
 
 from functools import cache
 
-from clepsydra.base.signal import Signal
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import PidForm, Signal
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.law import structure_law
 from clepsydra.controllers.structure.output_block import OutputBlock

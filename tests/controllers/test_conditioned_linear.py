@@ -6,12 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, PidForm, Signal
 from clepsydra.controllers.blocks.status import read_status
 from clepsydra.controllers.conditioned_linear import ConditionedMatrices, conditioned_linear_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process

@@ -6,8 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.linear_step_law import StepLawDerivatives

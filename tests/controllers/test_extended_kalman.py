@@ -5,7 +5,7 @@ import pytest
 from scan_rig import ScannedLaw
 from scipy.linalg import expm
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
 from clepsydra.controllers.process_equations import process_equations
 from clepsydra.designs.extended_kalman import design_lqi_extended_kalman

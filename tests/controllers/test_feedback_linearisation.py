@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.controllers.feedback_linearisation import feedback_linearisation_law
 from clepsydra.controllers.virtual_input import ANTI_WINDUPS
 from clepsydra.designs.feedback_linearisation import (

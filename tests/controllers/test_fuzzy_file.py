@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.controllers.fuzzy.file import load_fuzzy, read_fuzzy
 from clepsydra.controllers.fuzzy.wired import WiredFuzzy
 from clepsydra.linear.equilibrium import find_equilibrium

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 from fuzzy_rig import DOCUMENT, aggregated, exact_centroid, plain_heights, summed_centroid
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Kernel, Signal, program_of
 from clepsydra.controllers.fuzzy.inference import infer, surface
 from clepsydra.controllers.fuzzy.membership import (
     Gaussian,
@@ -17,10 +16,8 @@ from clepsydra.controllers.fuzzy.membership import (
 )
 from clepsydra.controllers.fuzzy.rule import parse_rule
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
-from clepsydra.engine.kernel import Kernel
 from clepsydra.program.counted_loop import counted_loop
 from clepsydra.program.program import Loop
-from clepsydra.program.reader import program_of
 from clepsydra.program.step_law import Equations, step_law
 
 

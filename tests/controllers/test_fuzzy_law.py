@@ -5,8 +5,7 @@ import math
 import pytest
 from fuzzy_rig import DOCUMENT, plain_heights, summed_centroid
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.controllers.blocks.status import read_status
 from clepsydra.controllers.fuzzy.kinds import FuzzyInput, FuzzyOutput
 from clepsydra.controllers.fuzzy.law import fuzzy_law

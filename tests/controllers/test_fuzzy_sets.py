@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.controllers.fuzzy.membership import (
     Gaussian,
     Trapezoid,

@@ -5,12 +5,10 @@ import numpy as np
 import pytest
 from scan_rig import ScannedLaw, at_rest
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, PidForm, Signal
 from clepsydra.controllers.blocks.schedule import Schedule
 from clepsydra.controllers.gain_scheduling import scheduled_law, scheduled_lqi_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid
 from clepsydra.linear.analysis import analyse

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 
 rng = np.random.default_rng(3)

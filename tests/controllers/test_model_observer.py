@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.controllers.feedback_linearisation import feedback_linearisation_law
 from clepsydra.controllers.observers.model_observer import ModelObserver
 from clepsydra.linear.analysis import analyse

@@ -8,11 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, PidForm, Signal
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.parameters import remembered_parameters
-from clepsydra.controllers.pid_form import PidForm
 
 MANUAL, AUTOMATIC, TRACKING = 0, 1, 2
 ANTI_WINDUPS = ["back_calculation", "conditional_integration", "clamping", "none"]

@@ -2,8 +2,7 @@
 
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.controllers.own_law import load_law
+from clepsydra import InputError, load_law
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ import math
 import pytest
 from pid_rig import ANTI_WINDUPS, BUMP, HIGH, LOW, forms, name_of, one_loop, settings
 
+from clepsydra import PidForm
 from clepsydra.controllers.blocks.status import read_status
-from clepsydra.controllers.pid_form import PidForm
 
 GAIN, INTEGRAL_TIME, TRACKING_TIME, STEP = 2.0, 10.0, 20.0, 0.5
 REST, ERROR, START = 50.0, 5.0, 95.0

@@ -21,8 +21,8 @@ from pid_rig import (
     winding_forms,
 )
 
+from clepsydra import PidForm
 from clepsydra.controllers.blocks.status import read_status
-from clepsydra.controllers.pid_form import PidForm
 
 STEP, REST = 0.5, 5.0
 every_form = pytest.mark.parametrize("form", forms(), ids=name_of)

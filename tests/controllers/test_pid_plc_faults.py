@@ -12,7 +12,7 @@ import pytest
 from block_interpreter import evaluate_block
 from pid_rig import HIGH, LOW, forms, name_of, one_loop, settings, winding_forms
 
-from clepsydra.program.reader import program_of
+from clepsydra import program_of
 
 STEP = 0.5
 

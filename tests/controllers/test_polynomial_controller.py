@@ -7,7 +7,7 @@ import pytest
 from sampled_rig import Rig
 from scipy.signal import lfilter
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.controllers.polynomial_controller import PolynomialShape, polynomial_law
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.designs.polynomial.spectral_factor import spectral_factor

@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 from pages import blocks
 
-from clepsydra.base.errors import ClepsydraError, InputError
-from clepsydra.base.signal import Signal
+from clepsydra import ClepsydraError, InputError, PythonLaw, Signal, StepLaw, load_law, python_law
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.own_law import load_law
-from clepsydra.controllers.python_law import PythonLaw, python_law
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.designs.own_law import own_controller
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
@@ -20,7 +17,6 @@ from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.reader import load_process
-from clepsydra.program.step_law import StepLaw
 
 SLOW, USE, FAST = (block.text for block in blocks("docs/own-law.md", "python"))
 WIRES = {"measurements": ["level_1"], "setpoints": ["level_1"], "manipulated": ["pump_1"]}

@@ -5,16 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
+from clepsydra import PidForm, Signal, program_of
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.deploy.printing.precision import in_precision
 from clepsydra.deploy.printing.whole_numbers import (
     SINGLE_WHOLE,
     check_whole_results,
     whole_ranges,
 )
-from clepsydra.program.reader import program_of
 
 LEVEL = Signal("level_1", "V", low=0.0, high=16.0, initial=5.0)
 PUMP = Signal("pump_1", "V", low=0.0, high=10.0, initial=3.0)

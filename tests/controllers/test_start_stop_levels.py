@@ -5,12 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Kernel, NotApplicable, Signal
 from clepsydra.controllers.start_stop_levels import check_levels, start_stop_law
-from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.start_stop_levels import design_start_stop_levels
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.closed_loop import closed_loop, controller_name
 from clepsydra.loop.loop import Loop

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.observers.current_observer import observer_values
 from clepsydra.controllers.observers.structure import ObserverStructure

@@ -9,8 +9,8 @@ from pid_rig import settings as pid_settings
 from scheme_rig import cascade, decoupled, feedforward, override, ratio, split_range
 from scipy.signal import lfilter
 
+from clepsydra import PidForm
 from clepsydra.controllers.blocks.status import read_status
-from clepsydra.controllers.pid_form import PidForm
 
 STEP = 0.5
 ANTI_WINDUPS = ("back_calculation", "conditional_integration", "clamping", "none")

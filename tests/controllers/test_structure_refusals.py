@@ -3,8 +3,7 @@
 import pytest
 from scheme_rig import FLOW, LEVEL, PUMP, VALVE
 
-from clepsydra.base.errors import InputError
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import InputError, PidForm
 from clepsydra.controllers.structure.law import structure_law
 from clepsydra.controllers.structure.output_block import OutputBlock
 from clepsydra.controllers.structure.pid_block import PidBlock

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from pid_rig import AUTOMATIC, BUMP, HIGH, LOW, MANUAL, TRACKING, PlainPid, Scans, settings
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, PidForm
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.variable_structure_pid import (
     variable_structure_form,
     variable_structure_pid_law,

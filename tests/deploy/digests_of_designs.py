@@ -4,7 +4,7 @@ import hashlib
 import json
 import sys
 
-from clepsydra.base.errors import ClepsydraError
+from clepsydra import ClepsydraError
 from clepsydra.deploy.export import export_c
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.printing.heading import digest

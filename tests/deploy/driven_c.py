@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.deploy.c99.printer import CSource
 from clepsydra.deploy.printing.entries import is_ring, signal_of
 from clepsydra.program.program import Program

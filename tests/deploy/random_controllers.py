@@ -9,12 +9,11 @@ import numpy as np
 from hypothesis import strategies as st
 from random_programs import IMPORTS, Written, modest, numbers
 
-from clepsydra.base.signal import Signal
+from clepsydra import PidForm, Signal, StepLaw
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.conditioned_linear import ConditionedMatrices, conditioned_linear_law
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.state_feedback import state_feedback_law
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.law import structure_law
@@ -23,7 +22,6 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.ratio_block import RatioBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
-from clepsydra.program.step_law import StepLaw
 
 LAW_IMPORTS = (
     IMPORTS
@@ -32,7 +30,7 @@ from clepsydra.controllers.conditioned_linear import ConditionedMatrices, condit
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.own_signals import OwnSignals
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import PidForm
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.state_feedback import state_feedback_law

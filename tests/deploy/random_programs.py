@@ -20,12 +20,12 @@ from math import inf
 import casadi as ca
 import numpy as np
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
-from clepsydra.program.reader import program_of
+from clepsydra import program_of
 from clepsydra.program.step_law import Equations, step_law
 """
 

@@ -1,6 +1,6 @@
 """Programs that the tests of Structured Text and of PLCopen XML print."""
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Loop, Operation, Program
 

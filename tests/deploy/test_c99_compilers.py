@@ -12,7 +12,7 @@ from driven_c import run as run_driver
 from families import PROCESSES, bare, family
 from tools import need, need_compiler
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.compiler import Compiler
 from clepsydra.deploy.proof.compiled_c import CompiledC as Compiled

@@ -12,7 +12,7 @@ from deployed import all_bits
 from driven_c import built, run, written
 from families import PROCESSES, family
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.proof.comparison import compare, shown_signals
 from clepsydra.deploy.proof.engine_run import engine_run

@@ -11,11 +11,10 @@ from deployed import CompiledC, all_bits
 from random_blocks import FINITE, random_block, stimulus
 from single_precision import InSinglePrecision, single_bits
 
-from clepsydra.base.signal import Signal
+from clepsydra import Kernel, Signal
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.process_program import process_program
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process.reader import load_process
 from clepsydra.program.builder import BlockBuilder

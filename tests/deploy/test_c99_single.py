@@ -11,7 +11,7 @@ from families import PROCESSES, analysed, bare, family
 from random_blocks import random_block
 from single_precision import InSinglePrecision, single_bits
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.deploy.proof.scans import random_scans
 from clepsydra.program.program import EXACT, Program
 

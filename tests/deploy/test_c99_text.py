@@ -9,8 +9,7 @@ import pytest
 from deployed import CompiledC
 from families import PROCESSES, bare, family
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.c99.state_size import state_size
 from clepsydra.deploy.printing.entries import signal_of

@@ -7,7 +7,7 @@ import shutil
 import pytest
 from tools import need, need_compiler
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.deploy.compiler import CompilationError, find_compiler, library_name
 
 ANSWER = "int answer(void);\nint answer(void) { return 42; }\n"

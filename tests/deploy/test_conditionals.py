@@ -7,8 +7,7 @@ from block_interpreter import evaluate_block
 from deployed import all_bits, run_both
 from random_blocks import FINITE, random_block, stimulus
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.structured_text.printer import print_structured_text

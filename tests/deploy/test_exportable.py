@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.export import export_structured_text
 from clepsydra.deploy.exportable import exportable, exportable_name

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tools import need_grammar
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.deploy.c99.notation import notation_of as c_notation_of
 from clepsydra.deploy.printing.expressions import (
     Expression,

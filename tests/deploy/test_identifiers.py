@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.deploy.printing.identifiers import (
     C_WORDS,
     STRUCTURED_TEXT_WORDS,

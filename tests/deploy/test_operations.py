@@ -7,14 +7,12 @@ import numpy as np
 import pytest
 from deployed import CompiledC, InterpretedText, all_bits, bits, run_both
 
-from clepsydra.base.signal import Signal
+from clepsydra import Kernel, Signal, program_of
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.engine.kernel import Kernel
 from clepsydra.program.counted_loop import counted_loop
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import EXACT, Block, Operation, Program
-from clepsydra.program.reader import program_of
 from clepsydra.program.step_law import Equations, step_law
 
 NASTY = [

@@ -4,7 +4,7 @@ import textwrap
 
 import pytest
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.deploy.printing.heading import comment, heading, number_comment, table_comment
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.delay_ring import DelayRing

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import pytest
 from structured_text_programs import every_kind
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.deploy.plcopen.document import XHTML, flavour_of
 from clepsydra.deploy.plcopen.printer import print_plcopen, print_plcopen_project

@@ -10,8 +10,7 @@ from deployed import CompiledC
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.printing.expressions import decimal
 from clepsydra.deploy.printing.precision import check_precision, in_precision

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from clepsydra import Kernel
 from clepsydra.deploy.process_program import process_program
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.loop.open_loop import simulate

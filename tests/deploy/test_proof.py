@@ -7,18 +7,15 @@ import numpy as np
 import pytest
 from deployed import all_bits, run_both
 
-from clepsydra.base.signal import Signal
+from clepsydra import Kernel, PidForm, Signal, program_of
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Program
-from clepsydra.program.reader import program_of
 from clepsydra.studies.designs import DESIGNS
 
 SCANS = 10_000

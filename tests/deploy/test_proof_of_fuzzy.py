@@ -7,7 +7,7 @@ import pytest
 from deployed import all_bits, run_both
 from test_proof import simulated, spoilt
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal, program_of
 from clepsydra.controllers.fuzzy.file import load_fuzzy
 from clepsydra.controllers.fuzzy.kinds import FuzzyInput, FuzzyOutput
 from clepsydra.controllers.fuzzy.law import fuzzy_law
@@ -23,7 +23,6 @@ from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.papers.averaging_tank.fuzzy import RULES
 from clepsydra.process.reader import load_process
 from clepsydra.program.defaults import with_defaults
-from clepsydra.program.reader import program_of
 
 SCANS, HELD = 1_500, 20
 

@@ -9,11 +9,11 @@ import pytest
 from deployed import CompiledC, InterpretedText, all_bits, run_both
 from test_proof import simulated
 
+from clepsydra import Kernel
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS
 from clepsydra.designs.simc import design_simc
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 from clepsydra.program.delay_ring import DelayRing

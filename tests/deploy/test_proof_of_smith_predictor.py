@@ -6,11 +6,11 @@ from deployed import all_bits, run_both
 from test_proof import simulated
 from test_proof_of_structures import scans
 
+from clepsydra import program_of
 from clepsydra.controllers.polynomial_controller import PolynomialShape, polynomial_law
 from clepsydra.controllers.smith_predictor import PredictorShape, smith_predictor_law
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.reader import program_of
 
 LAWS = {
     "plain": polynomial_law([PolynomialShape(2)]),

@@ -12,9 +12,8 @@ from deployed import all_bits, run_both
 from test_proof import simulated, spoilt
 from tools import need_compiler
 
-from clepsydra.base.signal import Signal
+from clepsydra import PidForm, Signal, program_of
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.law import structure_law
 from clepsydra.controllers.structure.output_block import OutputBlock
@@ -24,7 +23,6 @@ from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.program.defaults import with_defaults
-from clepsydra.program.reader import program_of
 
 SCANS = 2_000
 HELD = 20

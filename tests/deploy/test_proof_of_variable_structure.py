@@ -6,10 +6,9 @@ from deployed import all_bits, run_both
 from test_proof import simulated
 from test_proof_of_structures import scans, uneven
 
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import PidForm, program_of
 from clepsydra.controllers.variable_structure_pid import variable_structure_pid_law
 from clepsydra.program.defaults import with_defaults
-from clepsydra.program.reader import program_of
 
 FORMS = {
     "isa": PidForm("PID"),

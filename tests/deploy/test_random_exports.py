@@ -19,8 +19,7 @@ from random_processes import ProcessFile, processes
 from random_programs import EVERYTHING, Written, codes_of, library_programs, odd_scans, programs
 from tools import need_compiler, need_grammar, need_importer
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.compiler import find_compiler
 from clepsydra.deploy.printing.entries import signal_of

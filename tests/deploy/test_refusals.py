@@ -8,17 +8,14 @@ import pytest
 from deployed import run_both
 from tools import need_compiler, need_grammar
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, PidForm, Signal, program_of
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Loop, Operation, Program
-from clepsydra.program.reader import program_of
 
 DOUBLE = Block(1, (Operation(1, "add", (0, 0)),), (1,))
 

@@ -3,8 +3,8 @@
 import numpy as np
 from deployed import all_bits, run_both
 
+from clepsydra import Kernel
 from clepsydra.designs.start_stop_levels import design_start_stop_levels
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 

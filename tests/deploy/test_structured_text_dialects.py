@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from structured_text_programs import every_kind, flow_of_pipe, pipe
 from tools import need
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.deploy.printing.expressions import Expression, variable
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.origin import Origin

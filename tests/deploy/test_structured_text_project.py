@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from tools import need
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.deploy.export import export_structured_text
 from clepsydra.deploy.exportable import exportable

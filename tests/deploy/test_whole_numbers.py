@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.deploy.printing.whole_numbers import WholeRange, whole_ranges
 from clepsydra.program.program import Block, Operation, Program
 

@@ -7,8 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
-from clepsydra.linear.linear_model import LinearModel
+from clepsydra import LinearModel, Signal
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 

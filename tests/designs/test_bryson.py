@@ -8,8 +8,7 @@ import pytest
 from scipy.linalg import solve_continuous_are
 from scipy.signal import cont2discrete
 
-from clepsydra.base.errors import InputError
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import InputError, NotApplicable
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.lqi_by_weights import design_lqi_by_weights
 from clepsydra.designs.sampled.sampled_loop import sampled_loop

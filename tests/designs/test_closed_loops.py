@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import PidForm
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.phase_margin import design_phase_margin
 from clepsydra.designs.simc import design_simc

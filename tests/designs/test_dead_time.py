@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import NotApplicable
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.models.transfer_element import transfer_element
 from clepsydra.designs.phase_margin import design_phase_margin

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import InputError, NotApplicable
 from clepsydra.designs.decoupling import decoupling_element, inverted_decoupler
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.linear.response import frequency_response

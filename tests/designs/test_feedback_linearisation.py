@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import InputError, NotApplicable
 from clepsydra.designs.feedback_linearisation import design_feedback_linearisation
 from clepsydra.designs.virtual_settings import VirtualSettings, settings_for, settling_time
 from clepsydra.linear.analysis import analyse

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import NotApplicable
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay, half_rule
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.simc import simc_settings

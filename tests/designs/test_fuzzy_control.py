@@ -5,9 +5,8 @@ import tomllib
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, NotApplicable
 from clepsydra.controllers.fuzzy.inference import surface
-from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.fuzzy_control import (
     SETS,
     design_fuzzy_pi,

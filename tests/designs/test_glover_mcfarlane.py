@@ -8,10 +8,8 @@ import pytest
 from scipy.linalg import solve_continuous_are, solve_discrete_lyapunov
 from scipy.signal import cont2discrete
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, NotApplicable, PidForm
 from clepsydra.controllers.conditioned_linear import conditioned_linear_law
-from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.glover_mcfarlane import REDUCTION_COST, design_glover_mcfarlane
 from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from clepsydra.base.errors import InputError
-from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import InputError, NotApplicable, PidForm
 from clepsydra.designs.arrest_time import arrest_settings, arrest_time_for, design_arrest_time
 from clepsydra.designs.lambda_tuning import design_lambda, lambda_settings
 from clepsydra.designs.loops.averaging_room import averaging_room, largest_load

@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
-from clepsydra.base.errors import InputError
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import InputError, NotApplicable, PidForm
 from clepsydra.designs.amigo import design_amigo
-from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.fuzzy_control import design_fuzzy_pi
 from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
 from clepsydra.designs.lambda_tuning import design_lambda

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, NotApplicable
 from clepsydra.controllers.linear_step_law import StepLawDerivatives
-from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.linear_quadratic_regulator import design_lqr
 from clepsydra.designs.lqi_by_weights import design_lqi_by_weights

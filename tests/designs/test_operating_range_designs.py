@@ -6,9 +6,7 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import InputError, NotApplicable, PidForm
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.extended_kalman import design_lqi_extended_kalman
 from clepsydra.designs.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid

@@ -4,9 +4,7 @@ import math
 
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import InputError, PidForm, Signal
 from clepsydra.designs.gain_units import (
     gain_from_band,
     gain_from_percent,

@@ -7,8 +7,7 @@ import pytest
 from scipy.linalg import solve_sylvester
 from scipy.optimize import linear_sum_assignment
 
-from clepsydra.base.errors import InputError
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import InputError, NotApplicable
 from clepsydra.designs.states.bessel_poles import bessel_poles, bessel_radius
 from clepsydra.designs.states.observed_process import observed_process
 from clepsydra.designs.states.observer_placement import bessel_correction, placed_correction

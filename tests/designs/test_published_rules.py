@@ -5,10 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import InputError, NotApplicable, PidForm
 from clepsydra.designs.amigo import amigo_settings, design_amigo
-from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.loops.pid_settings import PidSettings, to_series
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay
 from clepsydra.designs.models.reaction_curve import reaction_curve

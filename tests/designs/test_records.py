@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.designs.integrating_delay import integrating_delay
 from clepsydra.designs.models.step_record import step_record
 from clepsydra.designs.relay_autotune import ultimate_point_of_relay

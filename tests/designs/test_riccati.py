@@ -6,8 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import InputError, NotApplicable
 from clepsydra.designs.kalman import Noise, kalman_gain, process_noise
 from clepsydra.designs.states.linear_quadratic import bryson_weights, lqr_gains
 from clepsydra.designs.states.observed_process import observed_process

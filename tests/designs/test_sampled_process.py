@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from clepsydra import LinearModel
 from clepsydra.designs.sampled.sampled_process import NotSampled, sampled_process
 from clepsydra.linear.internal_delays import InternalDelays
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.step_response import step_response
 
 

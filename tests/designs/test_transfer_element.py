@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import zpk2ss
 
+from clepsydra import LinearModel
 from clepsydra.designs.models.transfer_element import transfer_element
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.response import frequency_response
 
 

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import InputError, PidForm
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.sampled.setpoint_response import settling_times
 from clepsydra.designs.saturation_rate import rate_for, times_faster

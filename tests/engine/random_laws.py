@@ -3,8 +3,8 @@
 import casadi as ca
 import numpy as np
 
-from clepsydra.base.signal import Signal
-from clepsydra.program.step_law import Equations, StepLaw, step_law
+from clepsydra import Signal, StepLaw
+from clepsydra.program.step_law import Equations, step_law
 
 UNARY = [
     lambda a: -a,

@@ -7,8 +7,7 @@ import pytest
 from block_interpreter import bits, evaluate_block
 from random_blocks import SPECIAL, random_block, stimulus
 
-from clepsydra.base.signal import Signal
-from clepsydra.engine.kernel import Kernel
+from clepsydra import Kernel, Signal
 from clepsydra.engine.vector_code import KernelForm, vector_code
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.program import Block, Program

@@ -8,10 +8,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
+from clepsydra import Kernel, Signal, program_of
 from clepsydra.engine.elementary_functions import ERROR_BOUND
-from clepsydra.engine.kernel import Kernel
-from clepsydra.program.reader import program_of
 from clepsydra.program.step_law import Equations, step_law
 
 DIGITS = Context(prec=60, Emin=-(10**9), Emax=10**9)

@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 from random_laws import evaluate, random_law
 
-from clepsydra.base.signal import Signal
-from clepsydra.engine.kernel import Kernel
+from clepsydra import Kernel, Signal, program_of
 from clepsydra.program.counted_loop import counted_loop
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.reader import program_of
 from clepsydra.program.step_law import Equations, step_law
 
 SAMPLES = 50

@@ -7,15 +7,12 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Kernel, Signal, program_of
 from clepsydra.engine.host import host
-from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.threads import available_threads, in_threads
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
-from clepsydra.program.reader import program_of
 from clepsydra.program.step_law import Equations, step_law
 
 

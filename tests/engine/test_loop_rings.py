@@ -5,9 +5,7 @@ from collections import deque
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
-from clepsydra.engine.kernel import Kernel
+from clepsydra import InputError, Kernel, Signal
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program

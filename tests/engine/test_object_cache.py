@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from random_laws import random_law
 
-from clepsydra.engine.kernel import Kernel
+from clepsydra import Kernel, program_of
 from clepsydra.engine.object_cache import ObjectCache, default_cache
-from clepsydra.program.reader import program_of
 
 posix = pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
 
@@ -306,8 +305,8 @@ def test_the_environment_chooses_the_folder(folder, monkeypatch):
 
 CHILD = """
 import hashlib, sys
-from clepsydra.engine.kernel import Kernel
-from clepsydra.program.reader import program_of
+from clepsydra import Kernel
+from clepsydra import program_of
 sys.path.insert(0, sys.argv[1])
 from random_laws import random_law
 kernel = Kernel(program_of(random_law(1)))

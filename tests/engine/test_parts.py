@@ -6,16 +6,14 @@ from block_interpreter import bits
 from random_blocks import random_block, stimulus
 from test_loop_rings import ring_program
 
-from clepsydra.base.signal import Signal
+from clepsydra import Kernel, Signal, program_of
 from clepsydra.engine import vector_parts
-from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.vector_code import KernelForm, vector_code
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
 from clepsydra.process.reader import load_process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.program import Loop, Program
-from clepsydra.program.reader import program_of
 from clepsydra.program.step_law import Equations, step_law
 
 LANES = 8

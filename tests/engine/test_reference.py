@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from clepsydra.base.signal import Signal
-from clepsydra.engine.kernel import Kernel
+from clepsydra import Kernel, Signal, program_of
 from clepsydra.engine.reference import LawEvaluation, ReferenceIntegrator
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.reader import program_of
 from clepsydra.program.step_law import Equations, step_law
 
 

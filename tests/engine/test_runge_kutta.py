@@ -6,8 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
-from clepsydra.engine.kernel import Kernel
+from clepsydra import Kernel, Signal
 from clepsydra.engine.runge_kutta import runge_kutta, runge_kutta_step
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.program import Loop, Program

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import binom
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.identification.arx import fit_arx, regressors
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.designs.polynomial.element_sampling import sampled_transfer
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.identification.arx import fit_arx

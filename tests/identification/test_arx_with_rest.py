@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.identification.arx_with_rest import arx_with_rest, fit_arx_with_rest
 from clepsydra.identification.uncertainty import uncertainty
 

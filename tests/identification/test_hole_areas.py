@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from clepsydra.base.errors import InputError
-from clepsydra.engine.kernel import Kernel
+from clepsydra import InputError, Kernel
 from clepsydra.identification.hole_areas import hole_areas, hole_areas_at_rest
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.loop.open_loop import _OpenLoop, simulate

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.identification.held_response import HeldResponse
 from clepsydra.identification.identification import identify_model
 from clepsydra.identification.record import Record

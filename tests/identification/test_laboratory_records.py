@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.identification.hole_areas import hole_areas_at_rest
 from clepsydra.identification.process_fit import fit_process
 from clepsydra.identification.simulated_record import record_of

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.identification.process_file import fitted_process_text, write_fitted_process
 from clepsydra.identification.process_fit import fit_process
 from clepsydra.identification.simulated_record import record_of

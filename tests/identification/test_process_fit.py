@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.identification.process_batch import ProcessBatch
 from clepsydra.identification.process_fit import fit_process
 from clepsydra.identification.record import Record

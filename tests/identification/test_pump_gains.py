@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.identification.pump_gains import interval, pump_gain
 
 AREA, GAIN = 15.5179e-4, 4.32e-6

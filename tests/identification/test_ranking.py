@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.identification.control_settings import ControlSettings
 from clepsydra.identification.estimate import Estimate
 from clepsydra.identification.fitted_model import FittedModel

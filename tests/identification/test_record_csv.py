@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.identification.record_csv import read_record
 from clepsydra.loop.simulation import simulate
 from clepsydra.loop.trajectory_file import write_trajectories

@@ -6,7 +6,7 @@ from scipy.linalg import solve_toeplitz, toeplitz
 from scipy.signal import lfilter
 from scipy.stats import f, linregress
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.identification.noise_model import NoiseModel, noise_model
 from clepsydra.identification.residual_tests import ResidualTests, residual_tests
 from clepsydra.identification.uncertainty import uncertainty

@@ -17,7 +17,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.process.process import Process
 
 # Lets the tests of this folder import its helpers by name.

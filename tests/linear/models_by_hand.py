@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from clepsydra import LinearModel
 from clepsydra.linear.internal_delays import InternalDelays
-from clepsydra.linear.linear_model import LinearModel
 
 
 def rational(A, B, C, D) -> LinearModel:

@@ -9,8 +9,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from clepsydra import NoEquilibrium
 from clepsydra.linear.analysis import analyse
-from clepsydra.linear.equilibrium import NoEquilibrium
 
 
 def strict(value):

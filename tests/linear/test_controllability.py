@@ -8,7 +8,7 @@ from models_by_hand import late_feedback, rational
 from scipy.integrate import quad_vec
 from scipy.linalg import eig, expm, svdvals
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.linear.controllability import (
     controllability_margins,
     observability_margins,

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from clepsydra import LinearModel
 from clepsydra.linear.dead_time_structure import dead_times, has_delay_in_loop, lags_of
 from clepsydra.linear.internal_delays import InternalDelays
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.pade import at_rest
 from clepsydra.linear.response import frequency_response
 from clepsydra.linear.roots import roots_of

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from models_by_hand import late_feedback, pure_delay, rational
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.interconnection import series
 from clepsydra.linear.linearise import linearise

@@ -8,9 +8,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, NoEquilibrium
 from clepsydra.linear.analysis import analyse
-from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
+from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process.reader import load_process
 
 

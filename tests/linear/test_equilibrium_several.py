@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.equilibrium_continuation import by_homotopy, by_pseudo_transient

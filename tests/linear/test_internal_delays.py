@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from models_by_hand import lag, late_feedback, pi, pure_delay, rational
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.linear.interconnection import feedback, parallel_channels, series
 from clepsydra.linear.internal_delays import InternalDelays, no_delays
 from clepsydra.linear.pade import without_dead_time

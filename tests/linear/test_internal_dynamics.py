@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from clepsydra import LinearModel
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.internal_dynamics import internal_dynamics
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.zeros import zeros
 from clepsydra.process.reader import load_process
 

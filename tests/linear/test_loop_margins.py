@@ -10,7 +10,7 @@ import pytest
 from models_by_hand import lag, pi, pure_delay, rational, static
 from scipy.optimize import brentq
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.linear.disk_margin import disk_margin
 from clepsydra.linear.frequency_grid import frequency_grid
 from clepsydra.linear.frequency_peak import responses_at_infinity

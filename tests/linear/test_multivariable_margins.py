@@ -10,7 +10,7 @@ import pytest
 from models_by_hand import lag, pi, pure_delay, rational, static
 from scipy.optimize import minimize
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.linear.disk_margin import disk_margin
 from clepsydra.linear.interconnection import feedback, parallel_channels, series
 from clepsydra.linear.loop_margins import loop_margins

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from clepsydra import LinearModel
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.poles import integrators, poles, rightmost_first, time_constants
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from clepsydra import LinearModel
 from clepsydra.linear.derivatives import Derivatives
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.static_gain import static_gain

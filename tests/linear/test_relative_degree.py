@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from clepsydra import LinearModel
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.lie_derivatives import NotLinearisable
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.relative_degree import linear_relative_degrees, relative_degree
 from clepsydra.process.reader import load_process

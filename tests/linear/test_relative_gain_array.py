@@ -7,9 +7,8 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, LinearModel
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.niederlinski import niederlinski_index
 from clepsydra.linear.relative_gain_array import (

@@ -9,7 +9,7 @@ import pytest
 from models_by_hand import lag, late_feedback, pi, pure_delay, rational, static
 from scipy.special import lambertw
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.linear.interconnection import feedback, series
 from clepsydra.linear.pade import without_dead_time
 from clepsydra.linear.poles import poles

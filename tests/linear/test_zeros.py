@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
+from clepsydra import LinearModel
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.response import evaluate_transfer
 from clepsydra.linear.zeros import minimum_phase, normal_rank, zeros

@@ -7,16 +7,14 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, Kernel, LinearModel
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.phase_margin import design_phase_margin
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.simc import design_simc
-from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.reference import LawEvaluation
 from clepsydra.engine.runge_kutta import runge_kutta
 from clepsydra.linear.analysis import analyse
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.closed_loop import closed_loop, controller_name
 from clepsydra.loop.default_scenario import default_scenario

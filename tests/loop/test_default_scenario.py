@@ -9,10 +9,8 @@ import pytest
 from scipy import stats
 from scipy.integrate import solve_ivp
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, LinearModel, Signal
 from clepsydra.linear.analysis import analyse
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.scenario import Scenario

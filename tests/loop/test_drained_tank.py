@@ -7,8 +7,7 @@ import pytest
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
-from clepsydra.base.signal import Signal
-from clepsydra.engine.kernel import Kernel
+from clepsydra import Kernel, Signal
 from clepsydra.engine.runge_kutta import runge_kutta
 from clepsydra.process.reader import load_process
 from clepsydra.program.builder import BlockBuilder

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from random_plants import random_plant
 
-from clepsydra.base.errors import ClepsydraError
+from clepsydra import ClepsydraError
 from clepsydra.loop import simulation
 from clepsydra.loop.open_loop import Simulation, simulate
 from clepsydra.loop.open_loop_plan import plan_simulation

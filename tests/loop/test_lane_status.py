@@ -7,7 +7,7 @@ Runge-Kutta method multiplies h - rest by exactly 1 - z + z²/2 - z³/6 + z⁴/2
 import numpy as np
 import pytest
 
-from clepsydra.engine.kernel import Kernel
+from clepsydra import Kernel
 from clepsydra.loop.lane_status import LaneStatus, lane_status
 from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
 from clepsydra.loop.process_period import process_period

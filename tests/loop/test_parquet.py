@@ -8,7 +8,7 @@ import pandas
 import pyarrow.parquet
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.parquet import write_parquet

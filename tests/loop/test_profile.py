@@ -5,7 +5,7 @@ from time import process_time
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.base.words import time_text, time_unit
 from clepsydra.loop.duration import pretty_duration, samples_before
 from clepsydra.loop.profile import Change, profiles_of, read_assignment, read_change

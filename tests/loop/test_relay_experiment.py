@@ -9,9 +9,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import InputError, NotApplicable, Signal
 from clepsydra.designs.relay_autotune import ultimate_point_of_relay
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise

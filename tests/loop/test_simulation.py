@@ -7,7 +7,7 @@ import pandas
 import pytest
 from scipy.special import gammainc
 
-from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra import ClepsydraError, InputError
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.loop.open_loop_plan import plan_simulation
 from clepsydra.loop.profile import read_assignment

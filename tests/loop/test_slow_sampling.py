@@ -6,12 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, LinearModel
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.phase_margin import design_phase_margin
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop import loop as loop_module
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from random_plants import random_plant
 
-from clepsydra.engine.kernel import Kernel
+from clepsydra import Kernel
 from clepsydra.engine.trajectories import Trajectories
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status

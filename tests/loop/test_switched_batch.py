@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from clepsydra import Kernel
 from clepsydra.designs.simc import design_simc
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.lane_status import LaneStatus, lane_status

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
+from clepsydra import Element, Signal
 from clepsydra.loop.event_location import located_step
 from clepsydra.loop.motion_step import MotionStep
-from clepsydra.process.element import Element
 from clepsydra.process.equations import join
 
 GRAVITY = Signal("gravity", "m/s^2", initial=9.81)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.process.reader import load_process

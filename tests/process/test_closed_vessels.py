@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, NoEquilibrium
 from clepsydra.cli.application import application
-from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
+from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.loop.simulation import simulate
 from clepsydra.process.reader import load_process
 

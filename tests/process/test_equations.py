@@ -7,8 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
-from clepsydra.process.element import Element
+from clepsydra import Element, Signal
 from clepsydra.process.equations import join
 from clepsydra.process.flow_splitter import FlowSplitter
 from clepsydra.process.forced_flow import ForcedFlow

@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.document import parse
 from clepsydra.process.flat_variant import flat_text

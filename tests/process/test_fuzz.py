@@ -9,7 +9,7 @@ from typing import Any
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra import ClepsydraError, InputError
 from clepsydra.linear.analysis import analyse
 from clepsydra.process import reader
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names

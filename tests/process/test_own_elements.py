@@ -12,7 +12,7 @@ import pytest
 from pages import blocks
 
 import clepsydra as cl
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.linear.analysis import analyse
 from clepsydra.process import reader
 from clepsydra.process.orifice import Orifice

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.process.reader import load_process
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.linear.equilibrium import NoEquilibrium, find_equilibrium
+from clepsydra import InputError, NoEquilibrium
+from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.loop.simulation import simulate
 from clepsydra.process.reader import load_process
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.process.reader import load_process
 
 VALID = (Path(__file__).parent / "plant.toml").read_text(encoding="utf-8")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.process.document import parse
 from clepsydra.process.table_reader import TableReader
 from clepsydra.process.vessels.cone import Cone

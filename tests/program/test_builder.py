@@ -8,8 +8,7 @@ import pytest
 from block_interpreter import bits, evaluate_block
 from random_blocks import SPECIAL, PlainBlock, random_block, stimulus
 
-from clepsydra.base.signal import Signal
-from clepsydra.engine.kernel import Kernel
+from clepsydra import Kernel, Signal
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.program import COMPARISONS, EXACT, LIBRARY, LOGIC, Block, Loop, Program
 

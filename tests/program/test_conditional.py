@@ -8,7 +8,7 @@ import pytest
 from block_interpreter import bits, evaluate_block
 from random_blocks import random_block, stimulus
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing

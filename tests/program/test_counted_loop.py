@@ -5,12 +5,11 @@ import numpy as np
 import pytest
 from block_interpreter import bits, evaluate_block
 
-from clepsydra.base.signal import Signal
-from clepsydra.engine.kernel import Kernel
+from clepsydra import Kernel, Signal, program_of
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.counted_loop import counted_loop, recover_loop
 from clepsydra.program.program import Block, Loop
-from clepsydra.program.reader import inline, program_of
+from clepsydra.program.reader import inline
 from clepsydra.program.step_law import Equations, step_law
 
 

@@ -8,12 +8,10 @@ import pytest
 from block_interpreter import bits, evaluate_block
 from random_laws import random_law
 
-from clepsydra.base.errors import ClepsydraError
-from clepsydra.base.signal import Signal
-from clepsydra.engine.kernel import Kernel
+from clepsydra import ClepsydraError, Kernel, Signal, program_of
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.program import Block
-from clepsydra.program.reader import inline, program_of
+from clepsydra.program.reader import inline
 from clepsydra.program.step_law import Equations, step_law
 
 NAN, INF = math.nan, math.inf

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, step_law
 

@@ -8,9 +8,9 @@ from xml.etree import ElementTree
 
 import pytest
 
+from clepsydra import Connection, Element
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
-from clepsydra.process.element import Connection, Element
 from clepsydra.process.reader import load_process
 from clepsydra.report.bodies import TANK_HALF, TANK_ROWS
 from clepsydra.report.drawing import process_drawing

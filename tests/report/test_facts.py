@@ -5,10 +5,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from clepsydra.base.signal import Signal
+from clepsydra import PidForm, Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.start_stop_levels import start_stop_law
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.output_block import OutputBlock

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.identification.estimate import Estimate
 from clepsydra.identification.identification import identify_model
 from clepsydra.identification.process_fit import fit_process

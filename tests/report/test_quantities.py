@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.base.words import time_text
 from clepsydra.report.quantities import (
     number_text,

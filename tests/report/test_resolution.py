@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.process.reader import load_process
 from clepsydra.report.quantities import quantity_text
 from clepsydra.report.resolution import settled_gains

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.report.analysis_tables import relative_gain_grid, roots_grid, static_gain_grid
 from clepsydra.report.controller_tables import parameter_tables, status_words
 from clepsydra.report.html import report_text

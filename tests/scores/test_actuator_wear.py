@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.scores.actuator_wear import reversals, travel
 from clepsydra.scores.effort import peak_move, total_variation
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.scores.catalogue import SCORES
 from clepsydra.scores.evaluate import score_run
 from clepsydra.scores.plant import BufferTrajectories, PlantTrajectories

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.scores.integral_errors import integral_absolute_error, integral_squared_error
 
 TIME_CONSTANT = 60.0

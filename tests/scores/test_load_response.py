@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.scores.load_response import peak_deviation, return_time
 
 RATE = 0.05

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.scores.noisy_settling import settling_time_under_noise
 from clepsydra.scores.offset import offset
 

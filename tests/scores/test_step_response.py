@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.scores.step_response import overshoot, rise_time, settling_time
 
 TIME_CONSTANT = 40.0

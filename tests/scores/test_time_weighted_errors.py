@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.scores.generalised_squared_error import generalised_squared_error
 from clepsydra.scores.integral_errors import (
     integral_absolute_error,

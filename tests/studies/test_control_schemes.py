@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from clepsydra import PidForm
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.loop import Loop

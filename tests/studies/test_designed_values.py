@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import ClepsydraError
+from clepsydra import ClepsydraError
 from clepsydra.base.rounding import rounded, rounded_matrix
 from clepsydra.designs.gain_units import percent_gain
 from clepsydra.designs.sampled.sampled_loop import sampled_loop

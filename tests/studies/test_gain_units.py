@@ -2,7 +2,7 @@
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.linear.linearise import linearise
 from clepsydra.process.reader import load_process
 from clepsydra.studies.file.reader import read_study

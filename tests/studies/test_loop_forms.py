@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from study_texts import loop
 
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.loop import Loop

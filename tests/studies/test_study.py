@@ -10,7 +10,7 @@ import numpy as np
 import pandas
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.loop.parquet import write_parquet
 from clepsydra.report.html import report_text
 from clepsydra.studies.designs import DESIGNS

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import InputError, NotApplicable
 from clepsydra.designs.lambda_tuning import design_lambda
 from clepsydra.designs.pole_placement import design_pole_placement
 from clepsydra.designs.simc import design_simc

@@ -3,7 +3,7 @@
 import pytest
 from study_texts import BASIN, QUADRUPLE, loop
 
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import NotApplicable
 from clepsydra.linear.linearise import linearise
 from clepsydra.studies.file.reader import read_study
 

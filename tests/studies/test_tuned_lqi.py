@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, LinearModel
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.lqi_by_weights import design_lqi_by_weights
@@ -15,7 +15,6 @@ from clepsydra.designs.states.linear_quadratic import lqi_gains_by_weights
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights, diagonal_weights
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop

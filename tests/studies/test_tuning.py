@@ -17,16 +17,13 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, LinearModel, NotApplicable, PidForm
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop

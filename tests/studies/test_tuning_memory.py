@@ -7,7 +7,7 @@ import struct
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.studies.tuning import memory as module
 from clepsydra.studies.tuning.memory import Memory
 

@@ -4,7 +4,7 @@ from collections import deque
 
 import numpy as np
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.plant_shell.shell import with_plant_shell

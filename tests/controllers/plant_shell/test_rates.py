@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from shell_rig import AT_REST, LEVEL, PUMP, Scans, one_loop, shelled_loop
 
+from clepsydra import PidForm
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.plant_shell.status import read_status

@@ -5,7 +5,7 @@ import math
 import pytest
 from shell_rig import LEVEL, Scans, at_rest, one_loop, shelled_loop
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.controllers.plant_shell.dependence import needed_by_outputs
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell

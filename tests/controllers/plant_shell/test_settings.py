@@ -5,15 +5,12 @@ from dataclasses import replace
 import pytest
 from shell_rig import LEVEL, Scans, one_loop
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, PidForm, Signal, python_law
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import shell_sources, with_plant_shell
 from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS
-from clepsydra.controllers.python_law import python_law
 from clepsydra.controllers.wiring import check_wiring
 from clepsydra.program.step_law import Equations, step_law
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from shell_rig import at_rest, shelled_loop
 
+from clepsydra import Kernel
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.plant_shell.status import read_status
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 from clepsydra.program.delay_ring import DelayRing

@@ -3,7 +3,7 @@
 import pytest
 from shell_rig import Scans, one_loop, shelled_loop
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.plant_shell.status import read_status

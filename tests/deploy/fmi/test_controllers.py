@@ -9,13 +9,13 @@ from fmpy.validation import validate_fmu
 from fmus import VERSIONS, Imported, all_bits, cases, written
 from models import drawn, lqi_program, origin, pi_model, pi_program
 
+from clepsydra import Kernel
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.printing.entries import is_ring, signal_of
 from clepsydra.designs.fuzzy_control import design_fuzzy_pi
 from clepsydra.designs.simc import design_simc
 from clepsydra.designs.smith_predictor import design_smith_predictor
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 

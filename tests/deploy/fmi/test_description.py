@@ -10,8 +10,7 @@ from fmpy.validation import validate_fmu
 from fmus import VERSIONS
 from models import exchange_of, origin, pi_model, pi_program, process_of
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.base.units import from_si, to_si
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.fmi.controller import controller_model

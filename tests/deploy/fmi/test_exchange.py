@@ -8,7 +8,7 @@ from fmpy.validation import validate_fmu
 from fmus import VERSIONS, Imported, all_bits, cases, written
 from models import FRICTIONS, exchange_of, origin, rig
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.deploy.fmi.exchange import exchange_model
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.motion_block import motion_at_rest

@@ -7,10 +7,9 @@ from fmpy.validation import validate_fmu
 from fmus import VERSIONS, Imported, all_bits, cases, written
 from models import FRICTIONS, drawn, origin, process_of, rig
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, Kernel
 from clepsydra.deploy.fmi.process import process_model
 from clepsydra.deploy.process_program import process_program
-from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.process.catalogue_names import catalogue_names

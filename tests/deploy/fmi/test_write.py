@@ -14,7 +14,7 @@ import pytest
 from fmus import VERSIONS, written
 from models import exchange_of, origin, pi_model, pi_program, process_of
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.deploy.compiler import CompilationError, find_compiler
 from clepsydra.deploy.fmi.binary import platform_folder
 from clepsydra.deploy.fmi.controller import controller_model

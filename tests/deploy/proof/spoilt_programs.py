@@ -4,13 +4,12 @@ import dataclasses
 import math
 from functools import lru_cache
 
+from clepsydra import PidForm, program_of
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.deploy.proof import proof
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Conditional, Loop, Operation, Program
-from clepsydra.program.reader import program_of
 
 
 @lru_cache

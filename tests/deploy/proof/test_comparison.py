@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from spoilt_programs import level_control
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.deploy.proof.comparison import Difference, compare, double_bound, is_exact
 from clepsydra.deploy.proof.coverage import coverage
 from clepsydra.deploy.proof.targets import _verdict

@@ -5,7 +5,7 @@ import pytest
 from spoilt_programs import quick_proof
 from tools import need_compiler, need_grammar, need_importer
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.deploy.proof import proof
 from clepsydra.deploy.proof.screen import proof_screen
 from clepsydra.deploy.proof.targets import targets_of

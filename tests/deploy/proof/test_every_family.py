@@ -80,7 +80,7 @@ def loop(name, loop, measurement, output, action, gain, time, actions="PI"):
 
 
 OWN_LAW = """\
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.program.step_law import Equations, step_law
 import casadi as ca
 

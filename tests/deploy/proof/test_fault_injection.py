@@ -16,7 +16,7 @@ from spoilt_programs import (
 )
 from tools import need_compiler, need_grammar, need_importer
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.deploy.proof import compiled_c, interpreted_text
 from clepsydra.deploy.proof.comparison import compare, shown_signals
 from clepsydra.deploy.proof.engine_run import engine_run

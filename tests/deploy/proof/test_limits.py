@@ -7,8 +7,7 @@ import pytest
 from spoilt_programs import item, level_control, quick_proof
 from tools import need_compiler, need_grammar, need_importer
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.deploy.proof import interpreted_text
 from clepsydra.deploy.proof import proof as proof_module
 from clepsydra.deploy.proof.item import ProofItem, process_item

@@ -5,7 +5,7 @@ import json
 import pytest
 from tools import need_compiler, need_grammar, need_importer
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.cli import main
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.deploy.compiler import find_compiler

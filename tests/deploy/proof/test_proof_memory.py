@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.deploy.proof.memory import read_memory
 
 

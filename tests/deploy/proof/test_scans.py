@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, Signal
 from clepsydra.deploy.proof.scans import random_scans
 from clepsydra.program.program import Block, Program
 

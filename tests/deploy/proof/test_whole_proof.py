@@ -11,10 +11,8 @@ from rich.console import Console
 from spoilt_programs import item, level_control, quick_proof
 from tools import need_compiler, need_grammar, need_importer
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra import InputError, PythonLaw, Signal
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.deploy.proof import proof as proof_module
 from clepsydra.deploy.proof.item import ProofItem, process_item
 from clepsydra.deploy.proof.proof import prove

@@ -7,7 +7,7 @@ import pytest
 from spoilt_programs import quick_proof
 from tools import need_compiler, need_grammar, need_importer
 
-from clepsydra.base.signal import Signal
+from clepsydra import Signal
 from clepsydra.deploy.proof.coverage import Coverage
 from clepsydra.deploy.proof.proof import Proof
 from clepsydra.deploy.proof.row import ProofRow

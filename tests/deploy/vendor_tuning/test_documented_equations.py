@@ -5,7 +5,7 @@ import pytest
 from documented_blocks import DOCUMENTED, UNPUBLISHED, documented
 from tunings import tuning
 
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import PidForm
 from clepsydra.deploy.vendor_tuning.filling import filled
 from clepsydra.deploy.vendor_tuning.vendors.every_block import EVERY_BLOCK
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from tunings import LEVEL, PUMP, tuning
 
+from clepsydra import PidForm
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.deploy.vendor_tuning.filling import filled
 from clepsydra.deploy.vendor_tuning.vendors.every_block import vendor_block
 

@@ -3,9 +3,7 @@
 import pytest
 from tunings import LEVEL, PUMP, tuning
 
-from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import InputError, PidForm, Signal
 from clepsydra.deploy.vendor_tuning.block_units import printed_number
 from clepsydra.deploy.vendor_tuning.filling import filled
 from clepsydra.deploy.vendor_tuning.vendors.every_block import vendor_block

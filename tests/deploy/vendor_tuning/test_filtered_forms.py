@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid, from_series, to_series
 from clepsydra.designs.loops import pid_settings
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from page_rows import entry, table_row
 
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import PidForm
 from clepsydra.deploy.vendor_tuning.translation import translate
 from clepsydra.deploy.vendor_tuning.vendors.every_block import EVERY_BLOCK
 from clepsydra.designs.simc import design_simc

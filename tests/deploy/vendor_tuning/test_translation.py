@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from clepsydra.base.errors import InputError
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import InputError, PidForm
 from clepsydra.deploy.vendor_tuning.check import Check
 from clepsydra.deploy.vendor_tuning.filling import Applied
 from clepsydra.deploy.vendor_tuning.standard_tuning import standard_tunings

@@ -1,7 +1,6 @@
 """Tunings of one loop that the tests fill blocks with."""
 
-from clepsydra.base.signal import Signal
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import PidForm, Signal
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning
 

@@ -5,8 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import InputError, NotApplicable
 from clepsydra.designs.polynomial.polynomial_control import design_polynomial
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.designs.sampled.sampled_loop import sampled_loop

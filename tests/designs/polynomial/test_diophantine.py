@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.designs.polynomial.diophantine import product, rational, solve_diophantine
 from clepsydra.designs.polynomial.spectral_factor import SpectralFactor, spectral_factor
 from clepsydra.designs.polynomial.two_degree_of_freedom import (

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from clepsydra.base.errors import InputError
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import InputError, NotApplicable
 from clepsydra.designs.models.transfer_element import TransferElement
 from clepsydra.designs.polynomial.element_sampling import sampled_element, sampled_transfer
 from clepsydra.designs.polynomial.moment_matching import with_two_lags

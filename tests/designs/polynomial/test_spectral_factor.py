@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.designs.polynomial.spectral_factor import about_one, spectral_factor
 
 PRINTED = (1.0, -1.777, 0.7964), (0.0, 0.0309, 0.0286)

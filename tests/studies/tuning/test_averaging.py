@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.designs.arrest_time import design_arrest_time
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario

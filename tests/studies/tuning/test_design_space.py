@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
-from clepsydra.designs.applicability import NotApplicable
+from clepsydra import InputError, NotApplicable
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario

@@ -5,10 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError, LinearModel
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop import step_size
 from clepsydra.loop.lane_status import LaneStatus
 from clepsydra.loop.loop import Loop

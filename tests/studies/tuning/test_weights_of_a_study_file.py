@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from clepsydra.base.errors import InputError
+from clepsydra import InputError
 from clepsydra.linear.linearise import linearise
 from clepsydra.studies.file.reader import read_study
 from clepsydra.studies.study import run_study

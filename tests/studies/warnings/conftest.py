@@ -4,14 +4,12 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
+from clepsydra import LinearModel, PidForm, Signal
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import family, multiloop_pid_law
-from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.process import Process

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import PidForm
 from clepsydra.loop.loop import Loop
 from clepsydra.studies.warnings.after import run_warnings, warnings_after
 

@@ -8,10 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clepsydra.base.signal import Signal
+from clepsydra import NotApplicable, PidForm, Signal
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.pid_form import PidForm
-from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.simc import design_simc
 from clepsydra.linear.analysis import analyse

@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra.controllers.pid_form import PidForm
+from clepsydra import LinearModel, PidForm
 from clepsydra.linear.disk_margin import disk_margin
-from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.loop_margins import loop_margins
 from clepsydra.linear.structured_norm import structured_norm
