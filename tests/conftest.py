@@ -1,13 +1,18 @@
 """Shared by all tests: compiled kernels go to a folder of their own, the same in every worker."""
 
+import hashlib
 import os
 import tempfile
+from collections import defaultdict
 
 import pytest
 
 # Read when NumPy is loaded. The workers take all cores already, and the threads of the linear
 # algebra would only spin beside them: a study then costs half as much again.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+#: Cases of a function marked `sampled` that stay in the fast tier.
+SAMPLE = 3
 
 _folder = None
 if "PYTEST_XDIST_WORKER" not in os.environ:  # a worker inherits the folder of its parent
@@ -18,3 +23,19 @@ if "PYTEST_XDIST_WORKER" not in os.environ:  # a worker inherits the folder of i
 def pytest_unconfigure(config: pytest.Config) -> None:
     if _folder is not None:
         _folder.cleanup()
+
+
+@pytest.hookimpl(tryfirst=True)  # before cases are left out by their tier
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Leave a sample of the cases of each function marked `sampled` in the fast tier.
+
+    The sample looks random and is always the same: it goes by the digests of the cases' names.
+    """
+    functions = defaultdict(list)
+    for item in items:
+        if item.get_closest_marker("sampled"):
+            functions[item.nodeid.partition("[")[0]].append(item)
+    for cases in functions.values():
+        cases.sort(key=lambda case: hashlib.sha256(case.nodeid.encode()).digest())
+        for case in cases[SAMPLE:]:
+            case.add_marker("thorough")
