@@ -25,6 +25,7 @@ def few_scenarios(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fuzzy, "SAMPLES", 20)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_scenarios")
 def test_the_kernel_agrees_with_plain_python_and_is_told_on_the_page() -> None:
     found = fuzzy.measure(1)

@@ -188,6 +188,7 @@ def test_what_is_required_cannot_be_left_out(kind: type[Element], key: str, tmp_
         load(without, tmp_path)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("kind", "key", "value"), DEFAULTS)
 def test_a_default_is_what_a_missing_key_means(
     kind: type[Element], key: str, value: str, tmp_path: Path
@@ -229,6 +230,7 @@ def test_what_the_page_links_to_exists() -> None:
         )
 
 
+@pytest.mark.thorough
 def test_signals_that_the_page_names_exist(tmp_path: Path) -> None:
     """Every `element.quantity` on the page is a signal or an event of one of its examples."""
     known = {"feed.salt"}

@@ -82,6 +82,7 @@ WRONG = [
 ]
 
 
+@pytest.mark.thorough
 def test_the_types_of_the_designs_are_those_of_the_designs():
     script = Path(__file__).parents[1] / ".ci" / "design_stub.py"
     done = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True)

@@ -12,6 +12,7 @@ from clepsydra import InputError
 from clepsydra.base.units import from_si, split_quantity, to_si
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("text", "unit", "value"),
     [

@@ -15,6 +15,7 @@ def run(*arguments):
     return 0
 
 
+@pytest.mark.thorough
 def test_it_writes_a_page_beside_the_table(tmp_path, capsys):
     target = tmp_path / "tank.html"
     assert run("analyse", "three-tanks", "--output", str(target)) == 0
@@ -22,6 +23,7 @@ def test_it_writes_a_page_beside_the_table(tmp_path, capsys):
     assert target.read_text("utf-8").startswith("<!DOCTYPE html>")
 
 
+@pytest.mark.thorough
 def test_json_names_the_page(tmp_path, capsys):
     target = tmp_path / "tank.html"
     assert run("analyse", "three-tanks", "--json", "-o", str(target)) == 0

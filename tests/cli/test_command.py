@@ -63,6 +63,7 @@ def process(code: str, *arguments: str, folder: Path, **environment: str):
 COMMAND = "from clepsydra.cli import main; main()"
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "arguments", [["--help"], ["-h"], ["--version"], ["study", "--help"], ["analyse", "--help"]]
 )
@@ -150,6 +151,7 @@ PHASES = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NAMES)
 def test_analyse_prints_johanssons_closed_forms(command, tmp_path, name):
     status, output, _ = command("analyse", name, "--json")
@@ -314,6 +316,7 @@ def test_a_real_process_studies_a_file_of_ones_own(tmp_path):
     assert {"poles", "zeros", "rga", "operating_point"} <= one_document(done.stdout).keys()
 
 
+@pytest.mark.thorough
 def test_a_real_process_refuses_a_bad_file(tmp_path):
     (tmp_path / "bad.toml").write_bytes(BAD_FILES["negative area"])
     done = process(COMMAND, "study", "bad.toml", "--json", folder=tmp_path)

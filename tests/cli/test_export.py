@@ -43,6 +43,7 @@ range = ["0 cm", "30 cm"]
 """
 
 
+@pytest.mark.thorough
 def test_the_main_program_of_the_page_runs_the_exported_c(command, tmp_path):
     status, out, _ = command("export", *PI, "--to", "c")
     assert status == 0 and f"Written: {NAME}.c" in out
@@ -63,6 +64,7 @@ def test_the_main_program_of_the_page_runs_the_exported_c(command, tmp_path):
     assert [b - a for a, b in zip(second, third, strict=True)] == pytest.approx(growth, abs=2e-6)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("dialect", "files"),
     [
@@ -95,6 +97,7 @@ def test_options_of_the_plant_are_printed_with_their_source(command):
         assert ("default" in found[2]) == (name in ("fail_safe_2", "sensor_delay_1"))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("version", ["3.0", "2.0"])
 def test_a_process_and_a_controller_become_fmus(command, version):
     status, out, _ = command("export", *PI, "--to", "fmu", "--fmi", version)
@@ -107,6 +110,7 @@ def test_a_process_and_a_controller_become_fmus(command, version):
     assert len(list(Path().glob("*.fmu"))) == 3
 
 
+@pytest.mark.thorough
 def test_the_tuning_goes_to_screen_and_file(command):
     status, out, _ = command("export", *PI, "--to", "tuning")
     assert status == 0 and "KP = 3 %/%" in Path(f"{NAME}_tuning.md").read_text("utf-8")
@@ -135,6 +139,7 @@ def test_mistakes_end_in_one_message_and_no_file(command, tmp_path, arguments, w
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.thorough
 def test_a_law_in_python_is_refused_with_the_reason(command, tmp_path):
     Path("law.py").write_text(
         "inputs = ['setpoint_1', 'measurement_1']\noutputs = ['manipulated_1']\n"
@@ -175,6 +180,7 @@ def test_an_option_without_effect_is_refused(command, tmp_path, arguments):
     assert status == 2 and "leave it out" in error and not list(tmp_path.iterdir())
 
 
+@pytest.mark.thorough
 def test_a_tank_that_real_cannot_hold_is_left_out_and_the_block_is_written(command, tmp_path):
     """The area of a cone's tip is bounded by a number far below those of REAL."""
     Path("cone.toml").write_text(CONE, "utf-8")
@@ -186,6 +192,7 @@ def test_a_tank_that_real_cannot_hold_is_left_out_and_the_block_is_written(comma
     assert {path.name for path in tmp_path.iterdir()} == {"cone.toml", "cone_pi_simc.st"}
 
 
+@pytest.mark.thorough
 def test_a_period_that_time_cannot_hold_is_refused(command, tmp_path):
     Path("cone.toml").write_text(CONE.replace('"1 s"', '"2.5 ms"'), "utf-8")
     status, _, error = command("export", "cone.toml", "--controller", "PI, SIMC", "--to", "st")

@@ -37,6 +37,7 @@ def in_the_foreground() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("number", "status", "message"),
     [
@@ -82,6 +83,7 @@ def test_a_reader_that_closes_its_pipe_ends_it_like_any_other_program(tmp_path):
     assert end(process) == (-signal.SIGPIPE, "")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "arguments",
     [["analyse", "a\x1b[31mred.toml"], ["analyse", "--\x1b[2J"], ["\x9b2J"], ["study", "a\nb"]],
@@ -92,6 +94,7 @@ def test_control_characters_of_an_argument_never_reach_the_terminal(tmp_path, ar
     assert all(each == "\n" or each.isprintable() for each in errors)
 
 
+@pytest.mark.thorough
 def test_control_characters_of_a_file_never_reach_the_terminal(tmp_path):
     mine = tmp_path / "mine.toml"
     mine.write_text('name = "mine"\n["tanks"."a\\u001b[31m"]\n"\\u001b[2J" = "\\u0007"\n')
@@ -100,6 +103,7 @@ def test_control_characters_of_a_file_never_reach_the_terminal(tmp_path):
     assert all(each == "\n" or each.isprintable() for each in errors)
 
 
+@pytest.mark.thorough
 def test_a_user_without_home_and_entry_simulates(tmp_path):
     """As in a container that runs under a number: no folder for kernels, none for fonts."""
     code = (

@@ -102,6 +102,7 @@ def test_json_is_what_the_function_returns(identified, tank):
     ]
 
 
+@pytest.mark.thorough
 def test_a_simulation_is_read_back_and_the_fitted_file_used(command, identified, run_csv, tmp_path):
     """From simulate by identify to a process file that has what was simulated."""
     wrong = tmp_path / "wrong.toml"
@@ -126,6 +127,7 @@ def test_the_input_of_a_simulation_needs_no_name(identified, run_csv):
     assert (status, found["manipulated"], found["measured"]) == (0, "pump_1", "level_2")
 
 
+@pytest.mark.thorough
 def test_what_simulate_writes_of_one_tank_needs_no_name_at_all(command, tmp_path):
     """From a process file by the command line alone: state, sensor, pump and a still inflow."""
     shutil.copy(Path(__file__).parents[1] / "one-tank.toml", tmp_path)
@@ -147,6 +149,7 @@ LABORATORY = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("case", LABORATORY)
 def test_records_of_a_laboratory_at_constant_input(case, command, tmp_path):
     """By the command line alone: simulate, spoil the number in the file, and find it again."""
@@ -170,6 +173,7 @@ def test_records_of_a_laboratory_at_constant_input(case, command, tmp_path):
     assert found["low"] <= found["value"] <= found["high"] < 1.01 * found["low"]
 
 
+@pytest.mark.thorough
 def test_one_column_of_a_simulation(identified, run_csv):
     status, output, _ = identified(
         RUN, "--manipulated", "pump_1", "--measured", "level_1", "--json"

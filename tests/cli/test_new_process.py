@@ -30,6 +30,7 @@ def test_a_variant_that_is_not_there_leaves_nothing(command, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.thorough
 def test_an_edit_that_a_default_variant_overrides_is_reported(command, tmp_path):
     command("new", "mine", "--from", "laboratory-four-tanks")
     status, output, _ = command("analyse", "mine.toml", "--json")
@@ -43,6 +44,7 @@ def test_an_edit_that_a_default_variant_overrides_is_reported(command, tmp_path)
     assert json.loads(output)["warnings"] == []
 
 
+@pytest.mark.thorough
 def test_an_outlet_may_be_plugged(command, tmp_path):
     """Then its tank fills at the rate of the pump: 0.7 of 3.33 cm³/(s V), 3 V, 28 cm²."""
     command("new", "mine", "--from", "quadruple-tank")

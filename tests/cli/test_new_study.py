@@ -22,6 +22,7 @@ def refused(result, *words):
         assert word in errors, (word, errors)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", [*catalogue_names(), "wet-well:flow-meters"])
 def test_what_is_written_is_read_and_every_controller_made(command, tmp_path, name):
     status, output, errors = command("new", "--study", "mine", "--process", name)

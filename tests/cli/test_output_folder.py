@@ -11,6 +11,7 @@ WRITTEN = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("case", WRITTEN)
 def test_a_missing_folder_is_made(command, tmp_path, case):
     arguments, ending = WRITTEN[case]

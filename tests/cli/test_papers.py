@@ -24,6 +24,7 @@ NAMES = [
 ]
 
 
+@pytest.mark.thorough
 def test_json_is_a_list_of_rows_with_these_names(command):
     status, out, _ = command("papers", "three-tanks", "--json")
     rows = json.loads(out)

@@ -53,6 +53,7 @@ def test_processes_prints_one_json_document_with_what_load_process_says(command)
         assert tuple(entry["default_variants"]) == tuple(process.variant)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("arguments", [["processes"], ["new", "--help"], ["draw", "--help"]])
 def test_these_load_no_numeric_library(tmp_path, arguments):
     code = (
@@ -108,6 +109,7 @@ def test_a_plant_without_rest_is_drawn_and_the_reason_given(command, tmp_path):
     assert "9.99" not in (tmp_path / "quadruple-tank.svg").read_text(encoding="utf-8")
 
 
+@pytest.mark.thorough
 def test_a_new_file_loads_and_can_be_studied(command, tmp_path):
     status, output, _ = command("new", "my-plant")
     assert status == 0 and "my-plant.toml" in output

@@ -22,6 +22,7 @@ def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
+@pytest.mark.thorough
 def test_help_loads_nothing_numeric():
     code = (
         "import sys\n"
@@ -40,6 +41,7 @@ def test_help_loads_nothing_numeric():
         assert option in done.stdout
 
 
+@pytest.mark.thorough
 def test_a_step_is_told_and_written(simulated, tmp_path):
     status, output, _ = simulated("quadruple-tank", "--input", "pump_1=3.5V@60s")
     assert status == 0
@@ -57,6 +59,7 @@ def test_a_step_is_told_and_written(simulated, tmp_path):
     assert (table["pump_1"][59], table["pump_1"][60], len(table)) == (3.0, 3.5, 721)
 
 
+@pytest.mark.thorough
 def test_json_is_what_the_function_returns(simulated, tmp_path):
     status, output, _ = simulated(
         "quadruple-tank", "--json", "--input", "pump_1=3.5V@60s",
@@ -81,6 +84,7 @@ def test_json_is_what_the_function_returns(simulated, tmp_path):
     assert names(tmp_path) == ["quadruple-tank-simulation.csv", "quadruple-tank-simulation.html"]
 
 
+@pytest.mark.thorough
 def test_without_input_it_says_that_nothing_moves(simulated):
     status, output, _ = simulated("quadruple-tank")
     assert status == 0
@@ -89,6 +93,7 @@ def test_without_input_it_says_that_nothing_moves(simulated):
     assert "Nothing moves: give an input, for example --input 'pump_1=VALUE@TIME' (in V)." in words
 
 
+@pytest.mark.thorough
 def test_a_file_gives_the_same_as_words(simulated, tmp_path):
     (tmp_path / "steps.csv").write_text("time [min];pump_1 [V]\n0;3\n1;3.5\n2;3.2\n")
     of_file = simulated("quadruple-tank", "--json", "--profile", "steps.csv", "--duration", "5 min")
@@ -100,6 +105,7 @@ def test_a_file_gives_the_same_as_words(simulated, tmp_path):
     assert json.loads(of_file[1])["signals"] == json.loads(of_words[1])["signals"]
 
 
+@pytest.mark.thorough
 def test_events_are_listed_with_their_times(simulated):
     status, output, _ = simulated(
         "laboratory-four-tanks", "--input", "pump_1=90%@5s", "--duration", "1 min", "--json"

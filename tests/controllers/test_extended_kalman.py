@@ -62,6 +62,7 @@ def far_pumps(k):
     return np.array([1.8, 3.4]) if k < 150 else np.array([3.4, 1.6])
 
 
+@pytest.mark.thorough
 def test_it_is_the_filter_that_numpy_computes():
     """All measurements at once, Joseph's form, and the exponential of SciPy."""
     controller = design_lqi_extended_kalman(MODEL)
@@ -101,6 +102,7 @@ def test_it_is_the_filter_that_numpy_computes():
     assert law.state["covariance_4_4"] == pytest.approx(P[3, 3], rel=1e-7)
 
 
+@pytest.mark.thorough
 def test_far_from_the_operating_point_it_knows_what_the_linear_one_does_not():
     pair = (
         design_lqi_extended_kalman(MODEL),
@@ -124,6 +126,7 @@ def test_far_from_the_operating_point_it_knows_what_the_linear_one_does_not():
     assert errors[1] > 0.002  # 2 mm, of levels of some centimetres
 
 
+@pytest.mark.thorough
 def test_a_wrong_start_is_forgotten_and_an_empty_tank_does_no_harm():
     """The pumps stand still until all tanks are empty, then run again."""
     controller = design_lqi_extended_kalman(MODEL)
@@ -141,6 +144,7 @@ def test_a_wrong_start_is_forgotten_and_an_empty_tank_does_no_harm():
     assert errors[0, 2] > 0.05 and errors[1100:1200].max() < 5e-3 and errors[1900:].max() < 5e-3
 
 
+@pytest.mark.thorough
 def test_without_measurements_it_goes_on_by_the_equations_and_its_doubt_is_bounded():
     controller = design_lqi_extended_kalman(MODEL)
     law = ScannedLaw(controller, 1.0)

@@ -78,6 +78,7 @@ def linear_parts(levels):
     return C @ still.rates, C @ still.rates_by_input
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("anti_windup", "alpha_on"),
     [*((way, "virtual") for way in ANTI_WINDUPS), ("variable_structure", "input")],
@@ -164,6 +165,7 @@ def test_automatic_takes_over_without_a_bump_whatever_was_before():
         )  # fmt: skip
 
 
+@pytest.mark.thorough
 def test_gains_change_without_a_bump():
     rig = Rig(full("none"), load_process(FULL))
     rig.scan(setpoint_1=6.0, measurement_1=5.0, measurement_2=6.5, time_step=1.0)

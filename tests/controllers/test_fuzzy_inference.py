@@ -86,6 +86,7 @@ def random_inputs(system, count, seed):
     return columns
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("system", [DOCUMENT, mixed_system()], ids=["document", "mixed"])
 def test_the_engine_agrees_with_plain_python_rule_by_rule(system):
     inputs = random_inputs(system, 400, seed=5)
@@ -124,6 +125,7 @@ def test_all_points_in_one_loop_give_the_same_bits():
         assert run.output("C_in")[0, k] == expected
 
 
+@pytest.mark.thorough
 def test_the_sum_tends_to_the_centroid_of_the_area():
     """The exact centroid, fine integration, and 101 and 1,001 points: three routes to one end."""
     errors = {101: [], 1001: []}

@@ -99,6 +99,7 @@ def test_scheduled_gains_move_no_output_by_themselves(form):
     assert max(outputs) - min(outputs) < 1e-9 * PUMP.span
 
 
+@pytest.mark.thorough
 def test_scheduled_lqi_moves_no_output_by_its_gains():
     model = analyse(load_process("quadruple-tank")).model
     controller = design_gain_scheduled_lqi(model, over="level_1", points=[3.0, 6.0, 9.0])
@@ -114,6 +115,7 @@ def test_scheduled_lqi_moves_no_output_by_its_gains():
     assert max(gains) - min(gains) > 1e-3 * abs(gains[0])
 
 
+@pytest.mark.thorough
 def test_scheduled_lqi_at_its_operating_point_is_lqi():
     """In every sample, for small deviations: the schedule passes through the plain design."""
     model = analyse(load_process("averaging-tank")).model
@@ -132,6 +134,7 @@ def test_scheduled_lqi_at_its_operating_point_is_lqi():
             assert found[1][name] == pytest.approx(value, rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_the_linear_model_halfway_is_that_of_the_interpolated_gains():
     """Whatever the sensors say, the law moves by its gains of the last sample."""
     model = analyse(load_process("averaging-tank")).model

@@ -106,6 +106,7 @@ class PlainPi:
         return min(max(value, self.values["low"]), self.values["high"])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("anti_windup", ANTI_WINDUPS)
 def test_agrees_with_a_plain_pi_through_modes_saturation_and_faults(driven, anti_windup):
     random.seed(7)
@@ -258,6 +259,7 @@ def test_recovery_is_sooner_than_without_anti_windup(driven, anti_windup):
 anything = st.floats()
 
 
+@pytest.mark.thorough
 @settings(max_examples=400, deadline=None)
 @given(
     anti_windup=st.sampled_from(ANTI_WINDUPS),

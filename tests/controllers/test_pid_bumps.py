@@ -71,6 +71,7 @@ def adjustable(form):
                 yield parameter.name, min(max(value, parameter.low), parameter.high)
 
 
+@pytest.mark.sampled
 @every_winding_form
 def test_a_parameter_is_changed_without_a_bump(form):
     changes = list(adjustable(form))
@@ -163,6 +164,7 @@ def test_automatic_goes_on_from_the_other_mode(form, mode):
     )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("mode", [MANUAL, TRACKING], ids=["manual", "tracking"])
 @every_form
 def test_automatic_goes_on_exactly_where_measurement_and_filter_rest(form, mode):

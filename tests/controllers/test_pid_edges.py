@@ -87,6 +87,7 @@ def test_gap_and_squared_action_have_the_sign_of_the_gain_and_their_shape(shape,
             assert second - first == pytest.approx(expected, abs=BUMP)
 
 
+@pytest.mark.sampled
 @with_integral
 def test_the_shortest_integral_time_drives_to_the_limit_and_back(form):
     law = one_loop(form, settings(form, gain=3.0, integral_time=1e-6), time_step=STEP)
@@ -207,6 +208,7 @@ def test_a_huge_time_step_leaves_numbers_within_the_limits(form, time_step):
 NONSENSE = (math.nan, math.inf, -math.inf, 1e308, -1e308, 0.0, 5e-324)
 
 
+@pytest.mark.thorough
 @every_winding_form
 def test_a_parameter_changed_to_nonsense_and_back(form):
     """A gain that is no number holds the output; afterwards the law is as good as before."""
@@ -259,6 +261,7 @@ scan = st.fixed_dictionaries(
 )
 
 
+@pytest.mark.thorough
 @limits_of(max_examples=400, deadline=None)
 @given(
     form=st.sampled_from(forms()),

@@ -23,6 +23,7 @@ def divided(a, b):
     return a / b
 
 
+@pytest.mark.thorough
 def test_the_sign_is_not_reversed_a_tank_is_filled_to_its_setpoint():
     """A tank with a pump that fills it, dh/dt = (u − 50)/200: a reversed sign empties it."""
     for form in forms():
@@ -35,6 +36,7 @@ def test_the_sign_is_not_reversed_a_tank_is_filled_to_its_setpoint():
         assert level == pytest.approx(7.0, abs=1e-3), name_of(form)
 
 
+@pytest.mark.thorough
 def test_a_negative_gain_holds_a_tank_by_the_pump_that_empties_it():
     for form in forms():
         if not form.has_integral:

@@ -57,6 +57,7 @@ def analytic(form, way, shape, time):
     return transfer(form, *elements)[way == "measurement"]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("shape", ["step", "ramp"])
 @pytest.mark.parametrize("way", ["setpoint", "measurement"])
 @every_form

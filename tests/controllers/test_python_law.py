@@ -56,6 +56,7 @@ def hard_scenario(model) -> Scenario:
     return Scenario(point.process.sampling_period, setpoints, disturbances, noise, (), 4)
 
 
+@pytest.mark.thorough
 def test_the_documented_use_runs() -> None:
     names: dict = {}
     exec(USE, names)
@@ -73,6 +74,7 @@ def test_python_and_expressions_agree_in_every_bit(model) -> None:
         np.testing.assert_array_equal(slow.values[name], values, err_msg=name)
 
 
+@pytest.mark.thorough
 def test_the_reference_solver_takes_a_law_in_python(model) -> None:
     scenario = hard_scenario(model)
     kernel = pi_loop(model, "my_pi.py").run(scenario, substeps=20)
@@ -96,6 +98,7 @@ def beginnings(whole: Scenario, disturbances: tuple[Signal, ...]) -> Scenario:
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "pump"), [("equalisation-tank", "outflow"), ("wet-well", "duty"), ("rig", "pump_1")]
 )

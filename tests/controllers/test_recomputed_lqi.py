@@ -88,6 +88,7 @@ def test_at_rest_nothing_moves():
         assert law.state[name] == pytest.approx(value, rel=1e-5, abs=1e-9), name
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("levels", [(8.0, 3.0, 1.0, 4.0), (2.0, 9.0, 5.0, 0.5)])
 def test_at_a_frozen_state_the_gains_come_to_those_of_the_stationary_regulator(levels):
     """By hand the pumps stand at 4 and 1 V; the levels [V] are anything."""

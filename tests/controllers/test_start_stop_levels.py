@@ -79,6 +79,7 @@ class Foreman:
         return dict(self.output)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("pumps", "alternation", "rest"), [(1, 1, 0), (2, 1, 0), (3, 0, 4), (4, 1, 3)]
 )
@@ -255,6 +256,7 @@ def starts_of(model, controller, samples, **inputs):
     return np.flatnonzero(np.diff(pump) > 0.0) + 1
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("way", [EMPTYING, FILLING])
 @pytest.mark.parametrize("starts_per_hour", [6.0, 12.0])
 def test_the_worst_cycle_has_the_length_of_the_formula(tmp_path, way, starts_per_hour):
@@ -318,6 +320,7 @@ def test_where_it_applies(tmp_path, before, after, reason):
         design_start_stop_levels(model, starts_per_hour=6.0)
 
 
+@pytest.mark.thorough
 def test_other_processes_are_refused(tmp_path):
     for name, reason in (
         ("quadruple-tank", "it keeps one level, and quadruple-tank has 2"),

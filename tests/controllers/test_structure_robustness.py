@@ -35,6 +35,7 @@ def check(scheme, outputs):
     assert all(abs(value) <= 1e300 for value in scheme.state.values()), scheme.state
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", SCHEMES)
 @settings(max_examples=60, deadline=None)
 @given(data=st.data())

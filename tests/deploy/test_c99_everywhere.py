@@ -68,6 +68,7 @@ def check(name, build, scans, folder):
     np.testing.assert_array_equal(all_bits(found), all_bits(engine))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "build"), OFTEN)
 def test_it_equals_the_engine_in_every_bit(name, build, tmp_path):
     check(name, build, 500, tmp_path)
@@ -79,6 +80,7 @@ def test_every_family_equals_the_engine_in_every_bit(name, build, tmp_path):
     check(name, build, 2000, tmp_path)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "name",
     [

@@ -80,6 +80,7 @@ def profiles(program: Program) -> dict[str, np.ndarray]:
     return given
 
 
+@pytest.mark.thorough
 def test_a_process_with_transport_delays_is_the_engine_s_in_every_bit(channel, tmp_path):
     lengths = [ring.length for ring in channel.rings]
     assert lengths == [30, 30, 30, 4, 4, 4]
@@ -93,6 +94,7 @@ def test_a_process_with_transport_delays_is_the_engine_s_in_every_bit(channel, t
     assert np.ptp(upper) > 0.1 and np.any(np.diff(upper) != 0)
 
 
+@pytest.mark.thorough
 def test_in_single_precision_too(channel, tmp_path):
     given = {name: column[:80] for name, column in profiles(channel).items()}
     in_c = CompiledC(channel, tmp_path, "single").run(given)
@@ -133,6 +135,7 @@ def test_what_comes_out_is_what_went_in_so_many_turns_before(lengths, tmp_path):
     assert found[:, 0].tolist() == comes_out
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(5))
 def test_random_bodies_with_rings_equal_the_interpreter(seed, tmp_path, monkeypatch):
     unread = [f"-Wno-unused-{what}" for what in ("but-set-variable", "variable", "const-variable")]

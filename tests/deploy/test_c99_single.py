@@ -35,6 +35,7 @@ def test_a_bare_law_in_float_is_its_operations_in_single_precision(name, tmp_pat
     assert len({tuple(row) for row in found[:, : len(program.outputs)]}) > 100
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["PI, SIMC", "LQI with Kalman filter", "Start/stop levels"])
 def test_a_law_in_its_plant_shell_is_too(name, tmp_path):
     ready = family(name)[1]
@@ -55,6 +56,7 @@ def test_single_precision_differs_from_double_by_its_rounding_only(tmp_path):
     assert 0.0 < difference < 1e-3
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(5))
 def test_random_blocks(seed, tmp_path, monkeypatch):
     """Loops, branches and every operation, with constants of both signs and of all sizes."""

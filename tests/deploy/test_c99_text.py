@@ -36,6 +36,7 @@ def beside(lines: list[str], start: str) -> str:
     return normal("".join(lines[first:place]).partition("/*")[2].removesuffix("*/"))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", PROCESSES)
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_every_number_says_its_unit_and_source(name, precision):

@@ -20,6 +20,7 @@ ARGUMENTS, RESULTS, SAMPLES = 4, 6, 30
 SEEDS = [*range(4), *(pytest.param(k, marks=pytest.mark.thorough) for k in range(4, 16))]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_programs_equal_the_interpreter(seed, tmp_path, monkeypatch):
     # Nothing is simplified in these blocks, so much of what they compute is read by nothing.

@@ -32,6 +32,7 @@ def digests_under(kernel, threads, process, *names):
     return json.loads(found.stdout)
 
 
+@pytest.mark.thorough
 def test_a_regulator_and_its_observer():
     names = ("LQI with Kalman filter",)
     assert digests_under("Nehalem", 2, "three-tanks", *names) == digests("three-tanks", names)

@@ -55,6 +55,7 @@ def test_a_block_that_nobody_wired_stands_in_manual_at_fail_safe_and_without_sen
         assert inputs[f"setpoint_{number}"] == at[name]
 
 
+@pytest.mark.thorough
 def test_every_printer_declares_the_inputs_alike():
     """What stands in the texts, read by plain patterns, is what the signals say."""
     ready = made_ready("quadruple-tank", "PI, SIMC")

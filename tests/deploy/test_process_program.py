@@ -33,6 +33,7 @@ def profiles(point, seed: int) -> dict[str, np.ndarray]:
     return found
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", every_variant())
 def test_it_moves_as_the_simulation_does(name):
     process = load_process(name)
@@ -51,6 +52,7 @@ def test_it_moves_as_the_simulation_does(name):
         assert signal.initial == pytest.approx(run.values[signal.name][0], abs=1e-12 * scale)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", every_variant())
 def test_it_stays_at_rest(name):
     process = load_process(name)

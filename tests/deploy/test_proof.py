@@ -95,6 +95,7 @@ def proven(program: Program, folder, seed: int) -> None:
             assert all(np.any(word & bit) and not np.all(word & bit) for bit in STATUS_BITS)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "anti_windup", ["back_calculation", "conditional_integration", "clamping", "none"]
 )
@@ -108,6 +109,7 @@ def test_pi_is_the_same_in_engine_c_and_structured_text(anti_windup, tmp_path):
     proven(with_defaults(program, values), tmp_path, seed=1)
 
 
+@pytest.mark.thorough
 def test_lqi_is_the_same_in_engine_c_and_structured_text(tmp_path):
     program = program_of(lqi_law(4, 2, (1, 2), "back_calculation"))
     random = np.random.default_rng(5)
@@ -120,6 +122,7 @@ def test_lqi_is_the_same_in_engine_c_and_structured_text(tmp_path):
     proven(with_defaults(program, values), tmp_path, seed=2)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "name",
     [

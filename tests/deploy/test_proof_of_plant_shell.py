@@ -74,6 +74,7 @@ CASES = [
 ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "process"), CASES)
 def test_engine_c_and_structured_text_are_equal_in_every_bit(name, process, tmp_path):
     analysis = analyse(load_process(process))
@@ -119,6 +120,7 @@ def in_operation(program, samples):
     return inputs
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("faulty", "fails"), [(39, False), (41, True)])
 def test_a_fault_of_3_9_s_rides_through_and_one_of_4_1_s_fails_safe(faulty, fails, tmp_path):
     """Scans of 0.1 s, in the engine, in C and in Structured Text."""
@@ -161,6 +163,7 @@ def test_a_fault_of_3_9_s_rides_through_and_one_of_4_1_s_fails_safe(faulty, fail
             assert moved[before + faulty] == pytest.approx(held_at + step, abs=1e-12)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("start", [1, 2])
 def test_buttons_that_are_held_do_not_keep_a_dead_sensor_from_failing_safe(start, tmp_path):
     """`start` and `acknowledge` stuck for ever, in the engine, in C and in Structured Text."""

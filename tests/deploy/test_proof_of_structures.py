@@ -140,6 +140,7 @@ def program_under_test(name):
     return with_defaults(program, uneven(program, len(name)) | limits)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", [*FORMS, "scheme"])
 def test_engine_c_and_structured_text_are_equal_in_every_bit(name, tmp_path):
     program = program_under_test(name)
@@ -201,6 +202,7 @@ int main(void)
 CHECKED = ["-fsanitize=float-divide-by-zero", "-fno-sanitize-recover=float-divide-by-zero"]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", [*FORMS, "scheme"])
 def test_the_c_divides_by_zero_nowhere(name, tmp_path):
     """Each setting at zero, and all at once, under the check that the compiler builds in."""

@@ -130,6 +130,7 @@ def is_justified(
 fmu_or_none = st.sampled_from([(), (), (), ("FMU 3.0",), ("FMU 2.0",)])
 
 
+@pytest.mark.thorough
 @in_tiers(5, 30)
 def test_programs_of_every_statement(examples):
     @settings(FIXED, max_examples=examples)
@@ -153,6 +154,7 @@ def test_random_programs_leave_out_no_operation_and_no_statement():
     assert seen >= EVERYTHING, EVERYTHING - seen
 
 
+@pytest.mark.thorough
 @in_tiers(4, 25)
 def test_names_that_a_language_cannot_have_are_refused_or_harmless(examples):
     """Keywords, macros, names that differ in case, names of the printers' own variables."""
@@ -166,6 +168,7 @@ def test_names_that_a_language_cannot_have_are_refused_or_harmless(examples):
     every_program()
 
 
+@pytest.mark.thorough
 @in_tiers(3, 20)
 def test_functions_of_a_library(examples):
     """Within 1e-12 of the range, and no decision differs."""
@@ -178,6 +181,7 @@ def test_functions_of_a_library(examples):
     every_program()
 
 
+@pytest.mark.thorough
 @in_tiers(2, 7)
 @pytest.mark.parametrize("kind", CONTROLLERS)
 def test_controllers(kind, examples):
@@ -199,6 +203,7 @@ process_targets = st.tuples(
 )
 
 
+@pytest.mark.thorough
 @in_tiers(2, 6)
 def test_processes(examples):
     @settings(FIXED, max_examples=examples)
@@ -213,6 +218,7 @@ def test_processes(examples):
     every_process()
 
 
+@pytest.mark.thorough
 def test_a_mistake_of_a_printer_is_found_and_made_small(monkeypatch):
     """A sum is printed as a difference: the program that shows it is down to a few lines."""
     printed = interpreted_text.print_structured_text

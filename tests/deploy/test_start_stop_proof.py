@@ -1,6 +1,7 @@
 """Start and stop levels in C and Structured Text, equal to the engine in every bit."""
 
 import numpy as np
+import pytest
 from deployed import all_bits, run_both
 
 from clepsydra import Kernel
@@ -17,6 +18,7 @@ def spoilt(random, values):
     return np.where(random.random(len(values)) < 0.02, wrong, values)
 
 
+@pytest.mark.thorough
 def test_the_engine_c_and_structured_text_agree_in_every_bit(tmp_path):
     model = analyse(load_process("wet-well:start-stop")).model
     program = design_start_stop_levels(model).program()

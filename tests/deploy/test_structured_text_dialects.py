@@ -233,6 +233,7 @@ def test_initial_values_that_matiec_cannot_read():
         print_structured_text(doubling("u", initial=1e39), precision="single")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_codesys_text_parses_under_the_grammar_of_twincat(precision):
     need("blark")

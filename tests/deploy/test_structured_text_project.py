@@ -58,6 +58,7 @@ def run_in_text(text: str, step: dict[str, float]) -> dict[str, np.ndarray]:
     return dict(zip(seen, np.array(rows).T, strict=True))
 
 
+@pytest.mark.thorough
 def test_it_moves_as_the_loop_of_the_engine():
     need("tree_sitter_iec61131_3_st")
     analysis, controller, text = project()
@@ -80,6 +81,7 @@ def test_it_moves_as_the_loop_of_the_engine():
     assert set(found["status_1"]) == {1.0} and found["watchdog"][-1] == SCANS
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_all_dialects_run_the_same(precision):
     need("tree_sitter_iec61131_3_st")
@@ -93,6 +95,7 @@ def test_all_dialects_run_the_same(precision):
     assert tables["matiec"]["manipulated_1"][-1] == 2.5
 
 
+@pytest.mark.thorough
 def test_each_system_gets_its_own_frame():
     texts = {name: project(name)[2] for name in ("matiec", "codesys", "scl")}
     assert texts["matiec"].endswith(

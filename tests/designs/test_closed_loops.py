@@ -55,6 +55,7 @@ def run(tank, controller, steps):
     return np.array(levels), np.array(moves)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("phase", list(PAIRINGS))
 @pytest.mark.parametrize("name", list(DESIGNS))
 def test_a_setpoint_step_is_reached_without_offset(phase, name, request):
@@ -70,6 +71,7 @@ def test_a_setpoint_step_is_reached_without_offset(phase, name, request):
     assert moves.max() <= 10.0
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("anti_windup", ["back_calculation", "conditional_integration"])
 @pytest.mark.parametrize("name", list(DESIGNS))
 def test_a_setpoint_out_of_reach_leaves_no_windup_behind(name, anti_windup, minimum_phase):

@@ -102,6 +102,7 @@ def test_lqi_refuses_dead_time_in_words():
         design_lqi(analyse(load_process(FILE)).model)
 
 
+@pytest.mark.thorough
 def test_a_study_goes_through():
     result = run_study(FILE)
     refused = dict(result.not_applicable)

@@ -35,6 +35,7 @@ def stepped(controller, model, column, size, samples):
     return {name: run.true_measurement(name) - at[name] for name in process.controlled}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "period", "time", "size"),
     [
@@ -60,6 +61,7 @@ def test_an_output_follows_as_designed_and_the_others_stay(name, period, time, s
                 assert np.max(np.abs(found[other])) < 3.0 * period / time * 0.1 * size
 
 
+@pytest.mark.thorough
 def test_loops_that_interact_are_decoupled_only_by_the_law():
     """The same step under the PI controllers of a multiloop design moves the other level."""
     from clepsydra.designs.simc import design_simc
@@ -73,6 +75,7 @@ def test_loops_that_interact_are_decoupled_only_by_the_law():
     assert np.max(np.abs(found["level_2"])) > 20.0 * np.max(np.abs(decoupled["level_2"]))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["quadruple-tank", "wet-well"])
 def test_with_an_observer_the_output_follows_too(name):
     """The observer runs the same equations, so that without a load there is nothing to estimate."""
@@ -87,6 +90,7 @@ def test_with_an_observer_the_output_follows_too(name):
     assert np.max(found) < 1.02 * size
 
 
+@pytest.mark.thorough
 def test_settling_times_are_those_of_scipy():
     from scipy.signal import lti, step
 
@@ -116,6 +120,7 @@ def test_unstable_internal_dynamics_are_refused_and_run_only_when_told_to():
     assert any("Unstable" in note for note in controller.notes)
 
 
+@pytest.mark.thorough
 def test_the_stated_refusals_of_the_catalogue():
     reasons = {
         "averaging-tank": "inputs that act linearly",
@@ -127,6 +132,7 @@ def test_the_stated_refusals_of_the_catalogue():
             design_feedback_linearisation(analyse(load_process(name)).model)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "name",
     ["equalisation-tank", "laboratory-four-tanks", "three-tanks", "wet-well",
@@ -142,6 +148,7 @@ def test_it_is_robust_where_it_applies(name):
 PLAIN = [VirtualSettings(0.1, 0.003)] * 2
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("options", "words"),
     [

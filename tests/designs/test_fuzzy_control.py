@@ -75,6 +75,7 @@ def test_at_rest_it_is_the_linear_controller():
     assert peaks[0] == pytest.approx(peaks[1], rel=0.05)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", list(every_process()))
 def test_it_holds_every_process_or_says_why_not(name):
     analysis = analyse(load_process(name))

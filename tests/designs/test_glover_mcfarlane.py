@@ -174,6 +174,7 @@ def test_riccati_residuals(name):
     assert np.min(np.linalg.eigvalsh((P + P.T) / 2)) >= 0.0
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", PLANTS)
 @pytest.mark.parametrize("relaxation", [1.02, 1.1, 2.0])
 def test_achieved_norm_against_a_frequency_sweep(name, relaxation):
@@ -225,6 +226,7 @@ def test_what_the_norm_promises_is_borne(seed):
         assert np.max(np.abs(np.linalg.eigvals(closed))) < 1.0
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("order", [1, 2, 3, 4, 5])
 def test_reduction_keeps_its_bound(order):
     factors = coprime_factors(shaped("quadruple-tank").system)
@@ -307,6 +309,7 @@ def test_the_law_is_precompensator_times_robust_controller(name, decoupling):
     assert np.allclose(found, expected, rtol=1e-6, atol=1e-9 * np.abs(expected).max())
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", catalogue_names())
 def test_it_is_robust_on_every_process_of_the_catalogue(name):
     analysis = analysed(name)

@@ -91,6 +91,7 @@ def test_cross_paired_loops_are_slowed_to_a_sensitivity_of_two(
     assert any("slowed down" in note or "lengthened" in note for note in controller.notes)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("period", [10.0, 30.0, 60.0, 100.0, 1000.0])
 @pytest.mark.parametrize("phase", ["minimum_phase", "nonminimum_phase"])
 @pytest.mark.parametrize("design", [design_simc, design_phase_margin])
@@ -455,6 +456,7 @@ def test_settings_that_no_controller_takes_are_not_applicable(
         design_simc(model, [("level", "pump")])
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "design",
     [

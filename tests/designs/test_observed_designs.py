@@ -70,6 +70,7 @@ def loop_of(controller, model):
     return sampled_loop(controller, with_outputs(model, controller.measurements))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("name", "measurements"),
     [
@@ -169,6 +170,7 @@ def static_loop(controller, model, loads):
     return (shown @ rest)[:, :q], (shown @ rest)[:, q:]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("design", list(OBSERVED))
 @pytest.mark.parametrize("name", ["eight-tanks", "wet-well", "quadruple-tank", "three-tanks"])
 def test_setpoints_are_reached_and_an_observer_leaves_no_offset_under_load(name, design):
@@ -181,6 +183,7 @@ def test_setpoints_are_reached_and_an_observer_leaves_no_offset_under_load(name,
     assert np.abs(offset).max() < 1e-6 * open_loop.max()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("design", [design_pole_placement, design_lqr])
 def test_without_an_observer_the_precompensator_is_exact_and_a_load_leaves_an_offset(design):
     model = model_of("quadruple-tank")
@@ -192,6 +195,7 @@ def test_without_an_observer_the_precompensator_is_exact_and_a_load_leaves_an_of
     assert any("offset that stays" in note for note in controller.notes)
 
 
+@pytest.mark.thorough
 def test_the_sensitivity_is_that_of_a_sweep():
     """|S| of a law with an observer, from transfer functions of its parts."""
     model = model_of("three-tanks")
@@ -231,6 +235,7 @@ DESIGNS = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("design", list(DESIGNS))
 @pytest.mark.parametrize(
     "name",

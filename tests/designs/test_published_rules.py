@@ -130,6 +130,7 @@ def test_the_tangent_of_an_integrating_element_is_its_asymptote():
     assert reaction_curve(element, 0.5, method="test")[:2] == (0.2, pytest.approx(7.0, rel=1e-12))
 
 
+@pytest.mark.thorough
 def test_an_inverse_response_and_a_zero_keep_to_the_exact_step_response():
     from scipy.signal import TransferFunction, step
 

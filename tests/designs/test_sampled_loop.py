@@ -104,6 +104,7 @@ def critical_gain(tank: OneTank, integral_time: float) -> float:
     return 2 * (1 + tank.held) / (tank.moved * (2 - share))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("share", [0.05, 0.3, 0.8, 0.97])
 @pytest.mark.parametrize("periods", [3.0, 40.0])
 def test_maximum_sensitivity_is_the_peak_of_a_brute_force_sweep(tank, share, periods):
@@ -168,6 +169,7 @@ def test_the_limit_of_stability_is_that_of_jury(tank, distance):
     assert tank.sampled(gain, integral_time).is_stable == (distance < 0)
 
 
+@pytest.mark.thorough
 def test_two_coupled_loops_against_a_sweep_of_singular_values():
     """S = (I + N G K)⁻¹ of the quadruple tank, sampled by a Taylor series of its own."""
     process = load_process("quadruple-tank-nonminimum-phase")

@@ -20,6 +20,7 @@ from clepsydra.process.reader import load_process
 JOHANSSON = [PidSettings(3.0, 30.0), PidSettings(2.7, 40.0)]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", catalogue_names())
 def test_it_has_a_controller_for_every_process(name):
     analysis = analyse(load_process(name))

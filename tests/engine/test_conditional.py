@@ -29,6 +29,7 @@ def random_program(seed: int) -> tuple[Program, Block, np.ndarray]:
     return program, plain, rows
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "seed",
     [*range(4), *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(4, 16))],

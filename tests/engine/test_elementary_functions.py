@@ -108,6 +108,7 @@ NEAR = np.where(
 FAR = 2.0 ** RANDOM.uniform(-1022, 1023, 600)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("x", "y"),
     [
@@ -276,6 +277,7 @@ def test_one_lane_and_many_agree_bit_for_bit(name):
         assert np.array_equal(computed(name, x, y, lanes).view(np.int64), many)
 
 
+@pytest.mark.thorough
 def test_calls_that_are_replaced_and_calls_that_are_kept_agree_bit_for_bit():
     """Forty uses are more than are replaced by their code; the constant base is folded there."""
     law = step_law(

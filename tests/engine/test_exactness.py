@@ -30,6 +30,7 @@ def stimulus(seed: int, scenarios: int):
     return inputs, parameters
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("seed", range(40))
 def test_one_run_equals_casadi_bit_for_bit(seed):
     law = random_law(seed)
@@ -47,6 +48,7 @@ def test_one_run_equals_casadi_bit_for_bit(seed):
     assert same_bits(run.final_state[:, 0], final)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("fuse", [False, True])
 def test_every_lane_equals_its_own_run_bit_for_bit(seed, fuse):

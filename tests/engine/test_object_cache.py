@@ -316,6 +316,7 @@ print(kernel.function(1).was_cached, hashlib.sha256(record.tobytes()).hexdigest(
 """
 
 
+@pytest.mark.thorough
 def test_processes_that_start_together_share_a_fresh_folder(folder):
     """Which of them find the object is open; all compute the same and leave one whole file."""
     environment = {

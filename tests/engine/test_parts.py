@@ -48,6 +48,7 @@ def agree(monkeypatch, program: Program, largest: int, scenarios: int, **given) 
     assert bits(state.ravel()) == bits(whole[0].ravel())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("largest", [1, 3, 10, 40])
 @pytest.mark.parametrize("seed", range(8))
 def test_random_programs(seed, largest, monkeypatch):
@@ -74,6 +75,7 @@ def test_rings_of_loops_and_of_the_state(length, largest, monkeypatch):
     agree(monkeypatch, program, largest, 9, inputs={"u": u}, parameters={"gain": gain})
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("name", "substeps"),
     [("quadruple-tank", 1), ("quadruple-tank", 3), ("wet-well", 2), ("three-tanks", 1)],

@@ -55,6 +55,7 @@ def test_the_right_structure_comes_first(structure, gain, lags):
     assert found.verdict.startswith(f"Use {structure.name}: ")
 
 
+@pytest.mark.thorough
 def test_two_equal_lags_are_told():
     """The search ends at equal lags for some of such records; their intervals stay narrow."""
     equal = 0
@@ -95,6 +96,7 @@ def test_the_fit_is_one_less_the_share_of_the_error():
         assert model.validated == pytest.approx(100.0 * (1.0 - error / constant), rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_within_a_point_the_model_with_fewer_parameters_comes_first():
     for seed in range(6):
         found = identify_model(record(FOPDT, 0.04, [25.0], 5.3, seed=seed, noise=0.002))
@@ -136,6 +138,7 @@ def noise_alone(seeds):
         assert found.for_control is None
 
 
+@pytest.mark.thorough
 def test_noise_alone_is_not_modelled():
     noise_alone(range(2))
 

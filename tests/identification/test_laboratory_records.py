@@ -67,6 +67,7 @@ def test_filling_from_empty_at_constant_input_tells_the_holes(laboratory):
     assert any("no input moved" in note for note in fit.notes)
 
 
+@pytest.mark.thorough
 def test_draining_tells_the_holes(laboratory):
     fit = fitted(laboratory, HOLES, {"pump_1": "0 V", "pump_2": "0 V"}, duration="90 s")
     check(fit, HOLES, AREAS)

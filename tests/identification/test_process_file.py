@@ -46,6 +46,7 @@ def test_the_file_gives_back_what_was_fitted(tmp_path):
     assert load_process(path, variant=[]).signal("outlet_1.area").initial == 7.1e-6
 
 
+@pytest.mark.thorough
 def test_variants_in_force_stay_in_force(tmp_path):
     process = load_process("laboratory-four-tanks:fitted,volts")
     names = ["outlet_1.area"]
@@ -78,6 +79,7 @@ def test_gravity_and_a_default_are_written_too(tmp_path):
     assert load_process(tmp_path / "moon.toml").signal("gravity").initial == pytest.approx(8.829)
 
 
+@pytest.mark.thorough
 def test_a_gain_that_follows_from_a_span_is_refused():
     process = load_process("laboratory-four-tanks:fitted,volts")
     inputs = {"pump_1": ["7.2 V @ 5 s", "6 V @ 60 s"]}

@@ -95,6 +95,7 @@ def test_a_batch_is_the_simulation_lane_by_lane(four_tanks):
         assert found[lane, 0] == pytest.approx(alone.values["level_1"][:-1], abs=1e-6)
 
 
+@pytest.mark.thorough
 def test_a_channel_with_dead_time_and_another_sampling_period():
     """The record has a row each 4 s, the file a sampling period of 2 s, the channel 5 s."""
     process = load_process(TESTS / "dead-time.toml")

@@ -52,6 +52,7 @@ def test_names_of_a_process_have_its_units(tmp_path):
     assert record.signals[1].high == 10.0
 
 
+@pytest.mark.thorough
 def test_what_simulate_writes_is_read_number_by_number(tmp_path):
     run = simulate("laboratory-four-tanks", {"pump_1": "50 % @ 2 s"}, duration="10 s")
     write_trajectories(run, tmp_path / "run.csv")

@@ -38,6 +38,7 @@ def test_slopes_by_the_lags_are_those_of_finite_differences(structure, lags, sys
         assert found.free_slopes[:, :, place] == pytest.approx(by_free, abs=1e-8)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("lags", [[7.0, 3.0], [7.0, 7.0]])
 def test_free_responses_solve_the_differential_equation(lags):
     """τ1 τ2 y'' + (τ1 + τ2) y' + y is constant for each of them, and two of them decay."""

@@ -19,6 +19,7 @@ NEEDS = {
 NAMES = [name for name in dir(cl.design) if name not in ("own", "fuzzy")]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", NAMES)
 def test_every_design_gives_a_controller_or_a_reason(plant, name):
     try:
@@ -40,6 +41,7 @@ def test_help_speaks_of_the_plant(name):
         assert parameter in text
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "text", "number"),
     [

@@ -22,6 +22,7 @@ def torricelli(level):
     return 0.1 * ca.sqrt(ca.fmax(level, 0))
 
 
+@pytest.mark.thorough
 def test_both_phases(johansson):
     found = strict(analyse(johansson.process).as_dict())
     levels = johansson.levels(johansson.voltage)
@@ -101,6 +102,7 @@ def test_an_undamped_oscillation_is_no_integrator(make_process):
     assert "every level settles" not in text
 
 
+@pytest.mark.thorough
 def test_outputs_that_cannot_be_set_independently(minimum):
     # γ1 + γ2 = 1: the static gain is singular, and a zero stands at the origin.
     plant = replace(minimum, gamma=(0.5, 0.5), gain=(3.3e-6, 3.3e-6))
@@ -115,6 +117,7 @@ def test_outputs_that_cannot_be_set_independently(minimum):
     assert "A zero stands at the origin" in text
 
 
+@pytest.mark.thorough
 def test_an_unstable_process(make_process):
     process = make_process(lambda x, u, d: [0.5 * x[0] - 0.1 * u[0]], levels=1, pumps=1)
     analysis = analyse(process, inputs={"pump_1": 2.0})

@@ -50,6 +50,7 @@ def test_singular_values_are_the_magnitude_in_ranges(analysis):
     assert found.relative_gains[:, 0, 0] == pytest.approx(np.ones(len(s)), rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_reach_and_hankel_values(analysis):
     assert [mode.state for mode in analysis.reach.controllability] == [
         "tank_2.level",

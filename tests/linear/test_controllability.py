@@ -186,6 +186,7 @@ def test_distance_of_a_pair_with_a_known_one():
     assert found.at_least <= found.value
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(5))
 def test_distance_by_brute_force(seed, random_system):
     system = random_system(seed, 4, 1, 1)

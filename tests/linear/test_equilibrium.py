@@ -131,6 +131,7 @@ def test_an_empty_tank_with_a_smooth_law_is_found(make_process):
     assert find_equilibrium(process, {"pump_1": 0.0}).state[0] == 0.0
 
 
+@pytest.mark.thorough
 def test_inflow_without_outlet_accumulates(make_process):
     process = make_process(
         lambda x, u, d: [0.01 * u[0] - torricelli(x[0]), torricelli(x[0])], levels=2, pumps=1
@@ -139,6 +140,7 @@ def test_inflow_without_outlet_accumulates(make_process):
         find_equilibrium(process, {"pump_1": 4.0})
 
 
+@pytest.mark.thorough
 def test_tanks_that_only_exchange_accumulate_together(make_process):
     def rates(x, u, d):
         exchange = 0.1 * (x[0] - x[1])
@@ -348,6 +350,7 @@ range = ["0 cm", "5 cm"]
 """
 
 
+@pytest.mark.thorough
 def test_a_search_that_leaves_the_numbers_ends_in_words(tmp_path):
     """It comes by a tip, where 1/A has no value: NumPy warned, which is an error of the tests."""
     path = tmp_path / "slender.toml"

@@ -69,6 +69,7 @@ def test_lag_with_dead_time_under_pi_control():
     assert margins.sensitivity.peak == pytest.approx(1.59, abs=0.005)
 
 
+@pytest.mark.thorough
 def test_proportional_control_of_a_lag_with_dead_time():
     """ω T + tan-type equations solved by a root find; crossings beyond are ripples."""
     gain, tau = 3.0, 0.5
@@ -154,6 +155,7 @@ def test_a_narrow_resonance_is_not_missed():
     assert loop_margins(loop).sensitivity.peak == pytest.approx(exact, rel=1e-7)
 
 
+@pytest.mark.thorough
 def test_disk_margin_of_the_paper():
     """Seiler, Packard and Gahinet's L: α = 0.46, gains 0.63 to 1.59, phase 25.8° of the text."""
     loop = from_transfer([25.0], [1.0, 10.0, 10.0, 10.0])

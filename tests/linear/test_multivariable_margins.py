@@ -35,6 +35,7 @@ def random_loop(random_system, seed):
     return plant, rational(other.A, 0.2 * other.B, other.C, 0.2 * other.D)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(8))
 def test_peaks_against_hamiltonian_eigenvalues(seed, random_system):
     plant, controller = random_loop(random_system, seed)
@@ -100,6 +101,7 @@ def test_multiloop_disk_is_reached_by_a_perturbation():
     assert best < 1e-5 * distance(np.zeros(2))
 
 
+@pytest.mark.thorough
 def test_two_separate_loops_are_two_single_ones():
     one = series(pi(1.0, 5.0), series(lag(2.0, 5.0), pure_delay(1.0)))
     two = series(pi(0.5, 3.0), series(lag(1.0, 2.0), pure_delay(0.5)))

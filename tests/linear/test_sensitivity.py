@@ -136,6 +136,7 @@ def test_very_different_time_scales():
     assert slow.frequency == pytest.approx(1e-6 * fast.frequency, rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_stability_limit_of_three_equal_lags():
     # 1/(s + 1)³ is stable under proportional feedback up to a gain of eight.
     A = -np.eye(3) + np.diag([1.0, 1.0], 1)

@@ -335,6 +335,7 @@ def test_a_varying_volume_mixes_with_a_power_of_the_volume(start, entering, leav
     assert np.all(np.abs(order(errors)[1:] - 4) < 0.35)
 
 
+@pytest.mark.thorough
 def test_two_mixed_tanks_in_series(start):
     """C₂ = C_in + (C₂₀ - C_in + (C₁₀ - C_in) t/τ) exp(-t/τ) for two equal volumes."""
     text = MIXED.replace('[flows.drain]\nsource = "tank"', """[tanks.second]

@@ -53,6 +53,7 @@ def step_scenario(loop: Loop, samples: int, size: float = 1.0, noise: float = 0.
     )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("substeps", [1, 4])
 def test_a_loop_without_fused_operations_is_casadi_bit_for_bit(name, substeps):
@@ -168,6 +169,7 @@ def test_running_scores_are_the_sums_of_the_trajectory():
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NAMES)
 def test_kernel_agrees_with_cvodes_to_a_millionth_of_tank_height(name):
     loop = make_loop(name)
@@ -180,6 +182,7 @@ def test_kernel_agrees_with_cvodes_to_a_millionth_of_tank_height(name):
         assert name_ in kernel.values
 
 
+@pytest.mark.thorough
 def test_the_integrator_has_order_four_on_a_smooth_run():
     """Halving the step divides the error by 16: the slope tends to 4."""
     loop = make_loop(NAMES[0])

@@ -252,6 +252,7 @@ STABLE = (
 )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", STABLE)
 def test_a_proportional_controller_stays_inside_every_range(name: str) -> None:
     """Steps there and back by u = u₀ + 5 M (r - y), M what a unit of y needs at rest.

@@ -84,6 +84,7 @@ def test_the_estimate_covers_the_true_error_of_random_plants_with_corners(tmp_pa
 SMALL = (11, 14, 30, 35, 48, 118, 120, 121, 142, 157)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", SMALL)
 def test_the_estimate_covers_the_true_error_of_a_few(tmp_path, seed):
     run = drawn_run(tmp_path, seed)

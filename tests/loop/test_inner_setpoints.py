@@ -66,6 +66,7 @@ def cascade(tmp_path):
     return run
 
 
+@pytest.mark.thorough
 def test_it_is_what_the_outer_loop_asks_for_in_the_same_sample(cascade):
     run, quiet = cascade(noise="true"), cascade()
     rest = quiet.values[NAME][0]
@@ -78,6 +79,7 @@ def test_it_is_what_the_outer_loop_asks_for_in_the_same_sample(cascade):
     assert run.values[NAME][step] < run.values[NAME][step - 1] - 5e-3
 
 
+@pytest.mark.thorough
 def test_both_solvers_record_it_and_it_stands_in_the_table(cascade, tmp_path):
     kernel, reference = cascade(), cascade(solver="reference")
     assert kernel.values[NAME] == pytest.approx(reference.values[NAME], abs=1e-8)

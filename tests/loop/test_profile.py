@@ -256,6 +256,7 @@ def test_more_rows_than_can_be_told_apart_are_refused(process, tmp_path):
     assert refusal.value.remedy.startswith("keep one row of 2, ")
 
 
+@pytest.mark.thorough
 def test_many_rows_take_a_time_in_proportion():
     """Each change is written up to the next one only."""
     changes = [Change("pump_1", float(k % 3), float(k), float(k)) for k in range(100_000)]

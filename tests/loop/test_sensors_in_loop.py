@@ -52,6 +52,7 @@ def test_noise_of_a_disturbance_stays_in_its_segment() -> None:
     assert not np.any(moved)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("solver", ["kernel", "reference"])
 def test_the_controller_gets_what_the_transmitter_shows(loop: Loop, solver: str) -> None:
     scenario = default_scenario(loop.model)
@@ -70,6 +71,7 @@ def test_the_controller_gets_what_the_transmitter_shows(loop: Loop, solver: str)
     assert np.sum(shown == 20.5e-3) > 10
 
 
+@pytest.mark.thorough
 def test_both_solvers_agree(loop: Loop) -> None:
     """A reading between two steps may be rounded either way, which moves the level by less."""
     scenario = default_scenario(loop.model)

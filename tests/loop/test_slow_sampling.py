@@ -31,6 +31,7 @@ def analysed(name: str, period: float):
     return analyse(process)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(("period", "rest"), [(30.0, 0.01), (60.0, 0.01), (1000.0, 0.1)])
 @pytest.mark.parametrize("design", list(DESIGNS))
@@ -70,6 +71,7 @@ def test_a_period_without_end_is_refused_before_anything_is_computed(period):
         Loop(design_lqi(usual.model), analysis.model)
 
 
+@pytest.mark.thorough
 def test_the_step_keeps_its_share_of_the_fastest_time_constant_up_to_the_limit():
     fastest = fast_mode(analysed(NAMES[0], 1.0).model)
     for period in (0.01, 1.0, 8.0, 1000.0 / fastest * 0.999):
@@ -82,6 +84,7 @@ def test_the_step_keeps_its_share_of_the_fastest_time_constant_up_to_the_limit()
         substeps_for(analysed(NAMES[0], 1000.0 / fastest * 1.001).model)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("times", "substeps"), [(0.04, 64), (900.0, 10_000), (400.0, 10_000)])
 def test_refinement_ends_at_64_times_the_steps_or_at_the_limit(times, substeps, monkeypatch):
     """With a tolerance that no run can meet."""

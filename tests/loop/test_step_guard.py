@@ -155,6 +155,7 @@ def test_the_guard_is_right_on_a_few_draws():
     assert found[2:] == (0, 0, 0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["quadruple-tank", "laboratory-four-tanks"])
 def test_draws_of_a_sound_step_are_not_marked(name):
     """At the turn of a level stages differ by little, but by more of one another."""

@@ -21,6 +21,7 @@ def sampled(name: str, period: float):
     return analyse(replace(load_process(name), sampling_period=period))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("name", "period", "substeps"),
     [

@@ -147,6 +147,7 @@ def cascade(well, feedforward=False, form=PI):
     return controller(well.model, blocks, settings, measured=measured, free=free)
 
 
+@pytest.mark.thorough
 def test_cascade_rejects_what_happens_inside_the_flow_loop(well):
     """The works raise the end of the main by 2 m: the speed for the same flow is another one."""
     change = {"duty.static_head": 10.0}
@@ -168,6 +169,7 @@ def test_cascade_is_no_worse_at_what_happens_outside(well):
     assert deviations[1] < 1.1 * deviations[0]
 
 
+@pytest.mark.thorough
 def test_an_inner_loop_makes_a_bent_characteristic_straight(well):
     """Level steps at half and at 1.5 times the flow: the pump's gain differs, the loop's not."""
     spread = {}
@@ -184,6 +186,7 @@ def test_an_inner_loop_makes_a_bent_characteristic_straight(well):
     assert spread["cascade"] < 1.1
 
 
+@pytest.mark.thorough
 def test_a_cascade_at_its_limit_does_not_wind_up(well):
     """For 30 min more runs in than the pump can lift: the outer integral waits for it."""
     inflow = np.full(4000, 0.02)
@@ -267,6 +270,7 @@ def averaging(basin, form=PI, **more):
     return controller(basin.model, blocks, settings, measured=["level"])
 
 
+@pytest.mark.thorough
 def test_split_range_uses_the_second_outlet_only_beyond_the_first(basin):
     """Ten hours of 0.6 m³/s, more than the pump can lift, then three of the mean."""
     model = model_of("equalisation-tank:relief")
@@ -328,6 +332,7 @@ def long_rain():
     return inflow
 
 
+@pytest.mark.thorough
 def test_override_keeps_the_limit_and_otherwise_leaves_the_averaging_loop_alone(basin):
     inflow = long_rain()
     made = override(basin)
@@ -343,6 +348,7 @@ def test_override_keeps_the_limit_and_otherwise_leaves_the_averaging_loop_alone(
     np.testing.assert_allclose(found["outflow"][:200], without["outflow"][:200], rtol=0, atol=1e-12)
 
 
+@pytest.mark.thorough
 def test_override_takes_over_and_gives_back_without_a_bump_or_wind_up(basin):
     made, inflow = override(basin), long_rain()
     found = run(made, basin.model, 3000, inflow=inflow)
@@ -415,6 +421,7 @@ def starts(values, pump):
     return np.flatnonzero(np.diff(values[pump]) > 0.0) + 1
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("inflow", [0.008, 0.019, 0.03, 0.06])
 def test_starts_an_hour_stay_within_what_was_designed(station, inflow):
     """At 19 l/s, half of what a pump lifts there, the pumps start most often."""

@@ -37,6 +37,7 @@ def batch(loop: Loop, demands: np.ndarray, **options):
     )
 
 
+@pytest.mark.thorough
 def test_any_lane_equals_its_own_run_bit_for_bit_through_events_and_delays(loop):
     demands = np.array([0.0, 1e-4, 2.0e-4, 3.1e-4, 1.5e-4, 2.7e-4, 0.5e-4, 3.3e-4, 2.2e-4])
     together = batch(loop, demands)

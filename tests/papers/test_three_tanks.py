@@ -76,6 +76,7 @@ def rows(audited):
     return {(row.place, row.name): row for row in audited("three-tanks").rows}
 
 
+@pytest.mark.thorough
 def test_its_page_prints_what_the_audit_finds(page_holds):
     assert page_holds("three-tanks")
 
@@ -156,6 +157,7 @@ def test_the_linear_model_is_the_slope_of_the_orifice_laws():
     assert pytest.approx(np.array(wanted), rel=1e-9) == printed_model().A
 
 
+@pytest.mark.thorough
 def test_where_the_phase_of_every_state_feedback_is_minus_180_degrees(rows):
     """L of R = 0.1 by its own polynomials: -35045 at 0.0623 rad/s, -4.335 at 1.747 rad/s."""
     model = printed_model()

@@ -208,6 +208,7 @@ def test_strange_path(name: str) -> None:
         load_process(name)
 
 
+@pytest.mark.thorough
 def test_damaged_at_random() -> None:
     """Lines lost, doubled, exchanged, characters overwritten: a process or one message."""
     generator = random.Random(1)

@@ -42,6 +42,7 @@ def test_names() -> None:
     assert len(PROCESSES) == 9 + 3 + 2 + 4 + 3 + 2 + 3 + 1 + 1
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", catalogue_names())
 def test_what_every_file_says_of_itself(name: str) -> None:
     process = load_process(name)

@@ -87,6 +87,7 @@ def plant(tmp_path):
     return make
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("shape", SHAPES)
 def test_inflow_stops_when_a_closed_vessel_is_full(plant, shape):
     run = simulate(plant(shape), {"feed": "3000 l/min @ 60 s"}, duration="5 min")
@@ -107,6 +108,7 @@ def test_inflow_stops_when_a_closed_vessel_is_full(plant, shape):
     assert len(run.balances) == 2
 
 
+@pytest.mark.thorough
 def test_the_kernel_agrees_with_the_reference_solver(plant):
     given = {"feed": "3000 l/min @ 60 s"}
     kernel, reference = (
@@ -154,6 +156,7 @@ def test_the_command_line_says_that_the_run_ended(plant, tmp_path):
     assert "it ended at 146.9 s: drum is full" in page
 
 
+@pytest.mark.thorough
 def test_what_a_splitter_leads_to_a_full_vessel_stops_as_a_whole(plant):
     run = simulate(plant(feeds=SPLIT), {"feed": "6000 mA @ 60 s"}, duration="10 min")
     assert run.values["drum.level"].max() <= 2.4

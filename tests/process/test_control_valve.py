@@ -184,6 +184,7 @@ def test_stroke_time(simulate: Callable) -> None:
     assert course["tank_1.level"][400] == pytest.approx(KV * 4.0**2 / 16, rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_backlash_loop(simulate: Callable) -> None:
     """The stem of a sinus against the play operator, and the width of the loop it runs through."""
     width = 0.06
@@ -292,6 +293,7 @@ def test_stiction_on_a_stroke(simulate: Callable) -> None:
     )  # fmt: skip
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("friction", [None, Stiction(0.06, 0.03)])
 def test_limit_cycle(simulate: Callable, friction: Stiction | None) -> None:
     """PI control of an integrating level comes to rest, but cycles for ever with stiction."""

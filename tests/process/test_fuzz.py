@@ -6,6 +6,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -190,24 +191,28 @@ def examine(process: Process | None) -> None:
             assert math.isfinite(value)
 
 
+@pytest.mark.thorough
 @settings(FIXED, max_examples=150)
 @given(damaged())
 def test_a_damaged_file_is_read_or_refused(tmp_path: Path, content: bytes) -> None:
     examine(read(content, tmp_path))
 
 
+@pytest.mark.thorough
 @settings(FIXED, max_examples=150)
 @given(invented())
 def test_an_invented_file_is_read_or_refused(tmp_path: Path, content: bytes) -> None:
     examine(read(content, tmp_path))
 
 
+@pytest.mark.thorough
 @settings(FIXED, max_examples=200)
 @given(st.binary(max_size=200) | st.text(max_size=200).map(lambda t: t.encode("utf-8", "replace")))
 def test_no_file_of_ours_at_all(tmp_path: Path, content: bytes) -> None:
     assert read(content, tmp_path) is None
 
 
+@pytest.mark.thorough
 @settings(FIXED, max_examples=200)
 @given(st.dictionaries(st.sampled_from(KEYS) | st.text(max_size=3), plausible(), max_size=4))
 def test_every_key_has_a_line(tables: dict[str, Any]) -> None:

@@ -58,6 +58,7 @@ def test_the_flow_is_that_of_the_formula() -> None:
         assert rate == pytest.approx(3.0 * 0.2e-3 + 1e-4 - flow(level), rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_an_outlet_in_ten_lines_is_the_same_weir() -> None:
     whole = load_process("weir-tank.toml")
     assert len([line for line in SHORT.splitlines() if line]) <= 10
@@ -79,6 +80,7 @@ def test_the_operating_point_and_its_time_constant() -> None:
     assert pole == pytest.approx(-2.5 * 1e-3 / above, rel=1e-6)  # 1 m² of surface
 
 
+@pytest.mark.thorough
 def test_a_study_and_a_drawing() -> None:
     result = run_study("weir-tank.toml")
     assert result.ranking[0].rank == 1

@@ -70,6 +70,7 @@ def plant(tmp_path):
     return make
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("draws", [FLOW, PUMP, VALVE], ids=["flow", "pump", "valve"])
 @pytest.mark.parametrize(
     ("keys", "ends"), [("", 0.01), ('suction_level = "7 cm"', 0.07)], ids=["default", "key"]

@@ -319,6 +319,7 @@ def runge_kutta(rate: ca.Function, volume: float, duration: float, steps: int) -
     return np.array(volumes)
 
 
+@pytest.mark.thorough
 def test_draining_cone() -> None:
     """A dh/dt = -a √(2 g h) with A = π k² h² gives h^(5/2) = h₀^(5/2) - 5 a √(2g)/(2 π k²) t."""
     cone = Cone(height=0.6, floor_diameter=0.0, rim_diameter=0.4)

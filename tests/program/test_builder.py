@@ -20,6 +20,7 @@ def count(block: Block) -> int:
     return sum(1 for _ in block.operations())
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("seed", range(80))
 def test_folding_changes_no_bit(seed):
     plain, built = random_block(seed, ARGUMENTS, RESULTS)
@@ -28,6 +29,7 @@ def test_folding_changes_no_bit(seed):
         assert bits(evaluate_block(built, row)) == bits(evaluate_block(plain, row))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("seed", range(16))
 def test_kernel_and_interpreter_agree_bit_for_bit(seed):
     """One argument is a state and one a parameter, so that some work leaves the time loop."""

@@ -49,6 +49,7 @@ def test_the_body_counts_where_the_condition_is_true_and_only_there():
     assert bits(evaluate_block(block, [math.nan, 1.0, 0.5, 0.0])) == bits([math.nan, 1.0])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(40))
 def test_folding_around_and_inside_conditionals_changes_no_bit(seed):
     plain, built = random_block(5000 + seed, 4, 6, nesting=0.15)

@@ -244,6 +244,7 @@ def test_the_drawing_is_well_formed_and_names_every_element(drawn):
         assert 0 < float(text.get("y")) < height
 
 
+@pytest.mark.thorough
 def test_long_chains_stay_readable(tmp_path):
     for name in CHAINS:
         drawing = process_drawing(loaded(name, tmp_path), None)
@@ -251,6 +252,7 @@ def test_long_chains_stay_readable(tmp_path):
         assert width <= 1800 and height <= 1900, name
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("seed", range(60))
 def test_any_plant_finds_a_drawing(seed):
     graph = random_graph(Random(seed))
@@ -323,6 +325,7 @@ def heights(path):
     return max(ys), min(ys)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["quadruple-tank", "many-shapes"])
 def test_water_stands_at_the_scale_of_its_tank(name, tmp_path):
     process = loaded(name, tmp_path)
@@ -359,6 +362,7 @@ def widest(drawing, tank):
     return widths
 
 
+@pytest.mark.thorough
 def test_vessels_have_the_profile_of_their_shape():
     process = load_process(FILES["many-shapes"])
     drawing = process_drawing(process, find_equilibrium(process))
@@ -372,12 +376,14 @@ def test_vessels_have_the_profile_of_their_shape():
     assert rim == full and floor == pytest.approx(full * (0.4 / 2.2) ** 0.5, abs=0.2)
 
 
+@pytest.mark.thorough
 def test_a_tank_with_a_weir_shows_it_and_others_do_not():
     process = load_process(FILES["many-shapes"])
     drawing = process_drawing(process, None)
     assert re.findall("<title>weir of ([a-z_]*)</title>", drawing) == ["pond"]
 
 
+@pytest.mark.thorough
 def test_a_delay_says_how_long_it_is():
     drawing = process_drawing(load_process(FILES["many-shapes"]), None)
     assert "<title>transport delay channel, τ = 60 s</title>" in drawing
@@ -483,6 +489,7 @@ def test_only_controlled_levels_have_a_controller(process):
     assert drawing.count(">LT<") == 4
 
 
+@pytest.mark.thorough
 def test_words_of_a_file_cannot_break_the_drawing(process):
     hostile = replace(process, title='</title><script>alert("x")</script>')
     ElementTree.fromstring(process_drawing(hostile, find_equilibrium(process)))

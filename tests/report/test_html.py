@@ -122,10 +122,12 @@ def test_colours_in_tables_are_those_of_the_pictures(text):
     assert text.count('stroke="#E69F00"') >= 3  # its trend too
 
 
+@pytest.mark.thorough
 def test_two_reports_of_one_result_are_equal(result, text):
     assert report_text(result) == text
 
 
+@pytest.mark.thorough
 def test_a_report_is_written_whole(result, tmp_path):
     path = tmp_path / "report.html"
     write_report(result, path)
@@ -200,6 +202,7 @@ def test_a_report_stays_small(result, text):
     assert len(text) < 250_000
 
 
+@pytest.mark.thorough
 def test_the_report_names_process_variant_and_study_file(result):
     process = load_process("equalisation-tank:relief")
     assert address_text(process) == "equalisation-tank:relief (catalogue)"

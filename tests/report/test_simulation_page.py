@@ -76,6 +76,7 @@ def hairlines(axes):
     return [float(s[0, 0]) for c in collections for s in c.get_segments()]
 
 
+@pytest.mark.thorough
 def test_events_are_hairlines_where_they_happen(trips):
     _, run = trips
     times = [mark.time for mark in event_marks(run.happenings)]
@@ -111,6 +112,7 @@ def rgb(colour):
     return tuple(int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
 
 
+@pytest.mark.thorough
 def test_the_page_says_all_of_it(trips):
     plan, run = trips
     page = simulation_text(plan, run)
@@ -122,6 +124,7 @@ def test_the_page_says_all_of_it(trips):
         assert f"</i>{name}</th>" in page
 
 
+@pytest.mark.thorough
 def test_two_pages_of_one_simulation_are_equal_and_load_nothing(step, tmp_path):
     plan, run = step
     page = simulation_text(plan, run)
@@ -131,6 +134,7 @@ def test_two_pages_of_one_simulation_are_equal_and_load_nothing(step, tmp_path):
     assert not re.search(r"(?:src|href)=\"(?!#)", page)
 
 
+@pytest.mark.thorough
 def test_words_of_the_user_are_escaped(tmp_path):
     from clepsydra.process.catalogue_names import catalogue_file
 

@@ -234,6 +234,7 @@ def test_a_pair_of_roots_is_one_row(result):
     )
 
 
+@pytest.mark.thorough
 def test_the_least_bad_is_not_shown_as_the_best(result):
     unsafe = tuple(replace(entry, standing=Standing.UNSAFE) for entry in result.ranking)
     text = printed(ranking_table(replace(result, ranking=unsafe)))

@@ -94,6 +94,7 @@ def test_saturation_is_marked_exactly_where_a_pump_stands_at_a_limit(figure, run
     assert f"at a limit for {marked.sum()} s" in words
 
 
+@pytest.mark.thorough
 def test_a_run_away_from_its_limits_has_no_marks(result):
     run = result.ranking[0].run
     axes = panel_axes(plot(run), run)["pump_1"]

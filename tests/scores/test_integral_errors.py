@@ -85,6 +85,7 @@ trajectory = arrays(np.float64, 12, elements=values)
 clock = arrays(np.float64, 12, elements=st.floats(0.01, 100.0)).map(np.cumsum)
 
 
+@pytest.mark.thorough
 @given(clock, trajectory, trajectory, st.floats(-1e3, 1e3))
 def test_integrals_do_not_depend_on_when_the_run_began(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray, shift: float
@@ -95,6 +96,7 @@ def test_integrals_do_not_depend_on_when_the_run_began(
         )
 
 
+@pytest.mark.thorough
 @given(clock, trajectory, trajectory)
 def test_up_and_down_cost_the_same(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray

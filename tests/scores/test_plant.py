@@ -51,6 +51,7 @@ def test_a_pump_with_a_curve_lifts_what_its_curve_gives() -> None:
     assert (plant.running["duty"][0], plant.running["standby"][0]) == (1.0, 0.0)
 
 
+@pytest.mark.thorough
 def test_a_standby_pump_runs_when_its_switch_has_started_it() -> None:
     run = simulate("wet-well", {"inflow": "60 l/s @ 1 min"}, duration="30 min")
     plant = plant_trajectories(run.process, run.time, run.values)

@@ -41,6 +41,7 @@ def test_saturation_is_counted_at_the_narrower_limits_of_actuator_and_controller
     assert replace(narrow, controller=left).limits("pump_1") == (0.0, 10.0)
 
 
+@pytest.mark.thorough
 def test_start_and_stop_have_no_overshoot_and_come_last_where_it_is_asked_for() -> None:
     analysis = analyse(load_process("wet-well:start-stop"))
     model = linearise(analysis.operating_point)

@@ -179,6 +179,7 @@ def test_an_output_may_have_limits_and_a_rate_limit(study):
     assert np.abs(moved).max() <= 0.03 * (1 + 1e-12)
 
 
+@pytest.mark.thorough
 def test_a_cascade_rests_and_brings_the_level_to_its_setpoint(study):
     found = study(CASCADE)
     controller, model = made(found)
@@ -196,6 +197,7 @@ def test_a_cascade_rests_and_brings_the_level_to_its_setpoint(study):
     assert sampled_loop(controller, model).maximum_sensitivity < 2.0
 
 
+@pytest.mark.thorough
 def test_an_inner_loop_alone_is_not_the_cascade(study):
     """With the outer loop away the flow keeps its setpoint, and the level runs off."""
     alone = CASCADE.replace("[controllers.cascade.loops.level]", "[controllers.b.loops.level]")
@@ -366,6 +368,7 @@ lag = "10 s"
 """
 
 
+@pytest.mark.thorough
 def test_feedforward_adds_to_a_loop_from_the_operating_point_on(study):
     found = study(FEEDFORWARD)
     controller, model = made(found)
@@ -394,6 +397,7 @@ running = ["90 %", "100 %"]
 """
 
 
+@pytest.mark.thorough
 def test_start_and_stop_levels(study):
     found = study(START_STOP)
     controller, model = made(found)
@@ -405,6 +409,7 @@ def test_start_and_stop_levels(study):
     assert set(np.unique(run.values["duty"])) == {0.0, 0.9}
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "text", [PAIR, CASCADE, OVERRIDE, SPLIT, RATIO, FEEDFORWARD, START_STOP], ids=range(7)
 )
@@ -460,6 +465,7 @@ def test_bounds_may_be_those_of_the_law_and_weights_those_of_several_scores(stud
     assert tune.limits.maximum_sensitivity == 2.0
 
 
+@pytest.mark.thorough
 def test_a_tuning_finds_a_better_controller_within_its_bounds(study):
     scenario = (
         '[scenario]\nduration = "12 h"\nnoise = false\n[[scenario.setpoint]]\nsignal = "level"\n'

@@ -20,6 +20,7 @@ def table(text):
     return TableReader(parse(text.encode(), "study.toml", "study"), (), FUZZY_KEYS)
 
 
+@pytest.mark.thorough
 def test_the_documents_controller_runs_from_its_file_and_starts_without_a_bump(tmp_path):
     shutil.copy(RULES, tmp_path / "rules.toml")
     analysis = analyse(load_process("averaging-tank:all-inputs"))

@@ -69,6 +69,7 @@ def candidate(tmp_path):
     return make
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("given", "event", "reason"),
     [

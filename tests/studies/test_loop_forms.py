@@ -28,6 +28,7 @@ def form_of(controller):
     return found
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("keys", "form", "parameters"),
     [

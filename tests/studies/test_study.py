@@ -151,6 +151,7 @@ def test_both_phases_are_told_apart():
     assert slowest[1] > slowest[0]
 
 
+@pytest.mark.thorough
 def test_the_dictionary_says_the_same(result):
     said = result.as_dict()
     assert said["process"] == result.process.name
@@ -214,6 +215,7 @@ design = "simc"
 """
 
 
+@pytest.mark.thorough
 def test_controllers_of_different_inputs_are_compared_and_written(tmp_path):
     (tmp_path / "mixed.toml").write_text(MIXED)
     result = run_study(read_study(tmp_path / "mixed.toml"))
@@ -268,6 +270,7 @@ def test_an_unknown_process_is_refused_with_those_that_are_known():
     assert "quadruple-tonk" in str(refusal.value) and "quadruple-tank" in str(refusal.value)
 
 
+@pytest.mark.thorough
 def test_a_design_whose_numbers_no_controller_takes_does_not_end_the_study(tmp_path):
     """Ten million times the volts, ten million times the gains: LQI's pass 1e9 V/m, PI's do not."""
     path = tmp_path / "high-voltage.toml"
@@ -286,6 +289,7 @@ def test_a_design_whose_numbers_no_controller_takes_does_not_end_the_study(tmp_p
     assert {"PI, SIMC", "PI, phase margin"} <= {c.controller.name for c in result.ranking}
 
 
+@pytest.mark.thorough
 def test_an_interrupted_tuning_is_told_and_goes_on(tmp_path):
     """Control-C in the middle of the search: the best so far now, the same end afterwards."""
     file = tmp_path / "tuned.toml"
@@ -308,6 +312,7 @@ def test_an_interrupted_tuning_is_told_and_goes_on(tmp_path):
     assert ended.tuning.objective == whole.tuning.objective <= cut.tuning.objective
 
 
+@pytest.mark.thorough
 def test_the_rule_that_is_told_is_the_one_that_ranked(tmp_path):
     text = 'title = "Calm or quick"\n' + MIXED + '[ranking]\nscores = ["overshoot[level_1]"]\n'
     (tmp_path / "mixed.toml").write_text(text)
@@ -326,6 +331,7 @@ def test_only_the_controller_that_is_asked_for_is_made():
     assert [candidate.controller.name for candidate in result.ranking] == ["PI, SIMC"]
 
 
+@pytest.mark.thorough
 def test_a_tuned_controller_comes_with_the_one_it_starts_from():
     result = run_study("equalisation-tank", only="PI, arrest time, tuned")
     names = {candidate.controller.name for candidate in result.ranking}

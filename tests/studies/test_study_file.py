@@ -192,6 +192,7 @@ def test_every_argument_of_every_design_can_be_written(name):
     assert design.__name__ == DESIGN_NAMES[name].function
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "name",
     [name for name, design in DESIGN_NAMES.items() if "pairing" in design_keys(design.load())],
@@ -220,6 +221,7 @@ def test_a_pairing_that_is_left_out_is_that_of_the_relative_gains(name, tmp_path
 WEIGHTS = 'weights = { states = { "tank_3.level" = 1.0 }, inputs = { feed = 1e6 }'
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("process", "arguments"),
     [
@@ -257,6 +259,7 @@ def test_poles_are_read_as_complex_numbers(study):
     assert made(found).values == direct.values
 
 
+@pytest.mark.thorough
 def test_starts_an_hour_may_have_a_unit(study):
     text = 'process = "wet-well:start-stop"\n[controllers.a]\ndesign = "start_stop_levels"\n'
     bare, hours, minutes = (

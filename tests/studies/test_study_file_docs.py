@@ -75,6 +75,7 @@ def test_every_argument_of_a_design_is_explained():
     assert explained == every
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("number", range(len(EXAMPLES)))
 def test_an_example_is_read_and_its_controllers_made(number, tmp_path):
     text = EXAMPLES[number]
@@ -124,6 +125,7 @@ derivative_time = "15 min"
 """
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("key", "value"),
     [

@@ -402,6 +402,7 @@ LOOPS = [
 ]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("text", "said"),
     [*GENERAL, *SCENARIO, *DESIGNS, *LOOPS],

@@ -225,6 +225,7 @@ STATIONS = [
 ]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("text", "said"),
     [*SCHEMES, *TUNING, *STATIONS],

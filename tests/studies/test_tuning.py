@@ -92,6 +92,7 @@ def test_the_gain_of_least_ise_is_that_of_the_closed_form(model, generations):
     assert found.binding == () and "No limit binds." in found.controller.notes
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("limits", "gain", "said"),
     [
@@ -200,6 +201,7 @@ def test_the_front_is_the_closed_form_of_score_against_robustness(model):
         assert np.min(np.abs(found.sensitivity - bound)) < 1e-5
 
 
+@pytest.mark.thorough
 def test_a_tuned_controller_starts_at_rest_whatever_was_tuned(model):
     """With a setpoint weight below one the bias must hold what K (b - 1) r takes away."""
     parameters = [GAIN, TunedParameter("setpoint_weight_1", 0.0, 0.9, logarithmic=False)]
@@ -245,6 +247,7 @@ def same(one: TuningResult, other: TuningResult) -> bool:
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("share", [0.15, 0.4, 0.6, 0.8])
 def test_a_resumed_tuning_ends_as_one_without_a_break(model, tmp_path, share):
     options = {
@@ -305,6 +308,7 @@ def test_the_state_of_another_problem_is_refused(model, tmp_path):
         tuned(model, minimax("ise[volume]"), state_file=path)
 
 
+@pytest.mark.thorough
 def test_the_same_seed_gives_the_same_bits_and_another_seed_another_way(model):
     options = {"limits": Limits(1.5), "generations": 10}
     one, again = (tuned(model, minimax("ise[volume]"), **options, seed=7) for _ in range(2))

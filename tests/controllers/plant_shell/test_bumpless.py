@@ -79,6 +79,7 @@ class Rig:
         return max(abs(outputs[f"manipulated_{i}"] - value) for i in self.numbers) / self.span
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("name", "process"), AT_ONCE)
 @pytest.mark.parametrize(("mode", "what"), [(0, "manual"), (2, "tracking")])
 def test_automatic_goes_on_where_a_hand_or_another_controller_stopped(name, process, mode, what):

@@ -40,6 +40,7 @@ def random_scans(program, samples, seed):
     return found
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("name", "process"),
     [

@@ -52,6 +52,7 @@ cases = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.sampled
 @cases
 def test_the_validator_finds_nothing(kind, version, described):
     assert validate_fmu(str(described[kind, version][1])) == []

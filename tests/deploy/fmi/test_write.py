@@ -30,6 +30,7 @@ def functions_of(version: str) -> set[str]:
     return set(re.findall(rf"\bfmi{number}[A-Z]\w*TYPE\s+(fmi{number}\w+);", text))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("make", [pi_model, lambda: exchange_of("quadruple-tank")])
 def test_the_binary_has_every_function_of_the_standard_and_no_other(make, version, tmp_path):
@@ -46,6 +47,7 @@ def test_the_binary_has_every_function_of_the_standard_and_no_other(make, versio
         assert not any(hasattr(library, name) for name in hidden)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("make", [pi_model, lambda: exchange_of("wet-well")])
 def test_the_functions_fit_the_prototypes_of_the_standard(make, version, tmp_path):
@@ -62,6 +64,7 @@ def test_the_functions_fit_the_prototypes_of_the_standard(make, version, tmp_pat
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("version", VERSIONS)
 def test_several_models_can_be_linked_into_one_program(version, tmp_path):
     """With a prefix on the command line, as the standard has it for static linking."""
@@ -77,6 +80,7 @@ def test_several_models_can_be_linked_into_one_program(version, tmp_path):
     assert not hasattr(library, f"fmi{number}GetVersion")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("version", VERSIONS)
 def test_the_same_model_gives_the_same_file(version, tmp_path):
     contents = []
@@ -86,6 +90,7 @@ def test_the_same_model_gives_the_same_file(version, tmp_path):
     assert contents[0] == contents[1]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("version", VERSIONS)
 def test_the_sources_build_what_the_description_says(version, tmp_path):
     """Only the files that are named are compiled, as an importer would."""

@@ -59,6 +59,7 @@ REFUSED = {
 }  # fmt: skip
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_a_target_cannot_express_it_refuses_by_name(name, monkeypatch):
     program, limits = REFUSED[name]
@@ -75,6 +76,7 @@ def test_what_a_target_cannot_express_it_refuses_by_name(name, monkeypatch):
     assert refused >= 1 and len(proof.refusals) == refused
 
 
+@pytest.mark.thorough
 def test_transport_delays_have_no_model_exchange(tmp_path, monkeypatch):
     catalogue = resources.files("clepsydra.process.catalogue")
     text = (catalogue / "three-tanks.toml").read_text("utf-8")
@@ -90,6 +92,7 @@ def test_transport_delays_have_no_model_exchange(tmp_path, monkeypatch):
     assert limit_met("FMU 3.0 exchange", "double", prompt) is None
 
 
+@pytest.mark.thorough
 def test_a_printer_that_refuses_without_need_fails_the_proof(monkeypatch):
     def refuse(program, **more):
         raise InputError("program law", "anything", "something else", "print it in C")

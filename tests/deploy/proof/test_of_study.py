@@ -30,6 +30,7 @@ def study():
     return run_study("quadruple-tank", only="PI, SIMC")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("settings", [None, SETTINGS])
 def test_the_files_of_an_export_are_those_that_are_proved(settings, study, tmp_path):
     need_compiler()

@@ -22,6 +22,7 @@ def controlled_by(controller: Controller, compiled: CompiledC) -> Controller:
     return dataclasses.replace(controller, law=compiled_law(controller.law, compiled))
 
 
+@pytest.mark.thorough
 def test_a_law_with_delay_rings_runs_as_c_in_the_loop(tmp_path):
     analysis = analyse(load_process("eight-tanks"))
     controller = DESIGNS["Smith predictor, PI"](analysis)
@@ -35,6 +36,7 @@ def test_a_law_with_delay_rings_runs_as_c_in_the_loop(tmp_path):
     assert all(np.array_equal(runs[0][name], runs[1][name]) for name in runs[0])
 
 
+@pytest.mark.thorough
 def test_single_precision_moves_a_loop_by_its_rounding_and_no_score_that_counts(tmp_path):
     analysis = analyse(load_process("quadruple-tank"))
     controller = DESIGNS["PI, SIMC"](analysis)
@@ -51,6 +53,7 @@ def test_single_precision_moves_a_loop_by_its_rounding_and_no_score_that_counts(
     assert change.ranking == pytest.approx(1.0, abs=1e-4)
 
 
+@pytest.mark.thorough
 def test_a_program_that_is_no_more_the_controller_changes_the_scores(tmp_path):
     """The output goes only half of its way in the C: the loop is slower, and its scores worse."""
     analysis = analyse(load_process("quadruple-tank"))

@@ -59,6 +59,7 @@ def test_outputs_that_stand_still_are_named():
     assert not proof.holds and "no real output moved" in result_sentence(proof)
 
 
+@pytest.mark.thorough
 def test_what_is_infinite_in_single_precision_only_fails_the_proof(monkeypatch):
     need_compiler()
     need_grammar()

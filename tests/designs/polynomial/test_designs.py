@@ -99,6 +99,7 @@ def test_predictors_are_robust_by_default(single_tank, primary, pole):
     assert ("error_feedback_1" in controller.values) == (pole == 0.0)
 
 
+@pytest.mark.thorough
 def test_error_feedback_is_the_rule_of_matausek_and_micic(single_tank):
     """κ = 1/(2 k L) for k e^(−sL)/s: sampled so fast that holding it hardly counts."""
     slope, delay = 0.2, 40.0
@@ -166,6 +167,7 @@ def test_what_has_no_such_controller(single_tank):
         )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", catalogue_names())
 def test_every_process_of_the_catalogue_has_them_or_is_told_why(name):
     analysis = analyse(load_process(name))

@@ -46,6 +46,7 @@ def space_of(start) -> DesignSpace:
     return DesignSpace(start, (TunedParameter("root", 0.1, 3.0),), design)
 
 
+@pytest.mark.thorough
 def test_a_design_that_does_not_apply_is_never_the_best(setting):
     """The total variation falls with the gain: the best is the last that there is."""
     start, model, scenario = setting
@@ -61,6 +62,7 @@ def test_a_design_that_does_not_apply_is_never_the_best(setting):
     )
 
 
+@pytest.mark.thorough
 def test_the_same_gain_is_found_by_way_of_a_number_and_by_itself(setting):
     start, model, scenario = setting
     gain = start.values["proportional_gain_1"]

@@ -39,6 +39,7 @@ def scenario(model: LinearModel) -> Scenario:
     return Scenario(PERIOD, setpoints, none, np.zeros((SAMPLES, 4)), (), 1)
 
 
+@pytest.mark.thorough
 def test_the_steps_of_a_tuning_are_halved_until_the_start_is_sound(model, monkeypatch):
     """The mark of the start once hid the same mark of every candidate."""
     controller = design_simc(model, [("level_1", "pump_1"), ("level_2", "pump_2")])

@@ -49,6 +49,7 @@ def number_in(words, pattern):
     return float(match)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", catalogue_names())
 def test_the_designs_of_the_catalogue_raise_no_false_alarm(name):
     analysis = analyse(load_process(name))
@@ -340,6 +341,7 @@ def test_gains_per_centimetre_taken_per_metre_are_told(tank, proportional):
 # Wind-up and saturation
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("algorithm", ["isa", "series", "parallel"])
 @pytest.mark.parametrize(
     "anti_windup", ["none", "clamping", "conditional_integration", "back_calculation"]
@@ -484,6 +486,7 @@ def test_a_setpoint_outside_of_tank_or_sensor_is_told(tank, proportional, steppe
     assert all(what in w for what, w in zip(said, words, strict=True))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("level", "said"),
     [(1.5, None), (0.45, "stops duty"), (2.6, "starts standby"), (1.1, None)],
