@@ -1,0 +1,55 @@
+"""Tests come in through the front door: what they take from the inside of other packages is few.
+
+A test of a package may know its inside. Whatever else a test needs it takes from `clepsydra`
+itself, as a user does, so that the inside can change while the tests stay.
+"""
+
+import ast
+from pathlib import Path
+
+TESTS = Path(__file__).parent
+SOURCE = TESTS.parent / "src"
+MODULES = {
+    ".".join(path.relative_to(SOURCE).with_suffix("").parts).removesuffix(".__init__")
+    for path in SOURCE.rglob("*.py")
+}
+#: A further one is a reason to look for the public name, or for the folder where the test belongs.
+LIMIT = 163
+
+
+def modules_of(text: str) -> set[str]:
+    """Return the modules of clepsydra that a file imports, or takes a name from."""
+    found = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names = {f"{node.module}.{alias.name}": node.module for alias in node.names}
+            found |= {name if name in MODULES else module for name, module in names.items()}
+    return {name for name in found if name.startswith("clepsydra.")}
+
+
+def foreign(file: Path) -> set[str]:
+    """Return the modules of those that belong neither to the file's own package nor to the door."""
+    own, *inside = file.relative_to(TESTS).parts
+    return {
+        name
+        for name in modules_of(file.read_text(encoding="utf-8"))
+        if name != "clepsydra.interface" and (not inside or name.split(".")[1] != own)
+    }
+
+
+def test_modules_are_told_from_the_names_in_them():
+    text = "import numpy\nimport clepsydra as cl\nfrom clepsydra import InputError, interface\n"
+    text += "from clepsydra.base import units\ndef f():\n    import clepsydra.loop.run\n"
+    text += "    from clepsydra.base.errors import InputError\n"
+    found = {"interface", "base.units", "base.errors", "loop.run"}
+    assert modules_of(text) == {f"clepsydra.{name}" for name in found}
+
+
+def test_tests_import_few_modules_from_outside_their_own_package():
+    users: dict[str, list[str]] = {}
+    for file in sorted(TESTS.rglob("*.py")):
+        for name in foreign(file):
+            users.setdefault(name, []).append(file.relative_to(TESTS).as_posix())
+    assert len(users) <= LIMIT, "\n".join(f"{name}: {users[name]}" for name in sorted(users))
