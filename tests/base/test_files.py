@@ -5,6 +5,7 @@ import stat
 from pathlib import Path
 
 import pytest
+from refusals import refused
 
 from clepsydra import InputError
 from clepsydra.base.files import whole_file, write_together
@@ -77,12 +78,12 @@ def test_a_missing_folder_is_refused_in_words(tmp_path):
 
 def test_a_file_in_place_of_the_folder_is_refused_in_words(tmp_path):
     (tmp_path / "file").write_text("in the way")
-    with pytest.raises(InputError, match="folder"), whole_file(tmp_path / "file" / "result.txt"):
+    with refused(remedy="folder"), whole_file(tmp_path / "file" / "result.txt"):
         pytest.fail("there is no folder to write to")
 
 
 def test_a_name_that_no_file_can_have_is_refused_in_words(tmp_path):
-    with pytest.raises(InputError, match="null character"), whole_file(tmp_path / "a\0b"):
+    with refused(remedy="null character"), whole_file(tmp_path / "a\0b"):
         pytest.fail("there is no such name")
 
 
@@ -159,7 +160,7 @@ def test_where_one_file_cannot_be_put_in_its_place_all_are_as_before(
 
 
 def test_files_of_a_folder_that_is_not_there_are_refused_in_words(tmp_path):
-    with pytest.raises(InputError, match="choose another folder"):
+    with refused(remedy="choose another folder"):
         write_together(tmp_path / "missing", NEW)
     assert names(tmp_path) == []
 
@@ -167,7 +168,7 @@ def test_files_of_a_folder_that_is_not_there_are_refused_in_words(tmp_path):
 def test_a_folder_in_the_place_of_one_file_leaves_the_others_alone(tmp_path):
     (tmp_path / "law.c").mkdir()
     (tmp_path / "law.h").write_bytes(b"old h")
-    with pytest.raises(InputError, match="a folder has that name"):
+    with refused(remedy="a folder has that name"):
         write_together(tmp_path, NEW)
     assert names(tmp_path) == ["law.c", "law.h"]
     assert (tmp_path / "law.h").read_bytes() == b"old h"

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from refusals import refused
 
 from clepsydra import InputError
 from clepsydra.controllers.fuzzy.file import load_fuzzy, read_fuzzy
@@ -184,9 +185,7 @@ def test_one_input_is_moved_by_one_output_only():
     )
     text = TEXT.replace("[rules]", second + "[rules]").replace("u is L", "u is L and v is L")
     text = text.replace("u is M", "u is M and v is M").replace("u is S", "u is S and v is S")
-    with pytest.raises(
-        InputError, match=r"line 25, outputs\.u\.moves: got 'pump_2', expected each"
-    ):
+    with refused(place="line 25, outputs.u.moves", value="pump_2", expected="each"):
         wired(text)
     assert wired(text.replace('moves = "pump_2"', 'moves = "pump_1"', 1)).manipulated == (
         "pump_1",
@@ -197,7 +196,7 @@ def test_one_input_is_moved_by_one_output_only():
 def test_a_file_that_is_no_text_and_a_unit_that_is_none(tmp_path):
     file = tmp_path / "rules.toml"
     file.write_bytes(b"\xff\xfe")
-    with pytest.raises(InputError, match="text in UTF-8; check that this is a fuzzy file"):
+    with refused(expected="text in UTF-8", remedy="check that this is a fuzzy file"):
         load_fuzzy(file)
     with pytest.raises(InputError, match=r"line 6, inputs\.e\.unit: got '1 ', expected"):
         wired(TEXT.replace('"mV"', '"1"'))

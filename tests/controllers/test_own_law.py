@@ -1,6 +1,7 @@
 """A file that cannot be loaded as a law is named with the line at fault."""
 
 import pytest
+from refusals import refused
 
 from clepsydra import InputError, load_law
 
@@ -33,5 +34,5 @@ def test_a_syntax_error_elsewhere_is_told_at_the_line_that_leads_there(tmp_path,
 
 
 def test_something_else_than_a_path_is_refused():
-    with pytest.raises(InputError, match="law: got 3, expected the path of a Python file"):
+    with refused(place="law", value=3, expected="the path of a Python file"):
         load_law(3)

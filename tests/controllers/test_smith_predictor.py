@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from refusals import refused
 from sampled_rig import Rig
 from scipy.signal import lfilter
 
-from clepsydra import InputError
 from clepsydra.controllers.polynomial_controller import PolynomialShape
 from clepsydra.controllers.smith_predictor import PredictorShape, smith_predictor_law
 from clepsydra.designs.polynomial.sampled_model import SampledModel
@@ -196,6 +196,6 @@ def test_model_parameters_that_run_over_leave_numbers():
 
 @pytest.mark.parametrize("wrong", [{"order": 0}, {"tail": 0}, {"delay": -1}])
 def test_a_model_that_is_none_is_refused(wrong):
-    with pytest.raises(InputError, match="at least"):
+    with refused(expected="at least"):
         PredictorShape(**{"controller": PolynomialShape(1), "order": 1, "tail": 1, "delay": 1}
                        | wrong)  # fmt: skip

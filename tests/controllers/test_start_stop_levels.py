@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from clepsydra import InputError, Kernel, NotApplicable, Signal
 from clepsydra.controllers.start_stop_levels import check_levels, start_stop_law
@@ -338,5 +339,5 @@ def test_other_processes_are_refused(tmp_path):
 @pytest.mark.parametrize("starts", [0.0, -3.0, float("nan"), "ten"])
 def test_a_number_of_starts_that_is_none(tmp_path, starts):
     model = model_of(tmp_path, STATION.format(**EMPTYING))
-    with pytest.raises(InputError, match="expected a number above 0; give how often"):
+    with refused(expected="a number above 0", remedy="give how often"):
         design_start_stop_levels(model, starts_per_hour=starts)

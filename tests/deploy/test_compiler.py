@@ -5,9 +5,9 @@ import importlib.util
 import shutil
 
 import pytest
+from refusals import refused
 from tools import need, need_compiler
 
-from clepsydra import InputError
 from clepsydra.deploy.compiler import CompilationError, find_compiler, library_name
 
 ANSWER = "int answer(void);\nint answer(void) { return 42; }\n"
@@ -33,7 +33,7 @@ def test_what_the_compiler_says_is_in_the_message(tmp_path):
 def test_a_missing_compiler_is_told_with_the_remedy(monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda name: None)
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r"install gcc, or pip install 'clepsydra\[zig\]'"):
+    with refused(remedy="install gcc, or pip install 'clepsydra[zig]'"):
         find_compiler("proof")
 
 
@@ -53,5 +53,5 @@ def test_a_compiler_that_does_not_run_is_told(monkeypatch, tmp_path):
     broken.write_text("#!/bin/sh\nexit 3\n")
     broken.chmod(0o755)
     monkeypatch.setattr(shutil, "which", lambda name: str(broken))
-    with pytest.raises(InputError, match="expected a C compiler that runs"):
+    with refused(expected="a C compiler that runs"):
         find_compiler("proof")

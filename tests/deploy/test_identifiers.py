@@ -5,8 +5,8 @@ import re
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from refusals import refused
 
-from clepsydra import InputError
 from clepsydra.deploy.printing.identifiers import (
     C_WORDS,
     STRUCTURED_TEXT_WORDS,
@@ -37,7 +37,7 @@ def test_a_title_becomes_a_name(title, name):
 
 @pytest.mark.parametrize("title", ["", "…", "水位", "_ _"])
 def test_a_title_without_letters_is_refused(title):
-    with pytest.raises(InputError, match="a letter from A to Z or a digit; rename it"):
+    with refused(expected="a letter from A to Z or a digit", remedy="rename it"):
         identifier_of(title)
 
 

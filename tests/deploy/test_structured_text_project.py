@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 from tools import need
 
 from clepsydra import InputError, Signal
@@ -158,9 +159,9 @@ def test_wires_that_do_not_fit():
     ):
         with pytest.raises(InputError, match=f"law, {name}: got '{wire}', expected {what}"):
             print_test_project(law, tank, good | {name: wire}, 1.0)
-    with pytest.raises(InputError, match="got 'no wire'"):
+    with refused(value="no wire"):
         print_test_project(law, tank, {"manipulated_1": "pump_1"}, 1.0)
-    with pytest.raises(InputError, match="got 'LAW', expected a name that differs"):
+    with refused(value="LAW", expected="a name that differs"):
         print_test_project(law, dataclasses.replace(tank, name="LAW"), good, 1.0)
 
 

@@ -4,8 +4,9 @@ import tomllib
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from clepsydra import InputError, NotApplicable
+from clepsydra import NotApplicable
 from clepsydra.controllers.fuzzy.inference import surface
 from clepsydra.designs.fuzzy_control import (
     SETS,
@@ -102,5 +103,5 @@ def test_it_holds_every_process_or_says_why_not(name):
 
 def test_a_share_that_is_none_is_refused():
     analysis = analyse(load_process("quadruple-tank"))
-    with pytest.raises(InputError, match="fuzzy PI, largest_error: got -1"):
+    with refused(place="fuzzy PI, largest_error", value=-1):
         design_fuzzy_pi(analysis.model, analysis.pairing, largest_error=-1)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 from scipy.linalg import solve_continuous_are, solve_discrete_lyapunov
 from scipy.signal import cont2discrete
 
@@ -381,14 +382,14 @@ def test_refusals():
     analysis = analysed("quadruple-tank")
     model, pairing = analysis.model, analysis.pairing
     for relaxation in (1.0, 0.5, math.nan, "1.1"):
-        with pytest.raises(InputError, match="relaxation"):
+        with refused(place="relaxation"):
             design_glover_mcfarlane(model, pairing, relaxation=relaxation)
     for order in (0, 7, 2.0, True):
-        with pytest.raises(InputError, match="order"):
+        with refused(place="order"):
             design_glover_mcfarlane(model, pairing, order=order)
-    with pytest.raises(InputError, match="Controller or a Precompensator"):
+    with refused(expected="Controller or a Precompensator"):
         design_glover_mcfarlane(model, pairing, precompensator="PI")
-    with pytest.raises(InputError, match="that have setpoints alone"):
+    with refused(expected="that have setpoints alone"):
         design_glover_mcfarlane(model, pairing, precompensator=design_lqi(model))
     weighted = design_simc(model, pairing)
     weighted = replace(
@@ -401,7 +402,7 @@ def test_refusals():
     on_measurement = design_simc(three.model, three.pairing, form=PidForm("PID"))
     with pytest.raises(InputError, match="differently"):
         design_glover_mcfarlane(three.model, three.pairing, precompensator=on_measurement)
-    with pytest.raises(InputError, match="one for each input and output"):
+    with refused(expected="one for each input and output"):
         Precompensator("P", SampledSystem(*(np.eye(2) for _ in range(4))), ("a",), ("b",))
 
 

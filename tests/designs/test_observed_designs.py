@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 from scipy.optimize import linear_sum_assignment
 
 from clepsydra import InputError, NotApplicable
@@ -388,7 +389,7 @@ def test_lqi_by_weights_of_bryson_is_lqi_by_bryson(minimum_phase):
 @pytest.mark.parametrize("weights", [[4.0, 0.2], {"states": {}}, np.eye(4)])
 def test_weights_that_are_none_are_refused(minimum_phase, weights):
     for design in (design_lqr, design_lqi_by_weights):
-        with pytest.raises(InputError, match="expected QuadraticWeights; make them by diagonal"):
+        with refused(expected="QuadraticWeights", remedy="make them by diagonal"):
             design(minimum_phase.model, weights=weights)
 
 
@@ -403,9 +404,9 @@ def test_matrices_may_be_lists(minimum_phase):
 def test_lqi_by_weights_needs_those_of_the_integrals(minimum_phase):
     model = minimum_phase.model
     pumps = {"pump_1": 1.0, "pump_2": 1.0}
-    with pytest.raises(InputError, match="weights for the integrals of level_1, level_2"):
+    with refused(expected="weights for the integrals of level_1, level_2"):
         design_lqi_by_weights(model, diagonal_weights(model, {"tank_1.level": 1.0}, pumps))
-    with pytest.raises(InputError, match="weights, states"):
+    with refused(place="weights, states"):
         design_lqr(model, weights=QuadraticWeights(np.eye(3), np.eye(2)))
 
 

@@ -5,8 +5,9 @@ from importlib import resources
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from clepsydra import InputError, NotApplicable, PidForm
+from clepsydra import NotApplicable, PidForm
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.extended_kalman import design_lqi_extended_kalman
 from clepsydra.designs.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid
@@ -124,17 +125,17 @@ def test_recomputed_lqi_starts_with_the_gains_of_lqi():
 
 def test_wrong_wishes_are_refused(quadruple):
     model = quadruple.model
-    with pytest.raises(InputError, match="level_9"):
+    with refused(value="level_9"):
         design_gain_scheduled_pid(model, over="level_9")
-    with pytest.raises(InputError, match="rising"):
+    with refused(expected="rising"):
         design_gain_scheduled_pid(model, over="level_1", points=[5.0, 3.0])
-    with pytest.raises(InputError, match="range"):
+    with refused(remedy="range"):
         design_gain_scheduled_lqi(model, over="level_1", points=[5.0, 30.0])
-    with pytest.raises(InputError, match="follows"):
+    with refused(place="follows"):
         design_gain_scheduled_lqi(model, over="level_1", points=[5.0, 6.0], follows="level")
-    with pytest.raises(InputError, match="PI or PID"):
+    with refused(expected="PI or PID"):
         design_gain_scheduled_pid(model, form=PidForm("P"))
-    with pytest.raises(InputError, match="steps"):
+    with refused(place="steps"):
         design_recomputed_lqi(model, steps=0)
     with pytest.raises(NotApplicable, match="no equilibrium"):
         design_gain_scheduled_lqi(model, over="level_1", points=[0.3, 6.0])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from clepsydra import InputError
 from clepsydra.identification.record_csv import read_record
@@ -121,12 +122,12 @@ def test_bad_files_are_refused_with_their_place(case, tmp_path):
 
 
 def test_a_unit_of_another_kind_than_the_process_has(tmp_path):
-    with pytest.raises(InputError, match=r"column 'level_1'.*measures something else"):
+    with refused(place="column 'level_1'", remedy="measures something else"):
         read_record(written(tmp_path, text()), load_process("quadruple-tank"))
 
 
 def test_parquet_and_missing_files_are_refused(tmp_path):
-    with pytest.raises(InputError, match="write it with --format csv"):
+    with refused(remedy="write it with --format csv"):
         read_record(tmp_path / "run.parquet")
-    with pytest.raises(InputError, match="no such file"):
+    with refused(value="no such file"):
         read_record(tmp_path / "run.csv")

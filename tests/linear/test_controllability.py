@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from models_by_hand import late_feedback, rational
+from refusals import refused
 from scipy.integrate import quad_vec
 from scipy.linalg import eig, expm, svdvals
 
-from clepsydra import InputError
 from clepsydra.linear.controllability import (
     controllability_margins,
     observability_margins,
@@ -217,5 +217,5 @@ def test_distance_of_an_uncontrollable_pair():
     "function", [controllability_margins, observability_margins, hankel_singular_values]
 )
 def test_dead_time_is_refused(function):
-    with pytest.raises(InputError, match="without_dead_time"):
+    with refused(remedy="without_dead_time"):
         function(late_feedback(1.0, 0.5))

@@ -7,6 +7,7 @@ import math
 import casadi as ca
 import numpy as np
 import pytest
+from refusals import refused
 
 from clepsydra import InputError, NoEquilibrium
 from clepsydra.linear.analysis import analyse
@@ -305,7 +306,7 @@ def test_a_random_network_of_tanks(make_process, seed):
 @pytest.mark.parametrize("value", ["quadruple-tank", None, 3])
 def test_what_is_no_process_is_refused_in_words(value):
     for search in (find_equilibrium, analyse):
-        with pytest.raises(InputError, match="expected a Process; read it with load_process"):
+        with refused(expected="a Process", remedy="read it with load_process"):
             search(value)
 
 

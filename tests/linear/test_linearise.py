@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-import pytest
+from refusals import refused
 
-from clepsydra import InputError
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linearise import linearise
 
@@ -56,11 +55,11 @@ def test_matrices_equal_differences(johansson):
 def test_an_empty_tank_has_no_linear_model(minimum, make_process):
     process = minimum.process
     empty = find_equilibrium(process, {"pump_1": 3.0, "pump_2": 0.0})
-    with pytest.raises(InputError, match=r"operating point, tank_3\.level: got 0\.0"):
+    with refused(place="operating point, tank_3.level", value=0.0):
         linearise(empty)
     # The other way of writing the root has a derivative of zero there, which is not true either.
     process = make_process(
         lambda x, u, d: [0.01 * u[0] - ca.if_else(x[0] > 0, 0.1 * ca.sqrt(x[0]), 0)], 1, 1
     )
-    with pytest.raises(InputError, match="no tank is empty"):
+    with refused(remedy="no tank is empty"):
         linearise(find_equilibrium(process, {"pump_1": 0.0}))

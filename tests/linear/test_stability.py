@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from models_by_hand import lag, late_feedback, pi, pure_delay, rational, static
+from refusals import refused
 from scipy.special import lambertw
 
-from clepsydra import InputError
 from clepsydra.linear.interconnection import feedback, series
 from clepsydra.linear.pade import without_dead_time
 from clepsydra.linear.poles import poles
@@ -87,7 +87,7 @@ def test_delayed_signals_that_feed_each_other():
     assert not asymptotically_stable(coupled(two, [[0.0, 2.6], [-0.4, 0.0]]))  # √1.04
     # Whatever the phases, this shrinks by 0.97; but the sizes of its entries do not tell.
     orthogonal = np.linalg.qr(np.random.default_rng(1).standard_normal((3, 3)))[0]
-    with pytest.raises(InputError, match="undecided"):
+    with refused(value="undecided"):
         asymptotically_stable(coupled(three, 0.97 * orthogonal))
 
 

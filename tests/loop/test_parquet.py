@@ -7,6 +7,7 @@ import numpy as np
 import pandas
 import pyarrow.parquet
 import pytest
+from refusals import refused
 
 from clepsydra import InputError
 from clepsydra.designs.simc import design_simc
@@ -83,12 +84,12 @@ def test_the_schema_carries_a_unit_for_every_number(runs, tmp_path):
 
 
 def test_no_run_is_refused(tmp_path):
-    with pytest.raises(InputError, match="at least one run"):
+    with refused(expected="at least one run"):
         write_parquet([], tmp_path / "runs.parquet")
 
 
 def test_a_missing_folder_is_refused(runs, tmp_path):
-    with pytest.raises(InputError, match="folder"):
+    with refused(remedy="folder"):
         write_parquet(runs, tmp_path / "missing" / "runs.parquet")
     assert list(tmp_path.iterdir()) == []
 

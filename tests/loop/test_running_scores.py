@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from clepsydra import InputError, Kernel
 from clepsydra.designs.simc import design_simc
@@ -180,7 +181,7 @@ def test_scores_of_averaging_want_a_load_and_a_tank_that_averages():
     scenario = default_scenario(analyse(process).model)
     assert "scores.load_acts" in scores.inputs_of(scenario)
     quiet = replace(scenario, segments=[s for s in scenario.segments if s.kind != "load"])
-    with pytest.raises(InputError, match="got 'no load step', expected one, which outflow_rate"):
+    with refused(value="no load step", expected="one, which outflow_rate"):
         scores.inputs_of(quiet)
     with pytest.raises(InputError, match="got 'outflow_rate"):
         RunningScores(load_process("quadruple-tank"), ("outflow_rate[level_1]",))

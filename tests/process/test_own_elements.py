@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from pages import blocks
+from refusals import refused
 
 import clepsydra as cl
 from clepsydra import InputError
@@ -182,7 +183,7 @@ def test_helper_classes_are_no_elements() -> None:
 
 def test_without_the_key_nothing_is_run() -> None:
     write("raise SystemExit(7)", TOML.replace('elements = "my_elements.py"\n', ""))
-    with pytest.raises(InputError, match=r"line 11, v_notch_weirs: got 'v_notch_weirs'"):
+    with refused(place="line 11, v_notch_weirs", value="v_notch_weirs"):
         load_process("weir-tank.toml")
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from clepsydra import InputError
 from clepsydra.linear.analysis import analyse
 from clepsydra.process.reader import load_process
 from clepsydra.report.analysis_page import analysis_page_text, write_analysis_page
@@ -134,5 +134,5 @@ def test_an_integrator_is_named_among_the_hankel_values():
 
 
 def test_what_is_no_analysis_is_refused(tmp_path):
-    with pytest.raises(InputError, match="an Analysis"):
+    with refused(expected="an Analysis"):
         write_analysis_page("quadruple-tank", tmp_path / "a.html")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from refusals import refused
 
-from clepsydra import InputError
 from clepsydra.scores.load_response import peak_deviation, return_time
 
 RATE = 0.05
@@ -58,7 +58,7 @@ def test_a_run_that_broke_off_is_infinitely_bad() -> None:
 
 @pytest.mark.parametrize("band", [0.0, -1.0, math.nan, math.inf])
 def test_a_band_without_width_is_refused(band: float) -> None:
-    with pytest.raises(InputError, match="a width above zero in the signal's unit"):
+    with refused(expected="a width above zero in the signal's unit"):
         return_time([0, 1], [5.0, 5.0], 5.0, band=band)
 
 

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from clepsydra import InputError, NotApplicable
+from clepsydra import NotApplicable
 from clepsydra.designs.lambda_tuning import design_lambda
 from clepsydra.designs.pole_placement import design_pole_placement
 from clepsydra.designs.simc import design_simc
@@ -322,8 +323,8 @@ def test_which_files_are_studies(tmp_path):
 def test_a_study_is_no_process_and_a_process_no_study(tmp_path):
     path = tmp_path / "a.toml"
     path.write_text(QUADRUPLE)
-    with pytest.raises(InputError, match=r"a study file.*clepsydra study"):
+    with refused(value="a study file", remedy="clepsydra study"):
         load_process(path)
     path.write_text('name = "a"\n[tanks.tank_1]\n')
-    with pytest.raises(InputError, match=r"a process file.*clepsydra new --study"):
+    with refused(value="a process file", remedy="clepsydra new --study"):
         read_study(path)

@@ -6,8 +6,9 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from fmus import VERSIONS, Imported, all_bits, cases, written
 from models import FRICTIONS, drawn, origin, process_of, rig
+from refusals import refused
 
-from clepsydra import InputError, Kernel
+from clepsydra import Kernel
 from clepsydra.deploy.fmi.process import process_model
 from clepsydra.deploy.process_program import process_program
 from clepsydra.linear.analysis import analyse
@@ -135,7 +136,7 @@ def test_a_long_time_does_not_add_up_rounding(tmp_path):
 
 def test_a_number_of_steps_that_no_delay_fits_is_refused(tmp_path):
     point = rig(tmp_path, delay=True)
-    with pytest.raises(InputError, match="a multiple of 2"):
+    with refused(expected="a multiple of 2"):
         process_model(point, 3, origin("rig", 1.0))
 
 

@@ -3,9 +3,9 @@
 import json
 
 import pytest
+from refusals import refused
 from tools import need_compiler, need_grammar, need_importer
 
-from clepsydra import InputError
 from clepsydra.cli import main
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.deploy.compiler import find_compiler
@@ -68,7 +68,7 @@ def test_a_setting_that_does_not_fit_is_said_of_the_controller(study):
     item = proof_items(study, outside)[0]
     assert item.program is None and "fail_safe" in item.refusal
     chosen = study.ranking[0].controller
-    with pytest.raises(InputError, match="fail_safe"):
+    with refused(place="fail_safe"):
         exportable(chosen, study.analysis.operating_point, outside)
 
 

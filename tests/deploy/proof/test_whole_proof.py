@@ -7,11 +7,12 @@ import json
 from functools import lru_cache
 
 import pytest
+from refusals import refused
 from rich.console import Console
 from spoilt_programs import item, level_control, quick_proof
 from tools import need_compiler, need_grammar, need_importer
 
-from clepsydra import InputError, PythonLaw, Signal
+from clepsydra import PythonLaw, Signal
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.deploy.proof import proof as proof_module
 from clepsydra.deploy.proof.item import ProofItem, process_item
@@ -216,12 +217,12 @@ def test_the_files_say_what_was_proved(monkeypatch, tmp_path):
 @pytest.mark.parametrize("text", ["", "{}", '{"rows": [{}]}', "[1]", "[" * 100_000])
 def test_a_file_that_is_no_proof_is_not_overwritten(text, tmp_path, monkeypatch):
     (tmp_path / "proof.json").write_text(text)
-    with pytest.raises(InputError, match="expected what an earlier proof wrote"):
+    with refused(expected="what an earlier proof wrote"):
         quick_proof(monkeypatch, folder=tmp_path)
     assert (tmp_path / "proof.json").read_text() == text
 
 
 @pytest.mark.parametrize(("scans", "seed"), [(9_999, 1), (10_000, -1)])
 def test_too_few_scans_are_refused(scans, seed):
-    with pytest.raises(InputError, match="at least"):
+    with refused(expected="at least"):
         prove([item()], scans=scans, seed=seed)

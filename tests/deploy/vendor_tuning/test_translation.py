@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 from rich.console import Console
 
-from clepsydra import InputError, PidForm
+from clepsydra import PidForm
 from clepsydra.deploy.vendor_tuning.check import Check
 from clepsydra.deploy.vendor_tuning.filling import Applied
 from clepsydra.deploy.vendor_tuning.standard_tuning import standard_tunings
@@ -231,10 +232,10 @@ def test_proportional_control_has_no_integral_time(tmp_path):
 
 def test_controllers_without_a_pid_of_fixed_gains_are_refused(quadruple, three):
     lqi = design_lqi_kalman(quadruple.model)
-    with pytest.raises(InputError, match="at least one PID loop whose gains are constant"):
+    with refused(expected="at least one PID loop whose gains are constant"):
         translate(lqi, "quadruple-tank")
     scheduled = design_gain_scheduled_pid(three.model, three.pairing)
-    with pytest.raises(InputError, match="at least one PID loop whose gains are constant"):
+    with refused(expected="at least one PID loop whose gains are constant"):
         translate(scheduled, three.operating_point.process)
 
 
