@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from refusals import refused
@@ -78,6 +78,7 @@ def test_a_range_that_is_none_is_refused(limits: tuple[float, float]) -> None:
 signals = arrays(np.float64, 30, elements=st.integers(-50, 50).map(float))
 
 
+@settings(max_examples=25)
 @given(signals, st.sampled_from([0.25, 2.0, 1024.0]), st.sampled_from([0.5, 64.0]))
 def test_both_are_free_of_unit_and_travel_falls_with_the_hours(
     signal: np.ndarray, unit: float, slower: float
@@ -89,6 +90,7 @@ def test_both_are_free_of_unit_and_travel_falls_with_the_hours(
     assert reversals(*scaled) == turns
 
 
+@settings(max_examples=25)
 @given(signals)
 def test_travel_is_the_total_variation_where_every_move_is_large(signal: np.ndarray) -> None:
     time = np.arange(30.0)
@@ -96,6 +98,7 @@ def test_travel_is_the_total_variation_where_every_move_is_large(signal: np.ndar
     assert travel(time, signal, -64.0, 64.0) == pytest.approx(100 * share * 120.0, rel=1e-12)
 
 
+@settings(max_examples=25)
 @given(signals)
 def test_turns_are_the_changes_of_sign_of_the_moves(signal: np.ndarray) -> None:
     signs = [sign for sign in np.sign(np.diff(signal)) if sign]

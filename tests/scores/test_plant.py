@@ -3,19 +3,17 @@
 import numpy as np
 import pytest
 
-from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.loop.simulation import simulate
-from clepsydra.process.reader import load_process
+import clepsydra as cl
 from clepsydra.scores.plant import plant_trajectories
 from clepsydra.scores.pumping import volume_pumped
 
 
 def test_a_buffer_fills_by_what_arrives_less_what_leaves() -> None:
-    run = simulate(
-        "equalisation-tank",
-        {"inflow": "0.4 m^3/s @ 10 min", "outflow": "50 % @ 60 min"},
-        duration="3 h",
-    )
+    events = [
+        cl.step("inflow", to="0.4 m^3/s", at="10 min"),
+        cl.step("outflow", to="50 %", at="60 min"),
+    ]
+    run = cl.simulate(cl.load("equalisation-tank"), None, events, duration="3 h")
     plant = plant_trajectories(run.process, run.time, run.values)
     buffer = plant.buffers["level"]
     held = np.diff(run.time)
@@ -30,7 +28,8 @@ def test_a_buffer_fills_by_what_arrives_less_what_leaves() -> None:
 
 
 def test_what_spills_is_no_outflow_of_a_buffer() -> None:
-    run = simulate("equalisation-tank", {"outflow": "0 % @ 10 min"}, duration="4 h")
+    closed = [cl.step("outflow", to="0 %", at="10 min")]
+    run = cl.simulate(cl.load("equalisation-tank"), None, closed, duration="4 h")
     plant = plant_trajectories(run.process, run.time, run.values)
     assert plant.spilt["basin"][-1] > 100.0
     assert np.all(plant.buffers["level"].outflow[run.time > 600] == 0.0)
@@ -39,10 +38,10 @@ def test_what_spills_is_no_outflow_of_a_buffer() -> None:
 
 def test_a_pump_with_a_curve_lifts_what_its_curve_gives() -> None:
     """The head from the pipe is the head of the curve, 22 - k q² between its first points."""
-    process = load_process("wet-well")
-    at = find_equilibrium(process).as_dict()
+    well = cl.load("wet-well")
+    at = well.point.as_dict()
     values = {name: np.full(3, value) for name, value in at.items()}
-    plant = plant_trajectories(process, np.arange(3.0), values)
+    plant = plant_trajectories(well.process, np.arange(3.0), values)
     flow, speed = plant.pumped["duty"][0], at["duty"]
     assert flow == pytest.approx(0.02, rel=1e-6)
     curve = speed**2 * (22.0 - (22.0 - 17.0) / 0.03**2 * (flow / speed) ** 2)
@@ -51,9 +50,9 @@ def test_a_pump_with_a_curve_lifts_what_its_curve_gives() -> None:
     assert (plant.running["duty"][0], plant.running["standby"][0]) == (1.0, 0.0)
 
 
-@pytest.mark.thorough
 def test_a_standby_pump_runs_when_its_switch_has_started_it() -> None:
-    run = simulate("wet-well", {"inflow": "60 l/s @ 1 min"}, duration="30 min")
+    rain = [cl.step("inflow", to="60 l/s", at="1 min")]
+    run = cl.simulate(cl.load("wet-well"), None, rain, duration="15 min")
     plant = plant_trajectories(run.process, run.time, run.values)
     runs = run.values["standby.runs"] > 0.5
     assert 0 < np.count_nonzero(runs) < runs.size
@@ -100,7 +99,8 @@ level = "1 m"
 def test_what_comes_out_of_a_channel_entered_it_earlier(tmp_path) -> None:
     path = tmp_path / "channel.toml"
     path.write_text(CHANNEL, encoding="utf-8")
-    run = simulate(load_process(path), {"inflow": "5 l/s @ 20 s"}, duration="3 min")
+    more = [cl.step("inflow", to="5 l/s", at="20 s")]
+    run = cl.simulate(cl.load(path), None, more, duration="3 min")
     buffer = plant_trajectories(run.process, run.time, run.values).buffers["level"]
     # The step enters at 20 s and arrives at 60 s; the sample at its front may show either.
     assert np.allclose(buffer.inflow[run.time < 60], 3e-3, rtol=1e-9)

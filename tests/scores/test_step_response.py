@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from clepsydra import InputError
@@ -121,6 +121,7 @@ def test_unusable_requests_are_refused(change: dict[str, float], message: str) -
     assert str(refusal.value).startswith(message)
 
 
+@settings(max_examples=25)
 @given(
     damping=st.floats(0.05, 0.95),
     start=st.floats(-100.0, 100.0),
