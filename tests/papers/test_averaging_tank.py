@@ -71,11 +71,10 @@ REMARKS = {
     ("section 4", "settling time of V, LQI"),
     ("section 4", "control effort, LQI"),
 }
-#: Cells that the steps and Q3 were solved from, and ISEG, nearly all of which is the time solved.
+#: Cells that the steps, Q3 and the time of ISEG were solved from.
 SOLVED_FROM = {
     *(f"IE of {output}, f_out constant, by hand" for output in ("C", "V")),
-    *(f"ISEG of {output}, f_{flow} constant, {tuned}"
-      for output in ("C", "V") for flow in ("in", "out") for tuned in ("by hand", "optimal")),
+    "ISEG of C, f_out constant, by hand",
     *(f"{index} of C, f_in constant, optimal" for index in ("IAE", "ISE", "ITAE", "IE")),
 }  # fmt: skip
 #: Elements of T that (50) chooses, as (40) names them.

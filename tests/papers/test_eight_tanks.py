@@ -125,7 +125,6 @@ def test_which_claims_hold(rows):
     assert of(rows, "claim holds") == {
         ("section 1", "integrating and unstable processes"),
         ("(11)", "dimension of F"),
-        ("section 3.2", "least squares against fminsearch, by the gain (20)"),
         ("(27), (28)", "degree of the spectral factor"),
         ("section 5", "second-order polynomial (28)"),
         ("section 5", "another pole in (29)"),
@@ -147,6 +146,7 @@ def test_what_the_document_does_not_say_is_a_remark(rows):
     assert of(rows, "remark") == {
         ("section 3.1", "delay steps by the step response"),
         ("section 3.2", "how (21) was found"),
+        ("section 3.2", "least squares against fminsearch"),  # by (20) yes, by (17) no
         ("section 3.2", "hysteresis of the valve"),
         ("section 4", "zero of B, which B(1) replaces"),
         ("(22)", "B of (22) as printed, beside the predictor of Fig. 5"),

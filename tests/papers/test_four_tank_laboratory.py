@@ -67,6 +67,10 @@ CONSISTENT = {
 # tables support and controllers of ours do not, or not in volts as designed, since its own are not
 # printed.
 REMARKS = {
+    # Levels that agree with some readings of the noise and the holes alone, and a transient.
+    ("Table 3", "h1, simulation"),
+    ("Table 3", "h3, simulation"),
+    ("Exercise 2.2.3, Fig. 5", "transient, minimum phase"),
     ("Exercise 2.1.5", "name of the theorem"),  # Vieta
     ("Exercise 4.2.2", "trade of overshoot for rise time"),
     ("Exercise 4.2.2", "Glover-McFarlane"),
@@ -86,14 +90,23 @@ REMARKS = {
       for place, kind in (("Exercise 4.1.1", "PI"), ("Exercise 4.2.1", "Glover-McFarlane"))),
 }  # fmt: skip
 
+#: Numbers of Tables 5 and 6 that lie within the runs of some readings and outside of others, or
+#: within runs that spread too far.
+UNDECIDED = {
+    ("Table 5", "overshoot 1, minimum phase"),
+    ("Table 5", "overshoot 2, minimum phase"),
+    ("Table 5", "overshoot 1, non-minimum phase"),
+    ("Table 5", "recovery 1, non-minimum phase"),
+    ("Table 5", "recovery 2, non-minimum phase"),
+    ("Table 6", "rise 1/2, minimum phase"),
+    ("Table 6", "overshoot 2, non-minimum phase"),
+}
+
 NOT_REPRODUCIBLE = {
-    ("Table 3", "h1, simulation"),
-    ("Table 3", "h3, simulation"),
     ("Table 3", "h4, simulation"),
     ("Table 4", "h4, simulation"),
     ("Exercise 2.2.3", "level of both lower tanks, minimum phase, holes of the report"),
     ("Exercise 2.2.3", "level of both lower tanks, non-minimum phase, holes of the report"),
-    ("Exercise 2.2.3, Fig. 5", "transient, minimum phase"),
 }
 
 
@@ -129,7 +142,7 @@ def test_every_row_has_its_own_name(rows):
         ("claim fails", FAILED),
         ("claim holds", HOLDS),
         ("consistent", CONSISTENT),
-        ("remark", REMARKS),
+        ("remark", REMARKS | UNDECIDED),
     ],
 )
 def test_every_verdict_is_that_of_the_lists(rows, verdict, wanted):
@@ -140,7 +153,7 @@ def test_numbers(rows):
     table = {(row.place, row.name) for row in rows
              if row.place in ("Table 5", "Table 6")}  # fmt: skip
     assert len(table) == 19  # where one number stands for both tanks it is one
-    assert named(rows, "not reproducible") == NOT_REPRODUCIBLE | table
+    assert named(rows, "not reproducible") == NOT_REPRODUCIBLE | (table - UNDECIDED)
     reproduced = named(rows, "reproduced")
     for place, count in (("(9)", 10), ("(10)", 1), ("(11)", 4), ("(12)", 2), ("(15)", 4),
                          ("(16)", 1), ("(17)", 1), ("(18)", 1), ("(19)", 4), ("(20)", 4),
@@ -155,7 +168,7 @@ def test_runs_that_spread_too_far_reproduce_nothing(rows):
     (row,) = [r for r in rows if (r.place, r.name) == ("Table 5", "recovery 2, non-minimum phase")]
     found = runs(NON_MINIMUM, "decentralised", "percent").recovery(1)
     assert found.min() < 104.8 < found.max()
-    assert row.verdict == "not reproducible"
+    assert row.verdict == "remark" and "decides nothing" in row.reason
 
 
 def test_no_verdict_hangs_on_the_reading_of_the_noise(rows):
@@ -168,7 +181,7 @@ def test_no_verdict_hangs_on_the_reading_of_the_noise(rows):
     assert values["three deviations"][0] < 1.78 < values["three deviations"][1]
     assert values["one deviation"][0] > 1.785
     (row,) = [r for r in rows if (r.place, r.name) == ("Table 6", "overshoot 2, non-minimum phase")]
-    assert row.verdict == "not reproducible"
+    assert row.verdict == "remark" and "in 1 of 2 readings" in row.reason
     assert "30 % as three deviations" in row.reason and "30 % as one deviation" in row.reason
     (row,) = [r for r in rows if r.name == "readings of the noise and of the holes"]
     assert row.computed.count(" of 19") == 4

@@ -223,6 +223,28 @@ def damaged(row: Row, looks_like: str) -> Row:
     return dataclasses.replace(row, verdict="damaged text", reason=_joined(looks_like, row.reason))
 
 
+def undecided(row: Row, hangs_on: str) -> Row:
+    """Return a number that agrees in one reading of the document and not in another, as a remark.
+
+    What is reproduced in the reading that stands in the row is as it was.
+
+    Parameters
+    ----------
+    row : Row
+    hangs_on : str
+        In which readings it agrees.
+
+    Examples
+    --------
+    >>> row = compared("Table 5", "rise", "6.3", 7.7, unprinted="The controller.")
+    >>> undecided(row, "It agrees in 1 of 4 readings.").verdict
+    'remark'
+    """
+    if row.verdict != "not reproducible":
+        return row
+    return dataclasses.replace(row, verdict="remark", reason=_joined(hangs_on, row.reason))
+
+
 def remark(place: str, name: str, text: str, computed: str, unit: str = "", *, reason: str) -> Row:
     """Return a finding of ours on something that the document does not claim.
 

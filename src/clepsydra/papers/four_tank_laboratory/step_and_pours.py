@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clepsydra.papers.comparison import compared, remark
+from clepsydra.papers.comparison import compared, remark, undecided
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_laboratory.closed_loop import SEEDS, TARGET, Kind, Runs, runs
 from clepsydra.papers.four_tank_laboratory.readings import NOISES, USUAL, Reading, readings_of
@@ -185,32 +185,34 @@ def table_rows(kind: Kind) -> list[Row]:
         figures = (
             f"Median and {_NEARLY_ALL} of {SEEDS} runs in percent, tank {tanks[0]}{both}: {told}."
         )
-        inside = _within(spreads, printed)
-        rows.append(
-            compared(
-                place, f"{score} {'/'.join(map(str, tanks))}, {set_up.phase}", printed, usual.value,
-                unit, tolerance=reach / usual.value if always and usual.value else 0.0,
-                why=f"{figures} It is left open by every reading. {designed}",
-                unprinted="Controller, start, pours and how the figure was read are not printed. "
-                f"Ours has the margin of the course's exercise, {_wanted(set_up)}, and runs in "
-                "the course's simulator from empty tanks, with its noise of 30 % and pours of "
-                f"6.25 cm. {inside}{figures} {designed}",
-            )
+        row = compared(
+            place, f"{score} {'/'.join(map(str, tanks))}, {set_up.phase}", printed, usual.value,
+            unit, tolerance=reach / usual.value if always and usual.value else 0.0,
+            why=f"{figures} It is left open by every reading. {designed}",
+            unprinted="Controller, start, pours and how the figure was read are not printed. "
+            f"Ours has the margin of the course's exercise, {_wanted(set_up)}, and runs in "
+            "the course's simulator from empty tanks, with its noise of 30 % and pours of "
+            f"6.25 cm. {figures} {designed}",
         )  # fmt: skip
+        inside = _within(spreads, printed)
+        rows.append(undecided(row, inside) if inside else row)
     return rows
 
 
 def _within(spreads: dict[Reading, list[_Spread]], printed: str) -> str:
-    """Say where a number lies within our runs, and why that does not reproduce it."""
+    """Say where a number lies within our runs, and why that decides nothing."""
     holding = [reading for reading, each in spreads.items() if _is_open(each, printed)]
     if not holding:
         return ""
     if len(holding) == len(spreads):
         return (
             "The print lies within our runs in every reading, but they spread by more than "
-            f"{100 * _WIDEST:g} % of the median. "
+            f"{100 * _WIDEST:g} % of the median, so that this decides nothing."
         )
-    return f"The print lies within our runs in {len(holding)} of {len(spreads)} readings. "
+    return (
+        f"The print lies within our runs in {len(holding)} of {len(spreads)} readings of noise "
+        "and holes, so that it is neither reproduced nor contradicted."
+    )
 
 
 def _wanted(set_up: SetUp) -> str:
@@ -257,8 +259,8 @@ def sensitivity() -> list[Row]:
             + ", ".join(f"{_percent(share)} ({score})" for score, share in moved.items())
             + " at most where 30 % are one deviation and not three, and by "
             + ", ".join(f"{_percent(share)} ({score})" for score, share in holes.items())
-            + " in the minimum phase with the fitted holes. A number on which readings disagree is "
-            "not reproduced, and a claim is a remark.",
+            + " in the minimum phase with the fitted holes. A number or claim on which "
+            "readings disagree is a remark.",
         )
     ]  # fmt: skip
 

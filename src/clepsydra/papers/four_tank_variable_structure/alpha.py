@@ -43,10 +43,10 @@ def _rule() -> Row:
     effects = np.abs(np.diag(relative_degree(model).at_point))
     found = []
     for words, controller, rates in (
-        ("PI controllers in volts", in_volts("none"), [ALPHA, ALPHA]),
-        ("linearised, α in ν", in_nu("none"), [ALPHA, ALPHA]),
+        ("without decoupling", in_volts("none"), [ALPHA, ALPHA]),
+        ("after decoupling, α in ν", in_nu("none"), [ALPHA, ALPHA]),
         (
-            "linearised, α in volts",
+            "after decoupling, α in volts",
             in_nu("none"),
             # Of a level in centimetres: 0.1 cm/s² of ν per volt of excess.
             [ALPHA / (100.0 * effect / VOLTS_PER_METRE) for effect in effects],
@@ -59,14 +59,14 @@ def _rule() -> Row:
         ]
         found.append(f"{words} {times[0]:.1f} and {times[1]:.1f}")
     return remark(
-        "section 4, (2)",
+        "section 4, feature (2)",
         "α = 0.1 by the rule of experience",
         "2 to 5 times faster than the closed loop; that 0.1 is so is not said",
         "; ".join(found),
         "times",
-        reason="Loops 1 and 2: the time to 2 % of the closed loop without saturation over that in "
-        "which what exceeds the range dies away. Whether α acts in volts or in ν changes it "
-        "twelvefold or more.",
+        reason="Loops 1 and 2 under Johansson's PI controllers: the time to 2 % of the closed loop "
+        "without saturation over that in which what exceeds the range dies away. Whether α acts in "
+        "volts or in ν changes it twelvefold or more.",
     )
 
 
@@ -80,15 +80,16 @@ def _adjusts(volts: Filling, nu: Filling) -> Row:
         for each in settled
     ]
     return claimed(
-        "section 4, (2)",
+        "section 4, feature (2)",
         "settling time of h1 over α",
         "α can easily adjust the closed-loop performance",
         all(float(each.max()) > 2.0 * float(each.min()) for each in settled),
-        f"in volts {ranges[0]}; linearised, α in ν {ranges[1]}",
+        f"without decoupling {ranges[0]}; after decoupling, α in ν {ranges[1]}",
         "s",
-        reason="To 2 %, α from 0.001 to 10 1/s, pumps up to 10 V, Johansson's PI controllers: the "
-        "longest is more than twice the shortest. In volts a larger α comes "
-        "later, linearised it comes sooner at first.",
+        reason="To 2 %, α from 0.001 to 10 1/s, pumps up to 10 V, Johansson's PI controllers in "
+        "volts, or times E for ν of (9), K_1 of (14) as K/Ti: the longest is more than twice the "
+        "shortest, which is judged. Without decoupling a larger α comes later, after it sooner at "
+        "first.",
     )
 
 
@@ -101,15 +102,15 @@ def _limit_of_small_rates(both: tuple[Filling, Filling], linear: tuple[Filling, 
         ("α = 0", stopped, 0),
     )
     return remark(
-        "section 4, (3)",
+        "section 4, feature (3)",
         "settling time for what α adds to stopping the integral",
         "only the return of the pump is spoken of",
         "; ".join(f"{name}: {_settled(run, lane)}" for name, run, lane in found),
         "s",
-        reason="h1 and h2 to 2 %, pumps up to 10 V, in volts. With α = 0 the rule is conditional "
-        "integration: with α = 0.1 the pump is back in its range sooner, but the level is not. On "
-        f"the linearised tanks it is: {_settled(linear[0], at_rule)} s after "
-        f"{_settled(linear[1], 0)} s.",
+        reason="h1 and h2 to 2 %, pumps up to 10 V, Johansson's PI controllers in volts without "
+        "decoupling. With α = 0 the rule is conditional integration: with α = 0.1 the pump is back "
+        "in its range sooner, but the level is not. After decoupling by (9) it is: "
+        f"{_settled(linear[0], at_rule)} s after {_settled(linear[1], 0)} s.",
     )
 
 
@@ -120,7 +121,7 @@ def _settled(run: Filling, lane: int) -> str:
 def _figure(volts: Filling, nu: Filling) -> Figure:
     def panel(title: str, label: str, what: str) -> Panel:
         curves = []
-        for name, run in (("in volts", volts), ("linearised, α in ν", nu)):
+        for name, run in (("without decoupling", volts), ("after decoupling", nu)):
             for j in (1, 2):
                 values = [getattr(run, what)(j, lane) for lane in range(len(RATES))]
                 curves.append(Curve(f"h{j}, {name}", RATES, np.array(values)))
@@ -134,5 +135,5 @@ def _figure(volts: Filling, nu: Filling) -> Figure:
             panel("Settling time, 2 %", "[s]", "settling"),
             panel("Rise time", "[s]", "rise"),
         ),
-        "A large α takes the overshoot away and makes the rise slow.",
+        "A large α takes the overshoot away and makes the rise slow. After decoupling α is in ν.",
     )

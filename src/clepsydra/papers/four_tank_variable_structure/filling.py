@@ -7,80 +7,70 @@ import numpy as np
 from clepsydra.papers.comparison import claimed, compared, remark
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
-from clepsydra.papers.four_tank_variable_structure.readings import READINGS, USUAL, Reading, filled
+from clepsydra.papers.four_tank_variable_structure.decoupled import (
+    DECOUPLED_READINGS,
+    LIMITS,
+    READING,
+    at_limit,
+    decoupled,
+)
+from clepsydra.papers.four_tank_variable_structure.readings import (
+    CONVENTIONAL,
+    OTHERS,
+    READINGS,
+    SATURATED,
+    UNDECOUPLED,
+    USUAL,
+    both,
+    filled,
+    saturating,
+)
 from clepsydra.papers.four_tank_variable_structure.rig import (
     SETTINGS,
     TARGET,
     VOLTS_PER_METRE,
     Filling,
-    at_target,
     fill,
     in_nu,
     in_volts,
 )
+from clepsydra.papers.four_tank_variable_structure.settling import speed
 from clepsydra.papers.row import Row
 
 PLACE = "section 5"
-LIMIT = 10.0
-_READING = (
-    "Limits and settings, those of its [5], are not printed; read as Johansson's PI controllers in "
-    f"volts, without decoupling, on {USUAL.sensor:g} V/cm without bias, pumps from 0 to "
-    f"{USUAL.limit:g} V, tanks from empty to "
-    "12.4 and 12.7 cm."
-)
-#: Others than that reading.
-_OTHERS = "0.5 or 1 V/cm, no bias or 3 V, pumps up to 6, 10 or 20 V"
-#: What a conventional controller stands at a limit at least where the pumps saturate [s].
-SATURATED = 1.0
 #: So much of a filling is drawn [s].
 SHOWN = 200.0
 #: The levels nearest to the rim that the pumps still hold, with room for a little overshoot [m].
 HIGH = (0.185, 0.185)
-#: The document's conventional PID has a limiter at its output and nothing against windup.
-CONVENTIONAL = "none"
+_WAYS = (CONVENTIONAL, "variable_structure")
+#: Of the document's reading, and of the reading without decoupling.
+_LANE, _PLAIN = at_limit(USUAL.limit), READINGS.index(USUAL)
 
 
 def filling() -> Findings:
-    """Fill the tanks with both controllers, in volts and in ν."""
-    runs = {
-        "conventional": fill(in_volts(CONVENTIONAL)),
-        "variable": fill(in_volts("variable_structure")),
-        "conventional in ν": fill(in_nu(CONVENTIONAL)),
-        "variable in ν": fill(in_nu("variable_structure")),
-        "variable, α in volts": fill(in_nu("variable_structure", alpha_on="input")),
-    }
-    old, new = runs["conventional"], runs["variable"]
+    """Fill the tanks with both controllers, after decoupling and without."""
     rows = [
-        *_overshoots(runs),
-        *_speed(runs),
-        _saturation(runs),
+        *_overshoots(),
+        *speed(),
+        _saturation(),
         _without_saturation(),
-        _energy(old, new),
+        _energy(),
         _overflow(),
     ]
-    return Findings(tuple(rows), _figures(old, new))
+    return Findings(tuple(rows), _figures())
 
 
-def _both(run: Filling, what: str, form: str = ".1f") -> str:
-    """Return a score of both lower levels in words."""
-    return " and ".join(format(getattr(run, what)(tank), form) for tank in (1, 2))
-
-
-def saturating() -> list[int]:
-    """Return the lanes of the readings in which a pump saturates, as the document's do."""
-    old = filled(CONVENTIONAL)
-    return [
-        lane
-        for lane, reading in enumerate(READINGS)
-        if max(old.saturated(pump, reading.limit, lane) for pump in (1, 2)) >= SATURATED
-    ]
-
-
-def _overshoots(runs: dict[str, Filling]) -> list[Row]:
-    old, new = runs["conventional"], runs["variable"]
-    found, lanes = filled("variable_structure"), saturating()
-    most = max(found.overshoot(tank, lane) for tank in (1, 2) for lane in lanes)
-    farther = max((old.overshoot(tank) for tank in (1, 2)), key=lambda value: abs(value - 12.0))
+def _overshoots() -> list[Row]:
+    old, new = (decoupled(way) for way in _WAYS)
+    in_volts = decoupled("variable_structure", DECOUPLED_READINGS[1])
+    doubled = decoupled(CONVENTIONAL, DECOUPLED_READINGS[2])
+    plain, limited = filled("variable_structure"), filled(CONVENTIONAL)
+    lanes = saturating()
+    most = max(plain.overshoot(tank, lane) for tank in (1, 2) for lane in lanes)
+    farther = max((old.overshoot(tank, _LANE) for tank in (1, 2)), key=lambda v: abs(v - 12.0))
+    others = "; ".join(
+        f"{limit:g} V {both(old, 'overshoot', lane=at_limit(limit))}" for limit in (6.0, 15.0, 20.0)
+    )
     return [
         compared(
             PLACE,
@@ -89,129 +79,104 @@ def _overshoots(runs: dict[str, Filling]) -> list[Row]:
             farther,
             "%",
             tolerance=0.1,
-            why=f"“Around” is taken as 10 %. {_READING}",
-            unprinted=f"{_READING} “Around” is taken as 10 %. So h1 and h2 overshoot by "
-            f"{_both(old, 'overshoot')} %, of which "
-            "the farther stands here; on the linearised tanks it is "
-            f"{_both(runs['conventional in ν'], 'overshoot')} %.",
+            why=f"“Around” is taken as 10 %. {READING}",
+            unprinted=f"{READING} “Around” is taken as 10 %. h1 and h2 overshoot by "
+            f"{both(old, 'overshoot', lane=_LANE)} %, of which the farther stands here; with other "
+            f"limits {others} %. {UNDECOUPLED} with pumps to {USUAL.limit:g} V it is "
+            f"{both(limited, 'overshoot', lane=_PLAIN)} %. About 12 % takes other settings or "
+            "limits than these, such as twice his gains and pumps to 20 V, "
+            f"{both(doubled, 'overshoot', lane=at_limit(20.0))} %.",
         ),
         remark(
             PLACE,
             "overshoot, variable-structure PID",
             "almost no overshoot",
-            _both(new, "overshoot"),
+            both(new, "overshoot", lane=_LANE),
             "%",
-            reason=f"h1 and h2. {_READING} In the "
-            f"{len(lanes)} of {len(READINGS)} readings ({_OTHERS}) in which the pumps saturate for "
-            f"{SATURATED:g} s or more it is at most {most:.1f} %. It hangs on the reading: on the "
-            f"linearised tanks it is {_both(runs['variable in ν'], 'overshoot')} % with α in ν "
-            f"and {_both(runs['variable, α in volts'], 'overshoot')} % with α in volts.",
+            reason=f"h1 and h2. {READING} It hangs on the reading: with α in volts it is "
+            f"{both(in_volts, 'overshoot', lane=_LANE)} %. {UNDECOUPLED} it is "
+            f"{both(plain, 'overshoot', lane=_PLAIN)} %, and at most {most:.1f} % in the "
+            f"{len(lanes)} of {len(READINGS)} readings ({OTHERS}) in which the pumps saturate for "
+            f"{SATURATED:g} s or more.",
         ),
     ]
 
 
-def _speed(runs: dict[str, Filling]) -> list[Row]:
-    old, new = runs["conventional"], runs["variable"]
-    both = filled("variable_structure"), filled(CONVENTIONAL)
-    sooner = sum(
-        all(both[0].settling(tank, lane) < both[1].settling(tank, lane) for tank in (1, 2))
-        for lane in range(len(READINGS))
-    )
-    double = READINGS.index(Reading(2.0 * USUAL.sensor, USUAL.bias, USUAL.limit))
-    lanes = saturating()
-    slower = sum(
-        all(both[0].rise(tank, lane) > both[1].rise(tank, lane) for tank in (1, 2))
-        for lane in lanes
-    )
-    return [
-        remark(
-            PLACE,
-            "settling time",
-            "the response is faster",
-            f"{_both(new, 'settling', '.0f')} against {_both(old, 'settling', '.0f')}",
-            "s",
-            reason=f"h1 and h2 to 2 %. {_READING} It hangs on this reading: of {len(READINGS)} "
-            f"({_OTHERS}) both levels settle sooner in {sooner}, and with {READINGS[double]} h1 "
-            f"in {both[0].settling(1, double):.1f} s after {both[1].settling(1, double):.1f} s. On "
-            f"the linearised tanks it is {_both(runs['variable in ν'], 'settling', '.0f')} against "
-            f"{_both(runs['conventional in ν'], 'settling', '.0f')} s.",
-        ),
-        remark(
-            PLACE,
-            "rise time",
-            "the response is faster",
-            f"{_both(new, 'rise')} against {_both(old, 'rise')}",
-            "s",
-            reason="h1 and h2 from 10 to 90 %: while a pump saturates the integral is taken back, "
-            "so that it leaves its limit early and the level rises slower, in "
-            f"{slower} of {len(lanes)} readings in which the pumps saturate. The integrals of the "
-            f"absolute error are {_both(new, 'absolute_error', '.0f')} against "
-            f"{_both(old, 'absolute_error', '.0f')} cm s.",
-        ),
-    ]
-
-
-def _saturation(runs: dict[str, Filling]) -> Row:
-    times, linear = (
-        [(runs[new].saturated(pump, LIMIT), runs[old].saturated(pump, LIMIT)) for pump in (1, 2)]
-        for new, old in (("variable", "conventional"), ("variable in ν", "conventional in ν"))
-    )
-    shares = [
-        filled("variable_structure").saturated(pump, READINGS[lane].limit, lane)
-        / filled(CONVENTIONAL).saturated(pump, READINGS[lane].limit, lane)
+def _saturation() -> Row:
+    shares = []
+    for reading in DECOUPLED_READINGS:
+        old, new = (decoupled(way, reading) for way in _WAYS)
+        shares += [
+            new.saturated(pump, limit, lane) / old.saturated(pump, limit, lane)
+            for lane, limit in enumerate(map(float, LIMITS))
+            for pump in (1, 2)
+            if old.saturated(pump, limit, lane) >= SATURATED
+        ]
+    plain, limited = filled("variable_structure"), filled(CONVENTIONAL)
+    undecoupled = [
+        plain.saturated(pump, READINGS[lane].limit, lane)
+        / limited.saturated(pump, READINGS[lane].limit, lane)
         for lane in saturating()
         for pump in (1, 2)
     ]
+    old, new = (decoupled(way) for way in _WAYS)
     return claimed(
         PLACE,
         "time of the pumps at a limit",
         "returns within the constrained range much faster",
-        max(shares) < 1.0 and all(one < other for one, other in linear),
-        _pumps(times),
+        max(shares) < 1.0 and max(undecoupled) < 1.0,
+        _pumps(new, old, _LANE),
         "s",
         reason="Our reading of a garbled sentence: “returns to the control range within a "
         "constrained range [11-13]. The PID control is much faster, while the conventional PID "
         "control can only passively adjust the control input back”. At both limits; judged as "
-        f"faster, since how much is much is not said. {_READING} In all {len(shares) // 2} "
-        f"readings ({_OTHERS}) in which the pumps saturate it is {min(shares):.2f} to "
-        f"{max(shares):.2f} of the time. On the linearised tanks it is {_pumps(linear)} s.",
+        f"faster, since how much is much is not said. {READING} With limits from 4 to 20 V, 0.5 or "
+        "1 V/cm, and α in ν or in volts it is "
+        f"{min(shares):.2f} to {max(shares):.2f} of the time wherever conventional PID saturates "
+        f"for {SATURATED:g} s or more. {UNDECOUPLED} it is {min(undecoupled):.2f} to "
+        f"{max(undecoupled):.2f} of it in all {len(undecoupled) // 2} readings ({OTHERS}) in which "
+        f"the pumps saturate, and with pumps to {USUAL.limit:g} V "
+        f"{_pumps(plain, limited, _PLAIN)} s.",
     )
 
 
-def _pumps(times: list[tuple[float, float]]) -> str:
+def _pumps(new: Filling, old: Filling, lane: int) -> str:
     return ", ".join(
-        f"v{pump} {new:.1f} against {old:.1f}" for pump, (new, old) in enumerate(times, 1)
+        f"v{pump} {new.saturated(pump, USUAL.limit, lane):.1f} against "
+        f"{old.saturated(pump, USUAL.limit, lane):.1f}"
+        for pump in (1, 2)
     )
 
 
 def _without_saturation() -> Row:
-    equal = _unsaturated()
+    apart = [
+        max(abs(old.level(tank) - new.level(tank)).max() for tank in (1, 2))
+        for controller in (in_nu, in_volts)
+        for old, new in [[fill(controller(way), limits=1000.0) for way in _WAYS]]
+    ]
     return claimed(
-        "section 4, (1)",
+        "section 4, feature (1)",
         "behaviour without saturation",
         "the same as the linear analysis",
-        equal == 0.0,
-        f"{equal:.1g}",
+        max(apart) == 0.0,
+        f"{max(apart):.1g}",
         "cm",
         reason="Where u_n is u_s, (14) integrates e and nothing else: the loop is the one without "
-        "anti-windup, to which linear analysis applies. Largest difference of the levels between "
-        "the two in a filling where the pumps may go to 1000 V; below zero they are limited "
-        "as ever, which a filling to "
-        f"{100 * at_target().operating_point.state[0]:.3g} cm does not reach.",
+        "anti-windup, which after decoupling by (9) is linear, dy/dt = ν with a PI controller of "
+        "ν. Largest difference of the levels between the two in fillings where the pumps may go to "
+        "1000 V, after decoupling and without; below zero they are limited as ever, which these "
+        "fillings do not reach.",
     )
 
 
-def _unsaturated() -> float:
-    """Return by how much the structure changes a filling with pumps without upper limit [cm]."""
-    runs = [fill(in_volts(way), limits=1000.0) for way in (CONVENTIONAL, "variable_structure")]
-    return max(abs(runs[0].level(j) - runs[1].level(j)).max() for j in (1, 2))
-
-
-def _energy(old: Filling, new: Filling) -> Row:
-    squares, volumes = (new.electric(), old.electric()), (new.pumped(), old.pumped())
-    others, lanes = (filled("variable_structure"), filled(CONVENTIONAL)), saturating()
+def _energy() -> Row:
+    old, new = (decoupled(way) for way in _WAYS)
+    squares, volumes = (
+        [getattr(run, what)(_LANE) for run in (new, old)] for what in ("electric", "pumped")
+    )
+    plain, limited, lanes = filled("variable_structure"), filled(CONVENTIONAL), saturating()
     saved = [
-        100.0 * (1.0 - others[0].electric(lane) / others[1].electric(lane))
+        100.0 * (1.0 - plain.electric(lane) / limited.electric(lane))
         for lane in range(len(READINGS))
     ]
     usual = [saved[lane] for lane in lanes]
@@ -224,46 +189,53 @@ def _energy(old: Filling, new: Filling) -> Row:
         f"{volumes[0]:.2f} against {volumes[1]:.2f} l",
         reason="No measure of energy is printed: squared voltage of both pumps in ten minutes, "
         f"{100 * (1 - squares[0] / squares[1]):.0f} % less, and water lifted, "
-        f"{100 * (1 - volumes[0] / volumes[1]):.1f} % less. {_READING} In {len(lanes)} of "
-        f"{len(READINGS)} readings ({_OTHERS}) "
+        f"{100 * (1 - volumes[0] / volumes[1]):.1f} % less. {READING} {UNDECOUPLED} in "
+        f"{len(lanes)} of {len(READINGS)} readings ({OTHERS}) "
         f"{min(usual):.1f} to {max(usual):.1f} % of the squared voltage are saved; in the others "
         f"nearly nothing saturates, and it is {min(rest):.1f} to {max(rest):.1f} %.",
     )
 
 
 def _overflow() -> Row:
-    old = fill(in_volts(CONVENTIONAL), target=HIGH)
-    new = fill(in_volts("variable_structure"), target=HIGH)
+    (old, new), (limited, plain) = (
+        [fill(controller(way), target=HIGH) for way in _WAYS] for controller in (in_nu, in_volts)
+    )
     return claimed(
         PLACE,
         "water over the rims",
         "conventional PID is prone to overflow when the target level is high",
-        old.spilt() > 0.0,
+        min(old.spilt(), limited.spilt()) > 0.0,
         f"{old.spilt():.0f}",
         "cm³",
-        reason=f"Both levels filled to {100 * HIGH[0]:g} cm, in Johansson's tanks, 20 cm high, "
-        f"with his PI controllers in volts, pumps from 0 to {LIMIT:g} V; by the printed "
-        f"overshoot of 12 % any setpoint above {20.0 / 1.12:.1f} cm runs over. With variable "
-        f"structure it is {new.spilt():.3g} cm³.",
+        reason=f"Both levels filled to {100 * HIGH[0]:g} cm in tanks 20 cm high, as Johansson's "
+        f"are, which is not printed; else as follows. {READING} By the printed overshoot of 12 % "
+        f"any setpoint above {20.0 / 1.12:.1f} cm runs over. With variable structure it is "
+        f"{new.spilt():.3g} cm³. {UNDECOUPLED} it is {limited.spilt():.0f} against "
+        f"{plain.spilt():.3g} cm³.",
     )
 
 
-def _figures(conventional: Filling, variable: Filling) -> tuple[Figure, ...]:
-    both = (("conventional PID", conventional), ("variable-structure PID", variable))
-    seen = conventional.time <= SHOWN
+def _figures() -> tuple[Figure, ...]:
+    runs = zip(("conventional PID", "variable-structure PID"), map(decoupled, _WAYS), strict=True)
+    both_runs = tuple(runs)
+    time = both_runs[0][1].time
+    seen = time <= SHOWN
     figures = []
     for number, lower, upper in (("Fig. 3", 1, 3), ("Fig. 4", 2, 4)):
         panels = []
         for tank in (lower, upper):
-            curves = [Curve(name, run.time[seen], run.level(tank)[seen]) for name, run in both]
+            curves = [
+                Curve(name, time[seen], run.level(tank, _LANE)[seen]) for name, run in both_runs
+            ]
             if tank == lower:
                 target = np.full(2, 100.0 * TARGET[tank - 1])
                 curves.append(Curve("setpoint", np.array([0.0, SHOWN]), target, "dashed"))
             panels.append(Panel(f"h{tank}", f"h{tank} [cm]", tuple(curves)))
-        figures.append(Figure(number, f"Levels h{lower} and h{upper}", tuple(panels), _READING))
+        figures.append(Figure(number, f"Levels h{lower} and h{upper}", tuple(panels), READING))
     for number, pump in (("Fig. 5", 1), ("Fig. 6", 2)):
         curves = [
-            Curve(name, run.time[seen], run.voltage(pump)[seen], "held") for name, run in both
+            Curve(name, time[seen], run.voltage(pump, _LANE)[seen], "held")
+            for name, run in both_runs
         ]
         panel = Panel(f"v{pump}", f"v{pump} [V]", tuple(curves))
         figures.append(
@@ -271,7 +243,7 @@ def _figures(conventional: Filling, variable: Filling) -> tuple[Figure, ...]:
                 number,
                 f"Voltage v{pump}",
                 (panel,),
-                f"PI with K = {SETTINGS[pump - 1].gain:g} V/V, Ti = "
+                f"After decoupling; PI with K = {SETTINGS[pump - 1].gain:g} V/V, Ti = "
                 f"{SETTINGS[pump - 1].integral_time:g} s on {VOLTS_PER_METRE / 100:g} V/cm.",
             )
         )

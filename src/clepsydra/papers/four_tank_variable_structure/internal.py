@@ -174,7 +174,7 @@ def _figure(run: Run, swapped: Run) -> Figure:
     time = run.time[every]
     panels = []
     for name, found in (
-        ("linearised (9)", run),
+        ("decoupled by (9)", run),
         ("PI, other pairing", swapped),
     ):
         curves = [Curve(f"h{j}", time, level(found, j)) for j in range(1, 5)]
@@ -185,7 +185,7 @@ def _figure(run: Run, swapped: Run) -> Figure:
         "",
         "P+ after a step of h1 by half a centimetre",
         tuple(panels),
-        "The linearised loop holds h1 and h2 exactly while h3 and h4 run away, until a pump "
+        "The decoupled loop holds h1 and h2 exactly while h3 and h4 run away, until a pump "
         "stands at its limit and a tank runs over. PI controllers of the other pairing (SIMC, "
         "slowed down to a sensitivity peak of 2) make the same step, slowly.",
     )

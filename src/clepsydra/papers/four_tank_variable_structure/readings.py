@@ -54,8 +54,15 @@ class Reading(NamedTuple):
 READINGS = tuple(
     Reading(sensor, bias, limit) for sensor in _SENSORS for bias in _BIASES for limit in _LIMITS
 )
-#: The one whose numbers stand in the column of computed ones.
+#: Whose settings the decoupled loop has as well.
 USUAL = Reading(_SENSORS[0], 0.0, 10.0)
+#: What the readings are, for a reader of a row.
+OTHERS = "0.5 or 1 V/cm, no bias or 3 V, pumps up to 6, 10 or 20 V"
+UNDECOUPLED = "Without decoupling, Johansson's PI controllers in volts,"
+#: The document's conventional PID has a limiter at its output and nothing against windup.
+CONVENTIONAL = "none"
+#: What a conventional controller stands at a limit at least where the pumps saturate [s].
+SATURATED = 1.0
 
 
 @cache
@@ -87,3 +94,24 @@ def filled_in(
         start |= {f"controller.{name}_{loop}": biases for name in ("integral", "last_output")}
     limits = np.array([each.limit for each in readings])
     return fill(in_volts(way), limits, parameters=parameters, start=start)
+
+
+def saturating() -> list[int]:
+    """Return the lanes of the readings in which a pump saturates, as the document's do."""
+    old = filled(CONVENTIONAL)
+    return [
+        lane
+        for lane, reading in enumerate(READINGS)
+        if max(old.saturated(pump, reading.limit, lane) for pump in (1, 2)) >= SATURATED
+    ]
+
+
+def both(run: Filling, what: str, form: str = ".1f", lane: int = 0) -> str:
+    """Return a score of both lower levels in words.
+
+    Examples
+    --------
+    >>> both(filled(CONVENTIONAL), "overshoot", lane=READINGS.index(USUAL))
+    '13.0 and 9.0'
+    """
+    return " and ".join(format(getattr(run, what)(tank, lane), form) for tank in (1, 2))

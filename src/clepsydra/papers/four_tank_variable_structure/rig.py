@@ -85,19 +85,31 @@ def in_nu(
     """
     model = at_target().model
     linearised = relative_degree(model)
-    effects = np.diag(linearised.at_point)
-    settings = [
-        VirtualSettings(effect * each.gain, effect * each.gain / each.integral_time)
-        for effect, each in zip(effects, SETTINGS, strict=True)
-    ]
     rates = [alpha] * 2
     if way == "back_calculation":
         rates = [1.0 / each.integral_time for each in SETTINGS]
     if alpha_on == "input":
         rates = [alpha * VOLTS_PER_METRE / 100.0] * 2
     return feedback_linearisation_controller(
-        model, linearised, settings, anti_windup=way, rates=rates, alpha_on=alpha_on
+        model, linearised, virtual_settings(), anti_windup=way, rates=rates, alpha_on=alpha_on
     )
+
+
+def virtual_settings() -> list[VirtualSettings]:
+    """Return Johansson's PI controllers times E, for ν.
+
+    Examples
+    --------
+    E is γ k k_c / A = 0.7 · 3.33 · 0.5 / 28 1/s for the first pump, and K = 3 V/V:
+
+    >>> round(virtual_settings()[0].gain, 6)
+    0.124875
+    """
+    effects = np.diag(relative_degree(at_target().model).at_point)
+    return [
+        VirtualSettings(effect * each.gain, effect * each.gain / each.integral_time)
+        for effect, each in zip(effects, SETTINGS, strict=True)
+    ]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

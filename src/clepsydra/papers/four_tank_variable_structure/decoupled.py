@@ -1,0 +1,109 @@
+"""Fillings after decoupling by (9), as Figs. 3 to 6 are, over what is not printed."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from clepsydra.controllers.virtual_input import AlphaOn, VirtualAntiWindup
+from clepsydra.papers.four_tank_variable_structure.rig import (
+    ALPHA,
+    VOLTS_PER_METRE,
+    Filling,
+    fill,
+    in_nu,
+    virtual_settings,
+)
+
+#: Of both pumps [V].
+LIMITS = np.linspace(4.0, 20.0, 33)
+#: What the rows on the decoupled tanks rest on.
+READING = (
+    "After decoupling by (9), as Figs. 3 to 6 are. What is not printed is read as: ν from "
+    "Johansson's PI controllers times E, 0.5 V/cm, integrals that start at zero, pumps from 0 to "
+    f"10 V, α = {ALPHA:g} 1/s on ν with K_1 of (14) as K/Ti, tanks from empty to 12.4 and 12.7 cm."
+)
+
+
+class DecoupledReading(NamedTuple):
+    """One way to read what is not printed; ν rests at zero, so that it needs no bias.
+
+    Parameters
+    ----------
+    sensor : float
+        [V/cm]
+    alpha_on : {"virtual", "input"}
+        Whether α acts on ν or in volts.
+
+    Examples
+    --------
+    >>> print(DECOUPLED_READINGS[-1])
+    1 V/cm and α in volts
+    """
+
+    sensor: float
+    alpha_on: AlphaOn
+
+    def __str__(self) -> str:
+        return f"{self.sensor:g} V/cm and α {'in ν' if self.alpha_on == 'virtual' else 'in volts'}"
+
+
+_JOHANSSONS = VOLTS_PER_METRE / 100.0
+_ALPHA_ON: tuple[AlphaOn, ...] = ("virtual", "input")
+DECOUPLED_READINGS = tuple(
+    DecoupledReading(sensor, alpha_on)
+    for sensor in (_JOHANSSONS, 2.0 * _JOHANSSONS)
+    for alpha_on in _ALPHA_ON
+)
+
+
+@cache
+def decoupled(way: VirtualAntiWindup, reading: DecoupledReading = DECOUPLED_READINGS[0]) -> Filling:
+    """Fill the tanks under (9) and one of the `WAYS` against windup, a lane for each limit.
+
+    A sensor with twice the volts is a controller with twice the gain.
+
+    Examples
+    --------
+    >>> run = decoupled("none")
+    >>> round(run.overshoot(1, at_limit(10.0)))
+    20
+    """
+    parameters, start = {}, {}
+    for loop, settings in enumerate(virtual_settings(), start=1):
+        times = np.full(len(LIMITS), reading.sensor / _JOHANSSONS)
+        parameters[f"controller.virtual_gain_{loop}"] = times * settings.gain
+        parameters[f"controller.virtual_integral_gain_{loop}"] = times * settings.integral_gain
+        start[f"controller.last_virtual_gain_{loop}"] = times * settings.gain
+    return fill(in_nu(way, alpha_on=reading.alpha_on), LIMITS, parameters=parameters, start=start)
+
+
+def at_limit(limit: float) -> int:
+    """Return the lane of a limit of the pumps [V].
+
+    Examples
+    --------
+    >>> at_limit(4.0), at_limit(10.0)
+    (0, 12)
+    """
+    return int(np.argmin(np.abs(LIMITS - limit)))
+
+
+def ranges(holds: np.ndarray) -> str:
+    """Return the limits at which something holds, in words.
+
+    Examples
+    --------
+    >>> ranges((LIMITS <= 6.0) | (LIMITS == 10.0)), ranges(LIMITS < 0.0)
+    ('4 to 6, 10', 'at no limit')
+    """
+    if not holds.any():
+        return "at no limit"
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], holds.astype(int), [0]])))
+    parts = [
+        f"{LIMITS[first]:g}" if last - 1 == first else f"{LIMITS[first]:g} to {LIMITS[last - 1]:g}"
+        for first, last in zip(edges[::2], edges[1::2], strict=True)
+    ]
+    return ", ".join(parts)
