@@ -105,7 +105,7 @@ def virtual_settings() -> list[VirtualSettings]:
     >>> round(virtual_settings()[0].gain, 6)
     0.124875
     """
-    effects = np.diag(relative_degree(at_target().model).at_point)
+    effects = map(float, np.diag(relative_degree(at_target().model).at_point))
     return [
         VirtualSettings(effect * each.gain, effect * each.gain / each.integral_time)
         for effect, each in zip(effects, SETTINGS, strict=True)
