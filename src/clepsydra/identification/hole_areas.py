@@ -110,8 +110,9 @@ def hole_areas(
 
     Examples
     --------
-    >>> from clepsydra.loop.simulation import simulate
-    >>> run = simulate("quadruple-tank", {"pump_1": "3.5 V @ 10 s"}, duration="5 min")
+    >>> import clepsydra as cl
+    >>> steps = [cl.step("pump_1", to="3.5 V", at="10 s")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps, duration="5 min")
     >>> found = hole_areas(run.process, run.time, run.values)
     >>> round(1e4 * found["outlet_1"].value, 4)  # [cm²]
     0.071

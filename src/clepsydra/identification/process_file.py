@@ -76,11 +76,12 @@ def fitted_process_text(fit: ProcessFit) -> str:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.identification.process_fit import fit_process
     >>> from clepsydra.identification.record import Record
-    >>> from clepsydra.loop.simulation import simulate
     >>> tanks = load_process("quadruple-tank")
-    >>> run = simulate(tanks, {"pump_1": ["4 V @ 60 s", "2 V @ 300 s"]}, duration="10 min")
+    >>> steps = [cl.step("pump_1", to=4.0, at=60.0), cl.step("pump_1", to=2.0, at=300.0)]
+    >>> run = cl.simulate(cl.Plant(tanks), None, steps, duration="10 min")
     >>> record = Record("by hand", run.signals, run.values, tanks.sampling_period)
     >>> text = fitted_process_text(fit_process(tanks, record, ["splitter_1.tank_1"]))
     >>> print("\\n".join(text.splitlines()[-3:]))

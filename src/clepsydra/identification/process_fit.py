@@ -205,10 +205,11 @@ def fit_process(process: Process, record: Record, parameters: Sequence[str]) -> 
 
     Examples
     --------
-    >>> from clepsydra.loop.simulation import simulate
+    >>> import clepsydra as cl
     >>> from clepsydra.process.reader import load_process
     >>> tanks = load_process("quadruple-tank")
-    >>> run = simulate(tanks, {"pump_1": ["4 V @ 60 s", "2 V @ 300 s"]}, duration="10 min")
+    >>> steps = [cl.step("pump_1", to=4.0, at=60.0), cl.step("pump_1", to=2.0, at=300.0)]
+    >>> run = cl.simulate(cl.Plant(tanks), None, steps, duration="10 min")
     >>> record = Record("by hand", run.signals, run.values, tanks.sampling_period)
     >>> wrong = replace(tanks, parameters=tuple(
     ...     replace(p, initial=8e-6) if p.name == "outlet_1.area" else p for p in tanks.parameters))

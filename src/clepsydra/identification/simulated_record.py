@@ -30,10 +30,11 @@ def record_of(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.identification.identification import identify_model
-    >>> from clepsydra.loop.simulation import simulate
-    >>> steps = {"pump_1": ["3.5 V @ 1 min", "2.5 V @ 8 min", "3.2 V @ 14 min"]}
-    >>> run = simulate("quadruple-tank", steps, duration="20 min")
+    >>> moves = {"1 min": "3.5 V", "8 min": "2.5 V", "14 min": "3.2 V"}
+    >>> steps = [cl.step("pump_1", to=value, at=time) for time, value in moves.items()]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps, duration="20 min")
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
     >>> found.best.name, round(found.best.estimates[0].value, 1)  # [V/V]
     ('FOPDT', 2.6)

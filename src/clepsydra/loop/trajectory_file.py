@@ -30,9 +30,9 @@ def write_trajectories(run: Simulation | Run, path: Path) -> None:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from tempfile import TemporaryDirectory
-    >>> from clepsydra.loop.simulation import simulate
-    >>> run = simulate("quadruple-tank", duration="60 s")
+    >>> run = cl.simulate(cl.load("quadruple-tank"), duration="60 s")
     >>> with TemporaryDirectory() as folder:
     ...     write_trajectories(run, Path(folder) / "run.csv")
     ...     (Path(folder) / "run.csv").read_text().split(",")[:2]

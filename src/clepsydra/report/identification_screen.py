@@ -29,12 +29,13 @@ def identification_screen(found: Identification | ProcessFit) -> RenderableType:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> import io
     >>> from rich.console import Console
     >>> from clepsydra.identification.identification import identify_model
     >>> from clepsydra.identification.simulated_record import record_of
-    >>> from clepsydra.loop.simulation import simulate
-    >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
+    >>> steps = [cl.step("pump_1", "+0.5 V", at="1 min"), cl.step("pump_1", "-0.5 V", at="8 min")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps)
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
     >>> console = Console(width=100, record=True, file=io.StringIO())
     >>> console.print(identification_screen(found))

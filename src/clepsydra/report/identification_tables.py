@@ -17,10 +17,11 @@ def models_grid(found: Identification) -> Grid:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.identification.identification import identify_model
     >>> from clepsydra.identification.simulated_record import record_of
-    >>> from clepsydra.loop.simulation import simulate
-    >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
+    >>> steps = [cl.step("pump_1", "+0.5 V", at="1 min"), cl.step("pump_1", "-0.5 V", at="8 min")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps)
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
     >>> models_grid(found).rows[0][:2]
     ('1  FOPDT', '96.7 %')
@@ -45,10 +46,11 @@ def estimates_grid(found: Identification) -> Grid:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.identification.identification import identify_model
     >>> from clepsydra.identification.simulated_record import record_of
-    >>> from clepsydra.loop.simulation import simulate
-    >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
+    >>> steps = [cl.step("pump_1", "+0.5 V", at="1 min"), cl.step("pump_1", "-0.5 V", at="8 min")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps)
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
     >>> estimates_grid(found).rows[0][0]
     'FOPDT, static gain'
@@ -66,10 +68,11 @@ def parameters_grid(fit: ProcessFit) -> Grid:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.identification.process_fit import fit_process
     >>> from clepsydra.identification.simulated_record import record_of
-    >>> from clepsydra.loop.simulation import simulate
-    >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
+    >>> steps = [cl.step("pump_1", "+0.5 V", at="1 min"), cl.step("pump_1", "-0.5 V", at="8 min")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps)
     >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
     >>> parameters_grid(fit).rows[0][:3]
     ('outlet_1.area', '0.0710', '0.071007')
@@ -87,10 +90,11 @@ def start_grid(fit: ProcessFit) -> Grid:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.identification.process_fit import fit_process
     >>> from clepsydra.identification.simulated_record import record_of
-    >>> from clepsydra.loop.simulation import simulate
-    >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
+    >>> steps = [cl.step("pump_1", "+0.5 V", at="1 min"), cl.step("pump_1", "-0.5 V", at="8 min")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps)
     >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
     >>> start_grid(fit).rows[0][0]
     'tank_1.level'
@@ -104,10 +108,11 @@ def outputs_grid(fit: ProcessFit) -> Grid:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.identification.process_fit import fit_process
     >>> from clepsydra.identification.simulated_record import record_of
-    >>> from clepsydra.loop.simulation import simulate
-    >>> run = simulate("quadruple-tank", {"pump_1": ["3.5 V @ 1 min", "3 V @ 8 min"]})
+    >>> steps = [cl.step("pump_1", "+0.5 V", at="1 min"), cl.step("pump_1", "-0.5 V", at="8 min")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps)
     >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
     >>> outputs_grid(fit).rows[0][0]
     'level_1'

@@ -25,12 +25,12 @@ def draw_panel(axes: Axes, content: PanelContent) -> None:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from matplotlib.figure import Figure
-    >>> from clepsydra.loop.simulation import simulate
     >>> from clepsydra.report.panel_content import panel_content
     >>> from clepsydra.report.panels import all_panels
     >>> from clepsydra.report.recording import recording_of
-    >>> run = simulate("quadruple-tank", duration="60 s")
+    >>> run = cl.simulate(cl.load("quadruple-tank"), duration="60 s")
     >>> axes = Figure().add_subplot()
     >>> draw_panel(axes, panel_content(all_panels(run)[0], recording_of(run), run.time, "#0072B2"))
     >>> axes.get_ylabel()

@@ -123,10 +123,10 @@ def panel_content(
 
     Examples
     --------
-    >>> from clepsydra.loop.simulation import simulate
+    >>> import clepsydra as cl
     >>> from clepsydra.report.panels import all_panels
     >>> from clepsydra.report.recording import recording_of
-    >>> run = simulate("quadruple-tank", duration="60 s")
+    >>> run = cl.simulate(cl.load("quadruple-tank"), duration="60 s")
     >>> shown = panel_content(all_panels(run)[0], recording_of(run), run.time, "#0072B2")
     >>> shown.unit, shown.beyond, shown.percent
     ('cm', ('rim 20 cm ↑',), (0.0, 20.0))

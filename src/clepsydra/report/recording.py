@@ -42,8 +42,8 @@ class Recording:
 
     Examples
     --------
-    >>> from clepsydra.loop.simulation import simulate
-    >>> recording_of(simulate("quadruple-tank", duration="60 s")).end
+    >>> import clepsydra as cl
+    >>> recording_of(cl.simulate(cl.load("quadruple-tank"), duration="60 s")).end
     60.0
     """
 

@@ -50,8 +50,9 @@ def trust_sentence(run: Simulation) -> str:
 
     Examples
     --------
-    >>> from clepsydra.loop.simulation import simulate
-    >>> trust_sentence(simulate("quadruple-tank", duration="60 s", solver="reference"))[:34]
+    >>> import clepsydra as cl
+    >>> run = cl.simulate(cl.load("quadruple-tank"), duration="60 s", solver="reference")
+    >>> trust_sentence(run)[:34]
     'Integrated by the reference solver'
     """
     sure = "Integrated by the reference solver to a relative tolerance of 1e−10"
@@ -94,8 +95,8 @@ def trajectories_grid(run: Simulation) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.loop.simulation import simulate
-    >>> trajectories_grid(simulate("quadruple-tank", start="empty")).rows[0][:2]
+    >>> import clepsydra as cl
+    >>> trajectories_grid(cl.simulate(cl.load("quadruple-tank"), start="empty")).rows[0][:2]
     ('tank_1.level', '0 cm')
     """
     rows = []
@@ -119,8 +120,9 @@ def shown_signals(run: Simulation) -> list[Signal]:
 
     Examples
     --------
-    >>> from clepsydra.loop.simulation import simulate
-    >>> [s.name for s in shown_signals(simulate("quadruple-tank", duration="60 s"))][-2:]
+    >>> import clepsydra as cl
+    >>> run = cl.simulate(cl.load("quadruple-tank"), duration="60 s")
+    >>> [signal.name for signal in shown_signals(run)][-2:]
     ['pump_1', 'pump_2']
     """
     process = run.process
@@ -139,8 +141,8 @@ def events_grid(run: Simulation, most: int) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.loop.simulation import simulate
-    >>> events_grid(simulate("quadruple-tank", duration="60 s"), most=5).rows
+    >>> import clepsydra as cl
+    >>> events_grid(cl.simulate(cl.load("quadruple-tank"), duration="60 s"), most=5).rows
     ()
     """
     marks = event_marks(run.happenings)
@@ -159,8 +161,8 @@ def balances_grid(run: Simulation) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.loop.simulation import simulate
-    >>> balances_grid(simulate("quadruple-tank", duration="60 s")).rows[0][:2]
+    >>> import clepsydra as cl
+    >>> balances_grid(cl.simulate(cl.load("quadruple-tank"), duration="60 s")).rows[0][:2]
     ('liquid', '0.00120 m³')
     """
     rows = tuple(
