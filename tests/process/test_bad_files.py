@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
+import clepsydra as cl
 from clepsydra import InputError
-from clepsydra.linear.analysis import analyse
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.process.reader import load_process
-from clepsydra.studies.study import run_study
 
 VALID = (Path(__file__).parent / "plant.toml").read_text(encoding="utf-8")
 CATALOGUE = ", ".join(catalogue_names())
@@ -68,9 +67,10 @@ def test_a_delay_of_no_number_of_steps_is_refused_in_a_simulation() -> None:
             'fractions = { tank_1 = 0.7, tank_2 = "30 %" }', f'{stream}time = "{time}"'
         )
         Path("plant.toml").write_text(text, encoding="utf-8")
-        analyse(load_process("plant.toml"))
+        plant = cl.load("plant.toml")
+        assert plant.linear.states
         with pytest.raises(InputError) as caught:
-            run_study("plant.toml")
+            cl.study(plant)
         assert str(caught.value) == (
             f"plant, pipe.delayed_flow, time: got '{time}', expected a multiple of an integration "
             "step of at least 0.0001 s, which is a whole part of the sampling period of 1 s; round "

@@ -19,8 +19,6 @@ from clepsydra.process import reader
 from clepsydra.process.orifice import Orifice
 from clepsydra.process.own_elements import joining_own
 from clepsydra.process.reader import load_process
-from clepsydra.report.drawing import process_drawing
-from clepsydra.studies.study import run_study
 
 PYTHON, TOML, SHORT = (block.text for block in blocks("docs/own-element.md", "python", "toml"))
 
@@ -46,6 +44,16 @@ def message_for(python: str = PYTHON, toml: str = TOML) -> str:
     return message
 
 
+def drawing() -> str:
+    cl.load("weir-tank.toml").draw("weir-tank.svg")
+    return Path("weir-tank.svg").read_text(encoding="utf-8")
+
+
+def study() -> cl.Study:
+    plant = cl.load("weir-tank.toml")
+    return cl.study(plant, [cl.design.simc(plant)])
+
+
 def flow(level: float) -> float:
     """By hand: q = 8/15 c √(2 g) (h - z)^(5/2)."""
     return 8 / 15 * 0.58 * math.sqrt(2 * 9.81) * max(level - 0.2, 0.0) ** 2.5
@@ -59,7 +67,6 @@ def test_the_flow_is_that_of_the_formula() -> None:
         assert rate == pytest.approx(3.0 * 0.2e-3 + 1e-4 - flow(level), rel=1e-12)
 
 
-@pytest.mark.thorough
 def test_an_outlet_in_ten_lines_is_the_same_weir() -> None:
     whole = load_process("weir-tank.toml")
     assert len([line for line in SHORT.splitlines() if line]) <= 10
@@ -70,7 +77,7 @@ def test_an_outlet_in_ten_lines_is_the_same_weir() -> None:
         rate = float(process.dynamics([level], [3.0], [1e-4], process.parameter_values))
         assert rate == pytest.approx(3.0 * 0.2e-3 + 1e-4 - flow(level), rel=1e-12)
     assert [s.name for s in process.state] == [s.name for s in whole.state]
-    assert run_study("weir-tank.toml").ranking
+    assert study().ranking
 
 
 def test_the_operating_point_and_its_time_constant() -> None:
@@ -81,15 +88,13 @@ def test_the_operating_point_and_its_time_constant() -> None:
     assert pole == pytest.approx(-2.5 * 1e-3 / above, rel=1e-6)  # 1 m² of surface
 
 
-@pytest.mark.thorough
 def test_a_study_and_a_drawing() -> None:
-    result = run_study("weir-tank.toml")
-    assert result.ranking[0].rank == 1
-    assert result.ranking[0].maximum_sensitivity < 2.0
-    levels = result.ranking[0].run.to_pandas()["tank_1.level"]
+    best = study().best
+    assert best.rank == 1
+    assert best.maximum_sensitivity < 2.0
+    levels = best.run.values["tank_1.level"]
     assert np.all((levels > 0.2) & (levels < 0.4))
-    drawing = process_drawing(load_process("weir-tank.toml"), None)
-    texts = ["".join(e.itertext()) for e in ElementTree.fromstring(drawing).iter() if e.text]
+    texts = ["".join(e.itertext()) for e in ElementTree.fromstring(drawing()).iter() if e.text]
     assert "weir_1" in " ".join(texts)
 
 
@@ -97,9 +102,8 @@ def test_every_symbol_can_be_drawn() -> None:
     """A class may choose any symbol, or none; each drawing is proper XML with its name."""
     for symbol in ("box", "valve", "flow", "pump", "delay", "nothing of the sort"):
         write(PYTHON.replace('"v_notch_weirs", "orifice"', f'"v_notch_weirs", "{symbol}"'))
-        drawing = process_drawing(load_process("weir-tank.toml"), None)
-        assert ElementTree.fromstring(drawing).tag.endswith("svg")
-        assert "weir_1" in drawing
+        assert ElementTree.fromstring(drawing()).tag.endswith("svg")
+        assert "weir_1" in drawing()
 
 
 def test_an_own_element_with_state_input_and_measurement(simulate) -> None:

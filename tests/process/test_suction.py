@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import clepsydra as cl
 from clepsydra import InputError, NoEquilibrium
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.loop.simulation import simulate
 from clepsydra.process.reader import load_process
 
 PLANT = """
@@ -77,7 +77,8 @@ def plant(tmp_path):
 )
 @pytest.mark.parametrize("solver", ["kernel", "reference"])
 def test_whatever_draws_by_force_ends_at_the_level_of_the_file(plant, draws, keys, ends, solver):
-    run = simulate(plant(draws, keys), {"feed": "0 l/min @ 10 s"}, duration="6 min", solver=solver)
+    cut = [cl.step("feed", to=0.0, at="10 s")]
+    run = cl.simulate(cl.load(plant(draws, keys)), None, cut, duration="6 min", solver=solver)
     (event,) = [each for each in run.happenings if each.event == "outflow.runs_dry"]
     level = run.values["tank.level"]
     before = int(np.searchsorted(run.time, event.time)) - 1
@@ -91,9 +92,9 @@ def test_whatever_draws_by_force_ends_at_the_level_of_the_file(plant, draws, key
 @pytest.mark.parametrize("solver", ["kernel", "reference"])
 def test_a_forced_flow_reads_what_flows(plant, solver):
     """What the signal says to have left closes the balance to within the sample that breaks off."""
-    run = simulate(
-        plant(FLOW, feed=240.0), {"feed": "20 l/min @ 10 s"}, duration="6 min", solver=solver
-    )
+    less = [cl.step("feed", to="20 l/min", at="10 s")]
+    tank = cl.load(plant(FLOW, feed=240.0))
+    run = cl.simulate(tank, None, less, duration="6 min", solver=solver)
     draws, outflow = run.values["outflow.draws"], run.values["outflow"]
     assert 0.0 < np.mean(draws) < 1.0
     assert np.array_equal(outflow, np.where(draws > 0.5, 100.0 / 60e3, 0.0))
