@@ -1,16 +1,19 @@
 """What the tests of elements share."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import pytest
 
 from clepsydra import Element, Signal
-from clepsydra.loop.event_location import located_step
-from clepsydra.loop.motion_step import MotionStep
+from clepsydra.linear.operating_point import OperatingPoint
+from clepsydra.loop import open_loop
 from clepsydra.process.equations import join
+from clepsydra.process.process import Process
 
+#: What joined equations have beside the signals and functions of a process.
+OF_A_LOOP = ("motion", "display", "noise")
 GRAVITY = Signal("gravity", "m/s^2", initial=9.81)
 
 
@@ -30,36 +33,34 @@ class Course:
 def _simulate(
     elements: Sequence[Element],
     state: dict[str, float],
-    inputs: Callable[[float, dict[str, float]], list[float]] | list[float],
+    inputs: Callable[[float], list[float]] | list[float],
     step: float,
     steps: int,
     disturbances: Sequence[float] = (),
 ) -> Course:
     joined = join(elements, GRAVITY)
-    motion = joined.motion
-    assert not motion.delays
-    p = [signal.initial for signal in joined.parameters]
-    parts = MotionStep(motion)
-    located, updates = located_step(parts), parts.updates
-    x = [state[signal.name] for signal in joined.state]
-    c = np.asarray(motion.to_contents(x, p)).ravel()
-    m = np.array([signal.initial for signal in motion.memories])
-    count, last = np.zeros(len(motion.events)), np.zeros(len(motion.events))
-    names = [s.name for s in (*joined.state, *motion.memories)]
-    rows = [[*x, *m]]
-    for number in range(steps):
-        now = dict(zip(names, rows[-1], strict=True))
-        u = inputs(number * step, now) if callable(inputs) else inputs
-        results = located(step, number * step, c, [], count, last, m, u, disturbances, p)
-        c, count, last, m = (np.asarray(result).ravel() for result in results)
-        m = np.asarray(updates(1, c, [], m, u, disturbances, p)).ravel()
-        rows.append([*np.asarray(motion.to_state(c, p)).ravel(), *m])
-    events = [event.name for event in motion.events]
+    named = {f.name: getattr(joined, f.name) for f in fields(joined) if f.name not in OF_A_LOOP}
+    process = Process(
+        name="elements", title="", source="", controlled=(), elements=tuple(elements),
+        nominal_outputs={}, sampling_period=step, joined_motion=joined.motion, **named,
+    )  # fmt: skip
+    rows = [inputs(k * step) if callable(inputs) else inputs for k in range(steps)]
+    columns = zip(process.inputs, np.array(rows).T, strict=True)
+    point = OperatingPoint(
+        process,
+        np.array([state[signal.name] for signal in process.state]),
+        np.array(rows[0]),
+        np.array(disturbances, float),
+        np.zeros(len(process.measurements)),
+        residual=np.inf,
+    )
+    run = open_loop.simulate(point, {s.name: column for s, column in columns}, substeps=1)
+    events = process.motion.events
     return Course(
-        np.arange(steps + 1) * step,
-        dict(zip(names, np.array(rows).T, strict=True)),
-        dict(zip(events, map(int, count), strict=True)),
-        dict(zip(events, map(float, last), strict=True)),
+        run.time,
+        run.values,
+        {event.name: int(run.values[event.counted][-1]) for event in events},
+        {event.name: float(run.values[event.dated][-1]) for event in events},
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+from functools import cache
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from scipy.optimize import brentq
 
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.linear.linearise import linearise
+from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.reader import load_process
 
@@ -25,6 +27,12 @@ def every_process() -> list[str]:
 
 
 PROCESSES = every_process()
+process_of = cache(load_process)
+
+
+@cache
+def point_of(name: str) -> OperatingPoint:
+    return find_equilibrium(process_of(name))
 
 
 def test_names() -> None:
@@ -42,22 +50,21 @@ def test_names() -> None:
     assert len(PROCESSES) == 9 + 3 + 2 + 4 + 3 + 2 + 3 + 1 + 1
 
 
-@pytest.mark.sampled
 @pytest.mark.parametrize("name", catalogue_names())
 def test_what_every_file_says_of_itself(name: str) -> None:
-    process = load_process(name)
+    process = process_of(name)
     assert process.name == name
     assert process.source != "not given"
     assert all(process.variants.values())
-    others = {load_process(other).title for other in catalogue_names() if other != name}
+    others = {process_of(other).title for other in catalogue_names() if other != name}
     assert process.title not in others
 
 
 @pytest.mark.parametrize("name", PROCESSES)
 def test_equilibrium(name: str) -> None:
     """Every process rests at its operating point, within all ranges."""
-    process = load_process(name)
-    point = find_equilibrium(process)
+    process = process_of(name)
+    point = point_of(name)
     assert point.warnings == ()
     rate = process.dynamics(point.state, point.inputs, point.disturbances, process.parameter_values)
     # The fastest of these plants moves through its range within seconds.
@@ -76,8 +83,7 @@ def test_equilibrium(name: str) -> None:
 
 @pytest.mark.parametrize("name", PROCESSES)
 def test_linear_model_equals_differences(name: str) -> None:
-    process = load_process(name)
-    point = find_equilibrium(process)
+    process, point = process_of(name), point_of(name)
     model = linearise(point)
     place = [np.asarray(v, float) for v in (point.state, point.inputs, point.disturbances)]
     groups = (process.state, process.inputs, process.disturbances)
@@ -101,16 +107,16 @@ def test_linear_model_equals_differences(name: str) -> None:
 
 
 def test_all_inputs_of_the_averaging_tank() -> None:
-    process = load_process("averaging-tank:all-inputs")
+    process = process_of("averaging-tank:all-inputs")
     assert [signal.name for signal in process.inputs] == ["inflow", "outflow", "inflow.impurity"]
     assert process.disturbances == ()
 
 
 def test_the_laboratory_counts_in_percent_or_in_volts() -> None:
     """One process in two units: the same levels, and a loop gain that differs by the scales."""
-    percent = load_process("laboratory-four-tanks:fitted,percent")
-    volts = load_process("laboratory-four-tanks:fitted,volts")
-    assert load_process("laboratory-four-tanks").variant == ("report", "percent")
+    percent = process_of("laboratory-four-tanks:fitted,percent")
+    volts = process_of("laboratory-four-tanks:fitted,volts")
+    assert process_of("laboratory-four-tanks").variant == ("report", "percent")
     one, other = (find_equilibrium(process) for process in (percent, volts))
     np.testing.assert_allclose(one.state, other.state, rtol=1e-12)
     np.testing.assert_allclose(15 * one.inputs, other.inputs, rtol=1e-12)
@@ -119,7 +125,7 @@ def test_the_laboratory_counts_in_percent_or_in_volts() -> None:
 
 
 def test_the_laboratory_trips_at_110_percent() -> None:
-    process = load_process("laboratory-four-tanks")
+    process = process_of("laboratory-four-tanks")
     events = [event.words for event in process.motion.events if "trips" in event.words]
     assert events == [
         f"pump_{pump} trips: tank_{tank} above 27.5 cm" for pump in (1, 2) for tank in (1, 2, 3, 4)

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+import clepsydra as cl
 from clepsydra.base.units import from_si
 from clepsydra.process.backlash import Backlash
 from clepsydra.process.control_valve import ControlValve
-from clepsydra.process.forced_flow import ForcedFlow
 from clepsydra.process.reader import load_process
 from clepsydra.process.reservoir import Reservoir
 from clepsydra.process.stiction import Stiction
@@ -184,19 +184,18 @@ def test_stroke_time(simulate: Callable) -> None:
     assert course["tank_1.level"][400] == pytest.approx(KV * 4.0**2 / 16, rel=1e-9)
 
 
-@pytest.mark.thorough
 def test_backlash_loop(simulate: Callable) -> None:
     """The stem of a sinus against the play operator, and the width of the loop it runs through."""
     width = 0.06
     valve = supplied(friction=Backlash(width))
 
-    def signal(time: float, now: dict[str, float]) -> list[float]:
+    def signal(time: float) -> list[float]:
         return [0.5 + 0.3 * math.sin(2 * math.pi * time / 40)]
 
     course = simulate(
         [Reservoir("main"), tank("tank_1", 100.0), valve], {"tank_1.level": 0.0}, signal, 0.1, 1200
     )
-    asked = np.array([signal(t, {})[0] for t in course.time[:-1]])
+    asked = np.array([signal(t)[0] for t in course.time[:-1]])
     stem = course["valve_1.stem"][1:]
     expected = [asked[0]]
     for value in asked[1:]:
@@ -247,7 +246,7 @@ def test_stiction_is_the_published_recursion(simulate: Callable) -> None:
     valve = supplied(friction=Stiction(0.08, 0.03))
     course = simulate(
         [Reservoir("main"), tank("tank_1", 100.0), valve], {"tank_1.level": 0.0},
-        lambda time, now: [walk[round(time)]], 1.0, len(walk),
+        lambda time: [walk[round(time)]], 1.0, len(walk),
     )  # fmt: skip
     stem = course["valve_1.stem"][1:]
     assert np.allclose(stem, he(np.array(walk), 0.08, 0.03), rtol=0, atol=1e-12)
@@ -263,7 +262,7 @@ def test_stiction_on_a_stroke(simulate: Callable) -> None:
     course = simulate(
         [Reservoir("main"), tank("tank_1"), valve],
         {"tank_1.level": 0.0, "valve_1.position": 0.3},
-        lambda time, now: [0.3] if time < 1.0 else [0.7] if time < 10.95 else [0.2], step, 200,
+        lambda time: [0.3] if time < 1.0 else [0.7] if time < 10.95 else [0.2], step, 200,
     )  # fmt: skip
     time = course.time
     static, kinetic = (band + jump) / 2, (band - jump) / 2
@@ -293,35 +292,54 @@ def test_stiction_on_a_stroke(simulate: Callable) -> None:
     )  # fmt: skip
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("friction", [None, Stiction(0.06, 0.03)])
-def test_limit_cycle(simulate: Callable, friction: Stiction | None) -> None:
+INTEGRATING = """
+name = "integrating"
+sampling_period = "1 s"
+controlled = ["level"]
+manipulated = ["valve_1"]
+[reservoirs.main]
+[tanks.tank_1]
+area = "0.2 m^2"
+height = "4 m"
+[valves.valve_1]
+source = "main"
+destination = "tank_1"
+kv = "10 m^3/h"
+pressure = "1 bar"
+range = ["0 %", "100 %"]
+{friction}
+[flows.drain]
+source = "tank_1"
+range = ["0 m^3/h", "10 m^3/h"]
+nominal = "4 m^3/h"
+[sensors.level]
+tank = "tank_1"
+range = ["0 m", "4 m"]
+[operating_point]
+level = "1 m"
+"""
+
+
+@pytest.mark.parametrize("friction", ["", 'stiction = "6 %"\nslip_jump = "3 %"'])
+def test_limit_cycle(tmp_path: Path, friction: str) -> None:
     """PI control of an integrating level comes to rest, but cycles for ever with stiction."""
-    valve = supplied(friction=friction, nominal=0.4)
-    drain = 0.5 * KV
-    elements = [
-        Reservoir("main"), tank("tank_1", 0.2),
-        valve, ForcedFlow("drain", "tank_1", "", 0.0, KV, drain, suction=Suction("tank_1", VESSEL)),
-    ]  # fmt: skip
-    integral = [0.4]
-
-    def controller(time: float, now: dict[str, float]) -> list[float]:
-        error = 1.0 - now["tank_1.level"]
-        integral[0] += 3.0 / 80.0 * error
-        return [integral[0] + 3.0 * error]
-
-    course = simulate(elements, {"tank_1.level": 1.0}, controller, 1.0, 3000, [drain])
-    late = course["tank_1.level"][-1000:]
-    if friction is None:
+    path = tmp_path / "integrating.toml"
+    path.write_text(INTEGRATING.format(friction=friction), encoding="utf-8")
+    plant = cl.load(path)
+    controller = cl.design.simc(plant).with_values({"level": {"K": 12.0, "Ti": "80 s"}})
+    more = [cl.disturbance("drain", to="5 m^3/h", at="1 s")]
+    run = cl.simulate(plant, controller, more, duration="5000 s")
+    late = run.values["tank_1.level"][-2000:]
+    if not friction:
         assert np.ptp(late) < 1e-6
         return
-    stem = course["valve_1.stem"][-1000:]
+    stem = run.values["valve_1.stem"][-2000:]
     # It never stands at the one opening that balances the drain, but jumps across it.
-    assert np.ptp(stem) >= friction.jump
+    assert np.ptp(stem) >= 0.03
     assert np.min(stem) < 0.5 < np.max(stem)
     crossings = np.count_nonzero(np.diff(np.sign(late - np.mean(late))))
-    assert crossings >= 6
-    earlier = course["tank_1.level"][-2000:-1000]
+    assert crossings >= 12
+    earlier = run.values["tank_1.level"][-4000:-2000]
     assert np.ptp(late) == pytest.approx(np.ptp(earlier), rel=0.1)
 
 

@@ -8,7 +8,6 @@ from clepsydra import InputError
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
 from clepsydra.process.document import parse
 from clepsydra.process.flat_variant import flat_text
-from clepsydra.process.reader import load_process
 from clepsydra.process.variants import choose_variants
 
 
@@ -19,7 +18,7 @@ def text_of(name: str) -> str:
 CASES = [
     (name, variants)
     for name in catalogue_names()
-    for known in [tuple(load_process(name).variants)]
+    for known in [tuple(tomllib.loads(text_of(name)).get("variants", ()))]
     for variants in [*((one,) for one in known), *([known] if len(known) > 1 else [])]
 ]
 

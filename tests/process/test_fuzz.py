@@ -192,20 +192,19 @@ def examine(process: Process | None) -> None:
 
 
 @pytest.mark.thorough
-@settings(FIXED, max_examples=150)
+@settings(FIXED, max_examples=100)
 @given(damaged())
 def test_a_damaged_file_is_read_or_refused(tmp_path: Path, content: bytes) -> None:
     examine(read(content, tmp_path))
 
 
 @pytest.mark.thorough
-@settings(FIXED, max_examples=150)
+@settings(FIXED, max_examples=100)
 @given(invented())
 def test_an_invented_file_is_read_or_refused(tmp_path: Path, content: bytes) -> None:
     examine(read(content, tmp_path))
 
 
-@pytest.mark.thorough
 @settings(FIXED, max_examples=200)
 @given(st.binary(max_size=200) | st.text(max_size=200).map(lambda t: t.encode("utf-8", "replace")))
 def test_no_file_of_ours_at_all(tmp_path: Path, content: bytes) -> None:
