@@ -82,10 +82,11 @@ def design_lqi_kalman(
 
     >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.reader import load_process
-    >>> controller = design_lqi_kalman(analyse(load_process("eight-tanks")).model)
+    >>> model = analyse(load_process("three-tanks")).model
+    >>> controller = design_lqi_kalman(model, measurements=["level_3"])
     >>> states = [name for name in controller.initial_state if name.startswith("estimate")]
     >>> controller.measurements, len(states)
-    (('level_8',), 8)
+    (('level_3',), 3)
     """
     process = operating_point_of(model).process
     refuse_more_inputs(model, NAME)

@@ -117,11 +117,11 @@ def tune(
     For one step, in a loop that stays as robust as is customary:
 
     >>> import clepsydra as cl
-    >>> plant = cl.load("quadruple-tank")
-    >>> step = [cl.step("level_1", "0.5 V", at="10 s")]
-    >>> best = tune(cl.design.simc(plant), plant, events=step, duration="1 min")
-    >>> best.tuning.objective < 0.2, round(best.tuning.maximum_sensitivity, 2)
-    (True, 2.0)
+    >>> plant = cl.load("three-tanks")
+    >>> step = [cl.step("level_3", "1 cm", at="10 s")]
+    >>> best = tune(cl.design.simc(plant), plant, events=step, duration="5 min")
+    >>> round(best.tuning.objective, 2), best.tuning.maximum_sensitivity < 2.0
+    (0.53, True)
     """
     start = of_plant(controller, plant)
     written: dict[str, Any] = {"objective": goal if isinstance(goal, str) else _plain(goal)}

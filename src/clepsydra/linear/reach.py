@@ -37,10 +37,9 @@ class Reach:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> len(analyse(load_process("quadruple-tank")).reach.controllability)
-    4
+    >>> import clepsydra as cl
+    >>> len(cl.load("averaging-tank").analysis.reach.controllability)
+    2
     """
 
     controllability: list[ModeMargin]

@@ -74,14 +74,12 @@ def python_loop(loop: Loop, scenario: Scenario, substeps: int) -> dict[str, np.n
     --------
     A compiled law on the slow path:
 
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
+    >>> import clepsydra as cl
     >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> loop = Loop(design_simc(analysis.model, analysis.pairing), analysis.model)
-    >>> scenario = default_scenario(analysis.model)
+    >>> plant = cl.load("quadruple-tank")
+    >>> loop = Loop(cl.design.simc(plant), plant.linear)
+    >>> setpoints = np.repeat([plant.point.measurements[:2] + [1.0, 0.0]], 50, axis=0)
+    >>> scenario = Scenario(1.0, setpoints, np.zeros((50, 2)), np.zeros((50, 4)), (), 1)
     >>> slow = python_loop(loop, scenario, loop.substeps)["level_1"]
     >>> bool((slow == loop.run(scenario).values["level_1"]).all())
     True

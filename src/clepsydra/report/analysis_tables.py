@@ -200,10 +200,9 @@ def reach_grid(analysis: Analysis) -> Grid | None:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> reach_grid(analyse(load_process("quadruple-tank"))).rows[0][1]
-    'tank_2.level'
+    >>> import clepsydra as cl
+    >>> reach_grid(cl.load("averaging-tank").analysis).rows[0][1]
+    'tank.level'
     """
     if analysis.reach is None:
         return None
@@ -227,10 +226,9 @@ def hankel_grid(analysis: Analysis) -> Grid | None:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> len(hankel_grid(analyse(load_process("quadruple-tank"))).rows)
-    4
+    >>> import clepsydra as cl
+    >>> len(hankel_grid(cl.load("averaging-tank").analysis).rows)
+    2
     """
     if analysis.reach is None:
         return None
@@ -268,10 +266,9 @@ def further_grids(analysis: Analysis) -> list[Grid]:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> len(further_grids(analyse(load_process("quadruple-tank"))))
-    3
+    >>> import clepsydra as cl
+    >>> [grid.title.split()[0] for grid in further_grids(cl.load("averaging-tank").analysis)]
+    ['Over', 'Modes:', 'Hankel']
     """
     grids = [
         dead_time_grid(analysis),

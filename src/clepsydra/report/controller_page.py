@@ -78,8 +78,9 @@ def controller_page(result: StudyResult, place: int) -> ControllerPage:
 
     Examples
     --------
-    >>> from clepsydra.studies.study import run_study
-    >>> page = controller_page(run_study("equalisation-tank"), 0)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> page = controller_page(cl.study(plant, [cl.design.simc(plant)]), 0)
     >>> page.standing, page.picture[:4]
     ('robust', '<svg')
     """

@@ -47,10 +47,11 @@ def write_report(result: StudyResult, path: str | Path) -> None:
 
     Examples
     --------
-    >>> import tempfile
-    >>> from clepsydra.studies.study import run_study
+    >>> import clepsydra as cl, tempfile
+    >>> plant = cl.load("three-tanks")
+    >>> result = cl.study(plant, [cl.design.simc(plant)], duration="1 min")
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_report(run_study("equalisation-tank"), Path(folder, "study.html"))
+    ...     write_report(result, Path(folder, "study.html"))
     ...     Path(folder, "study.html").read_text("utf-8")[:15]
     '<!DOCTYPE html>'
     """
@@ -71,8 +72,9 @@ def report_text(result: StudyResult) -> str:
 
     Examples
     --------
-    >>> from clepsydra.studies.study import run_study
-    >>> result = run_study("equalisation-tank")
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> result = cl.study(plant, [cl.design.simc(plant)], duration="1 min")
     >>> result.verdict in report_text(result)
     True
     """

@@ -120,8 +120,10 @@ def ranking_columns(result: StudyResult) -> tuple[RankingColumn, ...]:
 
     Examples
     --------
-    >>> from clepsydra.studies.study import run_study
-    >>> [column.title for column in ranking_columns(run_study("three-tanks"))][:4]
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
+    >>> [column.title for column in ranking_columns(result)][:4]
     ['setpoint error', 'load error', 'mean', 'moves']
     """
     titles = tuple(result.ranking[0].criteria) if result.ranking else ()
@@ -172,9 +174,11 @@ def ranking_rows(result: StudyResult) -> list[RankingRow]:
 
     Examples
     --------
-    >>> from clepsydra.studies.study import run_study
-    >>> [row.rank for row in ranking_rows(run_study("equalisation-tank"))][:3]
-    [1, 2, 3]
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
+    >>> [(row.rank, row.controller) for row in ranking_rows(result)]
+    [(1, 'PI, AMIGO'), (2, 'PI, SIMC')]
     """
     columns = [
         _aligned([column.value(result.process, candidate) for candidate in result.ranking])
@@ -207,9 +211,9 @@ def is_recommended(result: StudyResult) -> bool:
 
     Examples
     --------
-    >>> from clepsydra.studies.study import run_study
-    >>> result = run_study("equalisation-tank")
-    >>> is_recommended(result)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> is_recommended(cl.study(plant, [cl.design.simc(plant)]))
     True
     """
     return bool(result.ranking) and result.ranking[0].standing is not Standing.UNSAFE
@@ -244,8 +248,9 @@ def score_tables(process: Process, candidate: Candidate) -> list[ScoreTable]:
 
     Examples
     --------
-    >>> from clepsydra.studies.study import run_study
-    >>> result = run_study("equalisation-tank")
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> result = cl.study(plant, [cl.design.simc(plant)])
     >>> outputs, inputs, plant = score_tables(result.process, result.ranking[0])
     >>> [title for title, _, _ in inputs.rows][:3]
     ['Total variation', 'Noise movement', 'Travel']

@@ -50,7 +50,7 @@ def write_simulation_page(plan: Plan, run: Simulation, path: str | Path) -> None
     >>> import tempfile
     >>> from clepsydra.loop.open_loop_plan import plan_simulation
     >>> from clepsydra.process.reader import load_process
-    >>> plan = plan_simulation(load_process("quadruple-tank"), duration="60 s")
+    >>> plan = plan_simulation(load_process("equalisation-tank"), duration="1 h")
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_simulation_page(plan, plan.run(), Path(folder, "page.html"))
     ...     Path(folder, "page.html").read_text("utf-8")[:15]
@@ -68,7 +68,7 @@ def simulation_text(plan: Plan, run: Simulation) -> str:
     --------
     >>> from clepsydra.loop.open_loop_plan import plan_simulation
     >>> from clepsydra.process.reader import load_process
-    >>> plan = plan_simulation(load_process("quadruple-tank"), duration="60 s")
+    >>> plan = plan_simulation(load_process("equalisation-tank"), duration="1 h")
     >>> run = plan.run()
     >>> simulation_sentence(plan, run) in simulation_text(plan, run)
     True

@@ -37,8 +37,9 @@ def ranking_table(result: StudyResult) -> RenderableType:
 
     Examples
     --------
-    >>> from clepsydra.studies.study import run_study
-    >>> result = run_study("equalisation-tank")
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> result = cl.study(plant, [cl.design.simc(plant), cl.design.amigo(plant)])
     >>> import io
     >>> from rich.console import Console
     >>> console = Console(width=100, record=True, file=io.StringIO())

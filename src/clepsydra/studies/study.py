@@ -111,8 +111,9 @@ def run_study(
 
     Examples
     --------
-    >>> run_study("equalisation-tank").ranking[0].controller.name
-    'PI, arrest time, tuned'
+    >>> (candidate,) = run_study("three-tanks", only="PI, AMIGO").ranking
+    >>> candidate.standing.name, round(candidate.maximum_sensitivity, 2)
+    ('ROBUST', 1.36)
     """
     if not isinstance(process, (Process, StudyRequest)):
         process = load_process(process)

@@ -26,9 +26,11 @@ def proof_items(study: StudyResult, settings: PlantShell | None = None) -> list[
 
     Examples
     --------
-    >>> from clepsydra.studies.study import run_study
-    >>> [item.name for item in proof_items(run_study("quadruple-tank", only="PI, SIMC"))]
-    ['PI, SIMC', 'Quadruple tank, minimum phase']
+    >>> import clepsydra as cl
+    >>> plant = cl.load("three-tanks")
+    >>> result = cl.study(plant, [cl.design.simc(plant)], duration="1 min")
+    >>> [item.name for item in proof_items(result)]
+    ['PI, SIMC', 'Three coupled tanks']
     """
     point = study.analysis.operating_point
     controllers = [candidate.controller for candidate in study.ranking]

@@ -92,16 +92,13 @@ def score_change(
     --------
     In double precision the C is the controller, to the last bit:
 
-    >>> import tempfile
+    >>> import clepsydra as cl, tempfile
     >>> from pathlib import Path
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> plant = cl.load("three-tanks")
+    >>> controller = cl.design.simc(plant)
     >>> with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
     ...     compiled = CompiledC(controller.program(), Path(folder))
-    ...     score_change(controller, analysis.model, compiled)
+    ...     score_change(controller, plant.linear, compiled)
     ScoreChange(ranking=1.0, score='', change=0.0)
     """
     scenario = default_scenario(model) if scenario is None else scenario

@@ -21,12 +21,9 @@ def tuning_markdown(translation: Translation) -> str:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.deploy.vendor_tuning.translation import translate
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> controller = cl.design.simc(cl.load("quadruple-tank"))
     >>> text = translate(controller, "quadruple-tank").as_markdown()
     >>> "| Honeywell HC900 PID | Prop Band = 33.333 %, Gain = 3 %/%" in text
     True

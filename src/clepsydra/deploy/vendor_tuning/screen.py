@@ -25,12 +25,9 @@ def tuning_screen(translation: Translation) -> RenderableType:
     --------
     >>> import io
     >>> from rich.console import Console
+    >>> import clepsydra as cl
     >>> from clepsydra.deploy.vendor_tuning.translation import translate
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> controller = cl.design.simc(cl.load("quadruple-tank"))
     >>> console = Console(width=100, record=True, file=io.StringIO())
     >>> console.print(translate(controller, "quadruple-tank").table())
     >>> "TI = 0.53387 min" in console.export_text()

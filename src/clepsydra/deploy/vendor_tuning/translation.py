@@ -148,10 +148,8 @@ def translate(
     --------
     PI control of the quadruple tank by SIMC, in two of the blocks:
 
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> found = translate(design_simc(analysis.model, analysis.pairing), "quadruple-tank")
+    >>> import clepsydra as cl
+    >>> found = translate(cl.design.simc(cl.load("quadruple-tank")), "quadruple-tank")
     >>> [setting.words for setting in found.row(1, "rockwell-pide-independent").filled.settings]
     ['KP = 3 %/%', 'KI = 5.6194 1/min']
     >>> [setting.words for setting in found.row(1, "omron-pidat").filled.settings][:2]

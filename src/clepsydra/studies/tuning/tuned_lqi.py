@@ -94,13 +94,12 @@ def tuned_lqi(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
-    >>> found = tuned_lqi(model, default_scenario(model), generations=3)
-    >>> found.objective < 0.9, "integrals.level_1" in found.tuned
-    (True, False)
+    >>> model = cl.load("three-tanks").linear
+    >>> found = tuned_lqi(model, default_scenario(model), generations=1)
+    >>> found.objective < 0.9, list(found.tuned)
+    (True, ['states.tank_3.level', 'inputs.feed'])
     """
     model_remedy = "take that of an analysis, or make it with linearise"
     require_type(model, LinearModel, "model", "a LinearModel", model_remedy)
