@@ -127,6 +127,7 @@ def _first_failure(tests: list[str], tier: str, folder: Path) -> str:
         "-m",
         "pytest",
         "-x",
+        "-rfE",
         "-n",
         "0",
         "-m",
