@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -72,7 +73,8 @@ class Derivatives:
         self._parameters = process.parameter_values
         results = [f, h] + [ca.jacobian(f, v) for v in (x, u, d, p)]
         results += [ca.jacobian(h, v) for v in (x, p)]
-        self._function = ca.Function("derivatives", [x, u, d, p], results)
+        self._function = ca.Function("derivatives", [x, u, d, p], [ca.densify(r) for r in results])
+        self._shapes = [self._function.size_out(place) for place in range(len(results))]
 
     def at(
         self, state: np.ndarray, inputs: np.ndarray, disturbances: np.ndarray
@@ -84,6 +86,17 @@ class Derivatives:
         state, inputs, disturbances : ndarray [n], [m], [k]
             SI.
         """
-        found = self._function(state, inputs, disturbances, self._parameters)
-        rates, measured, *matrices = (np.array(value, float) for value in found)
+        # An equilibrium is searched by hundreds of evaluations: CasADi's own matrices would cost
+        # five times as much as the numbers in them.
+        given = (state, inputs, disturbances, self._parameters)
+        arguments = [np.ascontiguousarray(values, float) for values in given]
+        found = [np.empty(shape, order="F") for shape in self._shapes]
+        buffer: Any  # CasADi's types ask for a size, which a view brings along
+        buffer, evaluate = self._function.buffer()
+        for place, values in enumerate(arguments):
+            buffer.set_arg(place, values.data)
+        for place, matrix in enumerate(found):
+            buffer.set_res(place, matrix.T.data)
+        evaluate()
+        rates, measured, *matrices = found
         return LocalDerivatives(rates.ravel(), measured.ravel(), *matrices)
