@@ -2,9 +2,9 @@
 
 from functools import cache
 
+from plants import plant
+
 from clepsydra.deploy.exportable import exportable
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 from clepsydra.program.program import Program
 from clepsydra.studies.designs import DESIGNS
 
@@ -25,14 +25,9 @@ PROCESSES = {
 
 
 @cache
-def analysed(process: str):
-    return analyse(load_process(process))
-
-
-@cache
 def family(name: str):
     """Return the bare program, and the controller in its plant shell with its origin."""
-    analysis = analysed(PROCESSES[name])
+    analysis = plant(PROCESSES[name]).analysis
     controller = DESIGNS[name](analysis)
     return controller.program(), exportable(controller, analysis.operating_point)
 

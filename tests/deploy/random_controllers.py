@@ -5,16 +5,12 @@ As in `random_programs`, what is drawn is the Python text that makes the program
 
 from dataclasses import replace
 
-import numpy as np
 from hypothesis import strategies as st
+from plants import designed
 from random_programs import IMPORTS, Written, modest, numbers
 
 from clepsydra import PidForm, Signal, StepLaw
-from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.controllers.conditioned_linear import ConditionedMatrices, conditioned_linear_law
-from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.state_feedback import state_feedback_law
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.law import structure_law
 from clepsydra.controllers.structure.output_block import OutputBlock
@@ -26,14 +22,10 @@ from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlo
 LAW_IMPORTS = (
     IMPORTS
     + """\
-from clepsydra.controllers.conditioned_linear import ConditionedMatrices, conditioned_linear_law
-from clepsydra.controllers.linear_quadratic_integral import lqi_law
-from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.own_signals import OwnSignals
 from clepsydra import PidForm
+from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.controllers.state_feedback import state_feedback_law
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.law import structure_law
 from clepsydra.controllers.structure.output_block import OutputBlock
@@ -41,7 +33,8 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.ratio_block import RatioBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
-from clepsydra.program.counted_loop import counted_loop
+from own_laws import law_of
+from plants import designed
 """
 )
 RANGES = ((0.0, 10.0), (-1.0, 1.0), (0.004, 0.02), (0.0, 100.0), (1e5, 3e5))
@@ -193,6 +186,14 @@ def own_laws(draw) -> Written:
         limits |= {f"low_limit_{number}": signal.low, f"high_limit_{number}": signal.high}
     law = "\n".join(
         [
+            'law = law_of(r"""',
+            "import casadi as ca",
+            "from math import inf",
+            "from clepsydra import Signal",
+            "from clepsydra.program.counted_loop import counted_loop",
+            "from clepsydra.program.delay_ring import DelayRing",
+            "from clepsydra.program.step_law import Equations, step_law",
+            "",
             "def equations(s):",
             *(f"    {line}" for line in text.lines),
             f"    return Equations({_mapping(following)}, {_mapping(outputs)}, {_mapping(named)})",
@@ -201,13 +202,13 @@ def own_laws(draw) -> Written:
             f"parameters = {_listed(gains)}",
             f"state = [{', '.join(state)}]",
             f"outputs = {_listed(moved)}",
-            'bare = step_law("own_law", inputs=inputs, parameters=parameters, state=state,',
-            "                outputs=outputs, equations=equations)",
-            'law = OwnSignals("own.py", bare.inputs, bare.parameters, bare.outputs, bare.state)'
-            ".whole_law(bare)",
+            'law = step_law("own_law", inputs=inputs, parameters=parameters, state=state,',
+            "               outputs=outputs, equations=equations)",
+            '""")',
         ]
     )
-    return draw(_shelled(law, measured, setpoints, moved, limits))
+    counts = len(measured), len(setpoints), len(moved)
+    return draw(_shelled(law, counts, limits))
 
 
 def _mapping(entries: dict[str, str]) -> str:
@@ -223,16 +224,17 @@ def _listed(signals: list[Signal]) -> str:
 
 @st.composite
 def _shelled(
-    draw, law: str, measured: list[Signal], controlled: list[Signal], moved: list[Signal],
-    values: dict[str, float], clamps: bool = False,
-) -> Written:  # fmt: skip
+    draw, law: str, counts: tuple[int, int, int], values: dict[str, float], clamps: bool = False
+) -> Written:
     """Put a law into a controller, bare or in its shell with random settings.
 
-    The shell limits no rate of a law that clamps.
+    `counts` says how many measurements, setpoints and outputs there are. The shell limits no rate
+    of a law that clamps.
     """
     period = draw(st.sampled_from(PERIODS))
-    names = [[f"y{k}" for k in range(len(measured))], [f"r{k}" for k in range(len(controlled))],
-             [f"u{k}" for k in range(len(moved))]]  # fmt: skip
+    names = [
+        [f"{what}{k}" for k in range(count)] for what, count in zip("yru", counts, strict=True)
+    ]
     settings = {}
     for what, group, choices in (
         ("sensor_delay", names[0], (0.0, 4.0, 0.5, 1e3)),
@@ -283,7 +285,7 @@ def forms(draw, selected: bool = False) -> PidForm:
     algorithm = draw(st.sampled_from(["isa", "series", "parallel", "velocity"]))
     actions = draw(st.sampled_from(["PI", "PID"] if algorithm == "velocity" else
                                    ["PI", "P", "PD", "PID"]))  # fmt: skip
-    winding: list[AntiWindup] = ["back_calculation"]
+    winding = ["back_calculation"]
     if not selected:
         winding += ["conditional_integration", "clamping", "none"]
     shapes = ["linear"] + (["gap", "squared"] if algorithm in ("isa", "parallel") else [])
@@ -317,7 +319,7 @@ def pid_controllers(draw) -> Written:
         f"law = multiloop_pid_law({loops}, form, measured=measured, manipulated=moved, {written})"
     )
     clamps = form.anti_windup == "clamping"
-    return draw(_shelled(text, measured, measured, moved, draw(_values_of(law)), clamps))
+    return draw(_shelled(text, (loops, loops, loops), draw(_values_of(law)), clamps))
 
 
 # ------------------------------------------------------------------ schemes of blocks
@@ -427,46 +429,39 @@ def schemes(draw) -> Written:
     values = draw(_values_of(law))
     loops = [block for block in scheme.blocks if isinstance(block, PidBlock)]
     clamps = any(block.form.anti_windup == "clamping" for block in loops)
-    return draw(_shelled(text, scheme.measured, scheme.controlled, scheme.moved, values, clamps))
+    counts = len(scheme.measured), len(scheme.controlled), len(scheme.moved)
+    return draw(_shelled(text, counts, values, clamps))
 
 
 # ------------------------------------------------------------------ linear laws
 
 
+#: LQI, state feedback, and a linear law that is told what was applied, as designs make them.
+LINEAR = (
+    *(
+        ("lqi", name, {"anti_windup": winding})
+        for name in ("equalisation-tank", "three-tanks", "quadruple-tank")
+        for winding in ("back_calculation", "conditional_integration", "none")
+    ),
+    *(
+        ("lqr", name, {})
+        for name in ("equalisation-tank", "three-tanks", "quadruple-tank", "wet-well")
+    ),
+    *(
+        ("glover_mcfarlane", name, {"order": order})
+        for name, order in (("equalisation-tank", 1), ("three-tanks", 3), ("quadruple-tank", 4))
+    ),
+)
+
+
 @st.composite
 def linear_laws(draw) -> Written:
-    """LQI, state feedback, and a linear law that is told what was applied."""
-    count, outputs = draw(st.integers(1, 3)), draw(st.integers(1, 2))
-    measured = draw(process_signals("level", count))
-    moved = draw(process_signals("pump", outputs))
-    followed = sorted(draw(st.sets(st.integers(1, count), min_size=1, max_size=outputs)))
-    given = "measured=measured, manipulated=moved"
-    kind = draw(st.sampled_from(["lqi", "feedback", "conditioned"]))
-    if kind == "lqi":
-        winding = draw(st.sampled_from(["back_calculation", "conditional_integration", "none"]))
-        law = lqi_law(count, outputs, followed, winding, measured=measured, manipulated=moved)
-        text = f"law = lqi_law({count}, {outputs}, {followed}, {winding!r}, {given})"
-    elif kind == "feedback":
-        law = state_feedback_law(count, outputs, followed, measured=measured, manipulated=moved)
-        text = f"law = state_feedback_law({count}, {outputs}, {followed}, {given})"
-    else:
-        states = draw(st.integers(1, 3))
-        # The zeros are no parameters of the law; the numbers are drawn below.
-        shapes = ((states, states), (states, count), (states, outputs), (outputs, states),
-                  (outputs, count))  # fmt: skip
-        zeros = [
-            [[float(draw(st.booleans())) for _ in range(columns)] for _ in range(rows)]
-            for rows, columns in shapes
-        ]
-        law = conditioned_linear_law(
-            ConditionedMatrices(*map(np.array, zeros)), measured=measured, manipulated=moved
-        )
-        followed = list(range(1, count + 1))
-        matrices = ", ".join(f"np.array({matrix})" for matrix in zeros)
-        text = f"law = conditioned_linear_law(ConditionedMatrices({matrices}), {given})"
-    text = f"measured = {_listed(measured)}\nmoved = {_listed(moved)}\n{text}"
-    controlled = [measured[j - 1] for j in followed]
-    return draw(_shelled(text, measured, controlled, moved, draw(_values_of(law))))
+    """A linear law of a design with other numbers."""
+    design, name, options = draw(st.sampled_from(LINEAR))
+    made = designed(design, name, **options)
+    counts = len(made.measurements), len(made.setpoints), len(made.manipulated)
+    text = f"law = designed({design!r}, {name!r}, **{options!r}).law"
+    return draw(_shelled(text, counts, draw(_values_of(made.law))))
 
 
 CONTROLLERS = {

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from block_interpreter import evaluate_block
 from deployed import CompiledC
-from families import PROCESSES, analysed, bare, family
+from families import PROCESSES, bare, family
 from random_blocks import random_block
 from single_precision import InSinglePrecision, single_bits
 
@@ -48,7 +48,7 @@ def test_a_law_in_its_plant_shell_is_too(name, tmp_path):
 def test_single_precision_differs_from_double_by_its_rounding_only(tmp_path):
     """So it is computed in single precision, and the law is the same one."""
     program = bare("PI, SIMC")
-    period = analysed(PROCESSES["PI, SIMC"]).operating_point.process.sampling_period
+    period = family("PI, SIMC")[1].process.sampling_period
     inputs = random_scans(program, 500, seed=7, sampling_period=period, broken=False)
     in_float = CompiledC(program, tmp_path / "f", "single").run(inputs)
     in_double = CompiledC(program, tmp_path / "d").run(inputs)

@@ -6,14 +6,12 @@ import re
 import numpy as np
 import pytest
 from deployed import all_bits, run_both
+from plants import designed, plant
 
 from clepsydra import Kernel, PidForm, Signal, program_of
-from clepsydra.controllers.linear_quadratic_integral import lqi_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Program
 from clepsydra.studies.designs import DESIGNS
@@ -111,7 +109,7 @@ def test_pi_is_the_same_in_engine_c_and_structured_text(anti_windup, tmp_path):
 
 @pytest.mark.thorough
 def test_lqi_is_the_same_in_engine_c_and_structured_text(tmp_path):
-    program = program_of(lqi_law(4, 2, (1, 2), "back_calculation"))
+    program = designed("lqi", "quadruple-tank").program()
     random = np.random.default_rng(5)
     values = {
         signal.name: float(random.normal())
@@ -137,7 +135,7 @@ def test_lqi_is_the_same_in_engine_c_and_structured_text(tmp_path):
 )
 def test_a_designed_controller_is_the_same_in_engine_c_and_structured_text(name, tmp_path):
     """What is printed is the controller that was designed, with its numbers."""
-    controller = DESIGNS[name](analyse(load_process("quadruple-tank")))
+    controller = DESIGNS[name](plant("quadruple-tank").analysis)
     program = controller.program()
     in_c, in_text = print_c(program).source, print_structured_text(program)
     for entry, value in (controller.values | controller.initial_state).items():

@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from deployed import all_bits, run_both
+from plants import designed
 from test_proof import simulated
 from test_proof_of_structures import scans
 
-from clepsydra.controllers.virtual_input import ANTI_WINDUPS
-from clepsydra.designs.feedback_linearisation import design_feedback_linearisation
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
-
+#: What `anti_windup` may be.
+ANTI_WINDUPS = (
+    "variable_structure", "back_calculation", "conditional_integration", "clamping", "none",
+)  # fmt: skip
 FULL = Path(__file__).parents[1] / "controllers" / "full-effects.toml"
 
 pytestmark = pytest.mark.thorough
@@ -46,7 +46,7 @@ def proven(controller, folder, spans, seed):
             assert len(np.unique(engine[:, column])) > 50, entry.name
 
 
-def spans_of(controller, process):
+def spans_of(controller):
     """The top of the range of each signal of the law."""
     groups = {
         "measurement": controller.measurements,
@@ -55,7 +55,7 @@ def spans_of(controller, process):
         "tracking": controller.manipulated,
     }
     return {
-        f"{what}_{number}": process.signal(name).high
+        f"{what}_{number}": controller.plant.process.signal(name).high
         for what, names in groups.items()
         for number, name in enumerate(names, start=1)
     }
@@ -63,9 +63,8 @@ def spans_of(controller, process):
 
 @pytest.mark.parametrize("anti_windup", ANTI_WINDUPS)
 def test_every_anti_windup(anti_windup, tmp_path):
-    process = load_process("quadruple-tank")
-    controller = design_feedback_linearisation(analyse(process).model, anti_windup=anti_windup)
-    proven(controller, tmp_path, spans_of(controller, process), seed=3)
+    controller = designed("feedback_linearisation", "quadruple-tank", anti_windup=anti_windup)
+    proven(controller, tmp_path, spans_of(controller), seed=3)
 
 
 @pytest.mark.parametrize(
@@ -78,15 +77,13 @@ def test_every_anti_windup(anti_windup, tmp_path):
     ids=["third-order", "alpha-in-volts", "full-decoupling-matrix"],
 )
 def test_every_shape(name, options, tmp_path):
-    process = load_process(name)
-    controller = design_feedback_linearisation(analyse(process).model, **options)
-    proven(controller, tmp_path, spans_of(controller, process), seed=4)
+    controller = designed("feedback_linearisation", name, **options)
+    proven(controller, tmp_path, spans_of(controller), seed=4)
 
 
 def test_with_an_observer_of_the_process(tmp_path):
-    process = load_process("quadruple-tank")
-    controller = design_feedback_linearisation(
-        analyse(process).model, measurements=["level_1", "level_2"]
+    controller = designed(
+        "feedback_linearisation", "quadruple-tank", measurements=("level_1", "level_2")
     )
     assert controller.measurements == ("level_1", "level_2")
-    proven(controller, tmp_path, spans_of(controller, process), seed=5)
+    proven(controller, tmp_path, spans_of(controller), seed=5)

@@ -1,77 +1,158 @@
 """Engine, C and Structured Text of fuzzy controllers, equal in every bit."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from deployed import all_bits, run_both
+from plants import designed, plant
 from test_proof import simulated, spoilt
 
-from clepsydra import Signal, program_of
-from clepsydra.controllers.fuzzy.file import load_fuzzy
-from clepsydra.controllers.fuzzy.kinds import FuzzyInput, FuzzyOutput
-from clepsydra.controllers.fuzzy.law import fuzzy_law
-from clepsydra.controllers.fuzzy.membership import Gaussian, Trapezoid, right_shoulder, triangle
-from clepsydra.controllers.fuzzy.rule import parse_rule
-from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable
-from clepsydra.controllers.fuzzy.wired import WiredFuzzy
+import clepsydra as cl
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.designs.fuzzy_control import design_fuzzy_pi
-from clepsydra.linear.analysis import analyse
-from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.papers.averaging_tank.fuzzy import RULES
-from clepsydra.process.reader import load_process
 from clepsydra.program.defaults import with_defaults
 
 SCANS, HELD = 1_500, 20
 
-pytestmark = pytest.mark.thorough
+#: Gaussians, upright edges, OR, a rate limit: one input, one output.
+ONE_INPUT = """
+points = 37
+[inputs.e]
+of = "level_1"
+quantity = "measurement"
+unit = "V"
+gain = 0.31
+dead_zone = 0.07
+[inputs.e.sets]
+N = { gaussian = [-1, 0.3] }
+B = { trapezoid = [-0.5, -0.5, 0.1, 0.1] }
+P = { gaussian = [0.7, 0.41] }
+[outputs.u]
+moves = "pump_1"
+action = "increment"
+unit = "V/s"
+range = [-1, 1]
+gain = 1.3
+rate_limit = "0.9 V/s"
+[outputs.u.sets]
+S = { triangle = [-1, -1, 0.3] }
+M = { gaussian = [0, 0.2] }
+L = { right_shoulder = [0, 0.7] }
+[rules]
+R1 = "if e is N then u is S"
+R2 = "if e is B or e is P and e is N then u is M"
+R3 = "if e is P then u is L"
+"""
+#: Filtered rates, a dead zone, positions: four inputs, three outputs, 27 rules.
+WIDE = """
+[inputs.e_C]
+of = "concentration"
+unit = "kmol/m^3"
+gain = 14
+[inputs.e_C.sets]
+N = { left_shoulder = [-0.2, 0] }
+ZO = { triangle = [-0.08, 0, 0.08] }
+P = { right_shoulder = [0, 0.2] }
+[inputs.de_C]
+of = "concentration"
+quantity = "error_rate"
+unit = "kmol/m^3/s"
+gain = 0.025
+filter_time = "0.13 s"
+[inputs.de_C.sets]
+N = { left_shoulder = [-0.2, 0] }
+ZO = { triangle = [-0.2, 0, 0.2] }
+P = { right_shoulder = [0, 0.2] }
+[inputs.e_V]
+of = "volume"
+unit = "m^3"
+gain = 15
+[inputs.e_V.sets]
+NL = { left_shoulder = [-0.45, 0] }
+NS = { triangle = [-0.1, -0.05, 0] }
+ZO = { triangle = [-0.01, 0, 0.01] }
+PS = { triangle = [0, 0.05, 0.1] }
+PL = { right_shoulder = [0, 0.45] }
+[inputs.de_V]
+of = "volume"
+quantity = "error_rate"
+unit = "m^3/s"
+gain = 0.1
+dead_zone = 1e-3
+filter_time = "0.07 s"
+[inputs.de_V.sets]
+N = { left_shoulder = [-1, 0] }
+ZO = { triangle = [-0.02, 0, 0.02] }
+P = { right_shoulder = [0, 1] }
+[outputs.f_in]
+moves = "inflow"
+unit = "m^3/s"
+range = [0, 1]
+[outputs.f_in.sets]
+ZO = { left_shoulder = [0.05, 0.2] }
+S = { triangle = [0.14, 0.2, 0.26] }
+M = { triangle = [0.2, 0.35, 0.6] }
+LM = { triangle = [0.5, 0.6, 0.8] }
+LL = { right_shoulder = [0.6, 0.8] }
+[outputs.f_out]
+moves = "outflow"
+unit = "m^3/s"
+range = [0, 1]
+[outputs.f_out.sets]
+ZO = { left_shoulder = [0.05, 0.2] }
+S = { triangle = [0.14, 0.2, 0.26] }
+M = { triangle = [0.2, 0.35, 0.6] }
+LM = { triangle = [0.5, 0.6, 0.8] }
+LL = { right_shoulder = [0.6, 0.8] }
+[outputs.C_in]
+moves = "inflow.impurity"
+unit = "kmol/m^3"
+range = [0, 25]
+[outputs.C_in.sets]
+ZO = { left_shoulder = [0, 4.9] }
+S = { triangle = [4.5, 5, 5.5] }
+L = { right_shoulder = [5.1, 10] }
+[rules]
+"""
+FLOWS, ERRORS = ("ZO", "S", "M", "LM", "LL"), ("N", "ZO", "P")
 
 
-def of_the_document():
-    point = find_equilibrium(load_process("averaging-tank:all-inputs"))
-    controller = WiredFuzzy(load_fuzzy(RULES), point.process).controller(point, "document")
-    values = controller.values | {"filter_time_2": 0.13, "filter_time_4": 0.07, "dead_zone_4": 1e-3}
-    return dataclasses.replace(controller, values=values).program(), controller
+def wide_rules():
+    """Fill where the volume is low, empty where it is high; both where only the quality is off."""
+    for e, far in enumerate(("NL", "NS", "ZO", "PS", "PL")):
+        for d, rate in enumerate(ERRORS):
+            filled = FLOWS[min(max(e + d - 1, 0), 4)]
+            emptied = FLOWS[4 - min(max(e + d - 1, 0), 4)]
+            yield f"e_V is {far} and de_V is {rate} then f_in is {filled} and f_out is {emptied}"
+    for e, off in enumerate(ERRORS):
+        for d, rate in enumerate(ERRORS):
+            entered = ("ZO", "S", "L")[min(max(e + d - 1, 0), 2)]
+            yield f"e_C is {off} and de_C is {rate} then C_in is {entered}"
+        both = ("LL", "M", "LL")[e]
+        still = f"e_C is {off} and e_V is ZO and de_V is ZO"
+        yield f"{still} then f_in is {both} and f_out is {both}"
 
 
-def of_the_design():
-    analysis = analyse(load_process("quadruple-tank"))
-    controller = design_fuzzy_pi(analysis.model, analysis.pairing)
-    return controller.program(), controller
+def of_a_file(folder, process, text):
+    path = folder / "rules.toml"
+    path.write_text(text)
+    return cl.design.fuzzy(plant(process), path)
 
 
-def of_all_shapes():
-    """Gaussians, upright edges, OR, a rate limit: one input, one output."""
-    e = LinguisticVariable(
-        "e", -1.0, 1.0,
-        {"N": Gaussian(-1.0, 0.3), "B": Trapezoid(-0.5, -0.5, 0.1, 0.1), "P": Gaussian(0.7, 0.41)},
-    )  # fmt: skip
-    u = LinguisticVariable(
-        "u",
-        -1.0,
-        1.0,
-        {"S": triangle(-1, -1, 0.3), "M": Gaussian(0, 0.2), "L": right_shoulder(0, 0.7)},
-    )
-    rules = tuple(
-        parse_rule(f"R{k}", text)
-        for k, text in enumerate(
-            ("if e is N then u is S", "if e is B or e is P and e is N then u is M",
-             "if e is P then u is L"), 1)
-    )  # fmt: skip
-    law = fuzzy_law(
-        FuzzySystem((e,), (u,), rules, 37),
-        [FuzzyInput("measurement", 1)],
-        [FuzzyOutput("increment", rate_limited=True)],
-        measured=[Signal("level", "V", low=0.0, high=10.0)],
-        manipulated=[Signal("pump", "V", low=0.0, high=10.0)],
-    )
-    values = {"input_gain_1": 0.31, "dead_zone_1": 0.07, "output_gain_1": 1.3, "rate_limit_1": 0.9}
-    return with_defaults(program_of(law), values), None
+def wide(folder):
+    rules = [f'R{k} = "if {rule}"' for k, rule in enumerate(wide_rules(), start=1)]
+    assert len(rules) == 27
+    return of_a_file(folder, "averaging-tank:all-inputs", WIDE + "\n".join(rules))
 
 
-def scans(program, controller, seed):
+def of_the_design(folder):
+    return designed("fuzzy_pi", "quadruple-tank")
+
+
+def one_input(folder):
+    return of_a_file(folder, "quadruple-tank", ONE_INPUT)
+
+
+def scans(program, seed):
     random = np.random.default_rng(seed)
     at = {s.name: s.initial for s in program.inputs}
     inputs = {}
@@ -99,18 +180,22 @@ def scans(program, controller, seed):
     return inputs
 
 
-@pytest.mark.parametrize("make", [of_the_document, of_the_design, of_all_shapes])
+def at_rest(controller):
+    """The program with the inputs that its plant has at rest."""
+    at = controller.plant.point.as_dict()
+    wires = controller.input_wires
+    rest = {n: at[w.rpartition(".")[0]] if w.endswith((".setpoint", ".manual", ".tracking"))
+            else at.get(w) for n, w in wires.items()}  # fmt: skip
+    return with_defaults(controller.program(), {n: v for n, v in rest.items() if v is not None})
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("make", [wide, of_the_design, one_input])
 def test_engine_c_and_structured_text_are_equal_in_every_bit(make, tmp_path):
-    program, controller = make()
-    if controller is not None:
-        name = "averaging-tank:all-inputs" if make is of_the_document else "quadruple-tank"
-        point = find_equilibrium(load_process(name))
-        at = point.as_dict()
-        wires = controller.input_wires
-        rest = {n: at[w.rpartition(".")[0]] if w.endswith((".setpoint", ".manual", ".tracking"))
-                else at.get(w) for n, w in wires.items()}  # fmt: skip
-        program = with_defaults(program, {n: v for n, v in rest.items() if v is not None})
-    inputs = scans(program, controller, seed=4)
+    controller = make(tmp_path)
+    # The level of the law of one input is drawn round that of its sets.
+    program = controller.program() if make is one_input else at_rest(controller)
+    inputs = scans(program, seed=4)
     engine = simulated(program, inputs)
     in_c, in_text = run_both(program, tmp_path, inputs)
     assert np.isfinite(engine).all()
@@ -125,7 +210,7 @@ def test_engine_c_and_structured_text_are_equal_in_every_bit(make, tmp_path):
             assert len(np.unique(engine[:, column])) > 300, output
 
 
-def test_the_points_are_a_for_in_both_languages():
-    program, _ = of_the_document()
+def test_the_points_are_a_for_in_both_languages(tmp_path):
+    program = wide(tmp_path).program()
     in_c, text = print_c(program).source, print_structured_text(program)
     assert in_c.count("for (") == text.count("FOR ") >= 15

@@ -3,32 +3,29 @@
 import numpy as np
 import pytest
 from deployed import all_bits, run_both
+from plants import designed, plant
 from test_proof import simulated
 from test_proof_of_structures import scans as wild_scans
-
-from clepsydra.designs.extended_kalman import design_lqi_extended_kalman
-from clepsydra.designs.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid
-from clepsydra.designs.recomputed_lqi import design_recomputed_lqi
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 
 pytestmark = pytest.mark.thorough
 
 
-def designed(kind, analysis):
-    if kind == "scheduled PI":
-        return design_gain_scheduled_pid(
-            analysis.model, analysis.pairing, over="volume", points=[1.0, 2.0, 3.0]
-        )
-    if kind == "scheduled LQI":
-        return design_gain_scheduled_lqi(
-            analysis.model, over="level_1", points=[3.0, 6.0, 8.0], follows="setpoint"
-        )
-    if kind == "recomputed LQI":
-        return design_recomputed_lqi(analysis.model)
-    if kind == "recomputed and estimated LQI":
-        return design_recomputed_lqi(analysis.model, measurements=["level_1", "level_2"], steps=2)
-    return design_lqi_extended_kalman(analysis.model)
+#: Design, plant and options.
+CASES = {
+    "scheduled PI of averaging-tank": (
+        "gain_scheduled_pid", "averaging-tank", {"over": "volume", "points": (1.0, 2.0, 3.0)},
+    ),
+    "scheduled LQI of quadruple-tank": (
+        "gain_scheduled_lqi", "quadruple-tank",
+        {"over": "level_1", "points": (3.0, 6.0, 8.0), "follows": "setpoint"},
+    ),
+    "recomputed LQI of averaging-tank": ("recomputed_lqi", "averaging-tank", {}),
+    "recomputed and estimated LQI of quadruple-tank": (
+        "recomputed_lqi", "quadruple-tank", {"measurements": ("level_1", "level_2"), "steps": 2},
+    ),
+    "observed LQI of three-tanks": ("lqi_extended_kalman", "three-tanks", {}),
+    "observed LQI of wet-well": ("lqi_extended_kalman", "wet-well", {}),
+}  # fmt: skip
 
 
 def scans(program, period, seed):
@@ -43,22 +40,11 @@ def scans(program, period, seed):
     return inputs
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "scheduled PI of averaging-tank",
-        "scheduled LQI of quadruple-tank",
-        "recomputed LQI of averaging-tank",
-        "recomputed and estimated LQI of quadruple-tank",
-        "observed LQI of three-tanks",
-        "observed LQI of wet-well",
-    ],
-)
+@pytest.mark.parametrize("name", CASES)
 def test_engine_c_and_structured_text_are_equal_in_every_bit(name, tmp_path):
-    kind, process = name.split(" of ")
-    analysis = analyse(load_process(process))
-    program = designed(kind, analysis).program()
-    inputs = scans(program, analysis.operating_point.process.sampling_period, seed=len(name))
+    design, process, options = CASES[name]
+    program = designed(design, process, **options).program()
+    inputs = scans(program, plant(process).process.sampling_period, seed=len(name))
     engine = simulated(program, inputs)
     in_c, in_text = run_both(program, tmp_path, inputs)
     assert np.isfinite(engine).all()

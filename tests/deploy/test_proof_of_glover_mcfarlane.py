@@ -3,23 +3,20 @@
 import re
 
 import pytest
+from plants import designed, plant
 from test_proof import proven
 
+import clepsydra as cl
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 
 pytestmark = pytest.mark.thorough
 
 
 @pytest.mark.parametrize("decoupling", [None, "dynamic"])
 def test_it_is_the_same_in_engine_c_and_structured_text(decoupling, tmp_path):
-    analysis = analyse(load_process("quadruple-tank"))
-    shaping = design_simc(analysis.model, analysis.pairing, decoupling=decoupling)
-    controller = design_glover_mcfarlane(analysis.model, analysis.pairing, precompensator=shaping)
+    shaping = designed("simc", "quadruple-tank", decoupling=decoupling)
+    controller = cl.design.glover_mcfarlane(plant("quadruple-tank"), precompensator=shaping)
     program = controller.program()
     in_c, in_text = print_c(program).source, print_structured_text(program)
     for entry, value in (controller.values | controller.initial_state).items():

@@ -7,20 +7,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 from deployed import CompiledC, InterpretedText, all_bits, run_both
+from plants import designed, plant
 from test_proof import simulated
 
+import clepsydra as cl
 from clepsydra import Kernel
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.studies.designs import DESIGNS
 
 SCANS = 10_000
 HELD = 20
+#: The status word of the shell has fifteen bits.
+STATUS_BITS = [2**place for place in range(15)]
 DEAD_TIME = Path(__file__).parents[1] / "dead-time.toml"
 
 
@@ -77,7 +77,7 @@ CASES = [
 @pytest.mark.thorough
 @pytest.mark.parametrize(("name", "process"), CASES)
 def test_engine_c_and_structured_text_are_equal_in_every_bit(name, process, tmp_path):
-    analysis = analyse(load_process(process))
+    analysis = plant(process).analysis
     controller = DESIGNS[name](analysis)
     period = analysis.operating_point.process.sampling_period
     spans = {
@@ -105,8 +105,9 @@ def test_engine_c_and_structured_text_are_equal_in_every_bit(name, process, tmp_
     for column, signal in enumerate(program.outputs):
         if signal.name.startswith("status"):
             word = engine[:, column].astype(int)
-            for bit in SHELL_STATUS_BITS.values():
-                assert np.any(word & bit.value) and not np.all(word & bit.value), bit
+            assert signal.high == sum(STATUS_BITS)
+            for bit in STATUS_BITS:
+                assert np.any(word & bit) and not np.all(word & bit), bit
         else:
             assert len(np.unique(engine[:, column])) > 100, signal.name
 
@@ -124,14 +125,14 @@ def in_operation(program, samples):
 @pytest.mark.parametrize(("faulty", "fails"), [(39, False), (41, True)])
 def test_a_fault_of_3_9_s_rides_through_and_one_of_4_1_s_fails_safe(faulty, fails, tmp_path):
     """Scans of 0.1 s, in the engine, in C and in Structured Text."""
-    process = dataclasses.replace(load_process("quadruple-tank"), sampling_period=0.1)
-    analysis = analyse(process)
-    controller = design_simc(analysis.model, analysis.pairing)
+    process = dataclasses.replace(plant("quadruple-tank").process, sampling_period=0.1)
+    tanks = cl.Plant(process)
+    controller = cl.design.simc(tanks)
     settings = PlantShell(fail_safe={"pump_1": 1.25})
     program = with_plant_shell(controller, 0.1, settings).program()
     before, after = 20, 30
     samples = before + faulty + after
-    at = analysis.operating_point.as_dict()
+    at = tanks.point.as_dict()
     inputs = in_operation(program, samples)
     for k, name in enumerate(controller.measurements, start=1):
         inputs[f"measurement_{k}"][:] = at[name]
@@ -167,11 +168,10 @@ def test_a_fault_of_3_9_s_rides_through_and_one_of_4_1_s_fails_safe(faulty, fail
 @pytest.mark.parametrize("start", [1, 2])
 def test_buttons_that_are_held_do_not_keep_a_dead_sensor_from_failing_safe(start, tmp_path):
     """`start` and `acknowledge` stuck for ever, in the engine, in C and in Structured Text."""
-    analysis = analyse(load_process("quadruple-tank"))
     settings = PlantShell(fail_safe={"pump_1": 1.25})
-    controller = design_simc(analysis.model, analysis.pairing)
+    controller = designed("simc", "quadruple-tank")
     program = with_plant_shell(controller, 1.0, settings).program()
-    at, samples, before = analysis.operating_point.as_dict(), 30, 10
+    at, samples, before = plant("quadruple-tank").point.as_dict(), 30, 10
     inputs = in_operation(program, samples)
     for k, name in enumerate(controller.measurements, start=1):
         inputs[f"measurement_{k}"][:] = inputs[f"setpoint_{k}"][:] = at[name]

@@ -3,27 +3,32 @@
 import numpy as np
 import pytest
 from deployed import all_bits, run_both
+from plants import ONE_TANK, designed
 from test_proof import simulated
 from test_proof_of_structures import scans
 
-from clepsydra import program_of
-from clepsydra.controllers.polynomial_controller import PolynomialShape, polynomial_law
-from clepsydra.controllers.smith_predictor import PredictorShape, smith_predictor_law
+from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
 
+LAG = SampledModel((0.1,), (-0.9,), 0, 1.0)
+LONG = SampledModel((0.1, 0.05), (-1.2, 0.3), 3, 1.0)
+SHORT = SampledModel((0.1, 0.05, 0.01), (-1.2, 0.3), 1, 1.0)
+INTEGRATING = SampledModel((0.1,), (-1.5, 0.5), 17, 1.0)
+PRINTED = SampledModel((0.0309 * 60, 0.0286 * 60), (-1.777, 0.7964), 5, 60.0)
+#: Design, plant and options; the models of the loops give the law its shape.
 LAWS = {
-    "plain": polynomial_law([PolynomialShape(2)]),
-    "all gains, two loops": polynomial_law([PolynomialShape(3, 2, 4), PolynomialShape(0)]),
-    "predictor of the document": smith_predictor_law([PredictorShape(PolynomialShape(2), 2, 2, 5)]),
-    "predictors of all kinds": smith_predictor_law(
-        [
-            PredictorShape(PolynomialShape(1, 1, 0), 1, 1, 0),
-            PredictorShape(PolynomialShape(2, 0, 1), 2, 3, 1),
-            PredictorShape(PolynomialShape(2), 2, 1, 17, error_feedback=True),
-        ]
+    "plain": ("polynomial", ONE_TANK, {}),
+    "increments, two loops": ("polynomial", "quadruple-tank", {"models": (LONG, LAG)}),
+    "predictor of the document": (
+        "smith_predictor", "eight-tanks",
+        {"models": (PRINTED,), "penalty": 36_000.0, "assigned_poles": (0.5,)},
     ),
-}
+    "gains on the setpoint": (
+        "smith_predictor", "quadruple-tank", {"models": (LAG, SHORT), "primary": "PI"},
+    ),
+    "error feedback": ("smith_predictor", "quadruple-tank", {"models": (INTEGRATING, SHORT)}),
+}  # fmt: skip
 
 pytestmark = pytest.mark.thorough
 
@@ -51,7 +56,8 @@ def settings(program, seed):
 
 @pytest.mark.parametrize("name", LAWS)
 def test_engine_c_and_structured_text_are_equal_in_every_bit(name, tmp_path):
-    program = program_of(LAWS[name])
+    design, process, options = LAWS[name]
+    program = designed(design, process, **options).program()
     program = with_defaults(program, settings(program, seed=len(name)))
     inputs = scans(program, seed=len(name) + 1)
     engine = simulated(program, inputs)

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 from deployed import all_bits, run_both
+from plants import designed
 from test_proof import simulated
 from test_proof_of_structures import scans, uneven
 
-from clepsydra import PidForm, program_of
-from clepsydra.controllers.variable_structure_pid import variable_structure_pid_law
+from clepsydra import PidForm
 from clepsydra.program.defaults import with_defaults
 
 FORMS = {
     "isa": PidForm("PID"),
-    "on-error": PidForm("PID", derivative_on="error", remote_setpoint=True),
+    "on-error": PidForm("PID", derivative_on="error"),
     "parallel": PidForm("PI", "parallel"),
     "series": PidForm("PID", "series", setpoint_ramp=True),
     "gap": PidForm("PI", error="gap"),
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.thorough
 
 @pytest.mark.parametrize("name", FORMS)
 def test_every_form(name, tmp_path):
-    program = program_of(variable_structure_pid_law(1, FORMS[name]))
+    program = designed("variable_structure_pid", "three-tanks", form=FORMS[name]).program()
     values = uneven(program, 7) | {
         "low_limit_1": 0.0, "high_limit_1": 9.0, "saturation_rate_1": 0.37,
     }  # fmt: skip

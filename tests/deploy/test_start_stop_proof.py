@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 from deployed import all_bits, run_both
+from plants import designed
 
 from clepsydra import Kernel
-from clepsydra.designs.start_stop_levels import design_start_stop_levels
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 
 SCANS = 2000
 
@@ -20,8 +18,7 @@ def spoilt(random, values):
 
 @pytest.mark.thorough
 def test_the_engine_c_and_structured_text_agree_in_every_bit(tmp_path):
-    model = analyse(load_process("wet-well:start-stop")).model
-    program = design_start_stop_levels(model).program()
+    program = designed("start_stop_levels", "wet-well:start-stop").program()
     random = np.random.default_rng(3)
     level = 0.004 + np.cumsum(random.normal(0.0, 4e-4, SCANS)) % 0.016
     given = {

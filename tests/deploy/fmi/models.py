@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from plants import designed, plant
 
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.exchange import exchange_model
@@ -10,9 +11,6 @@ from clepsydra.deploy.fmi.model import FmuModel
 from clepsydra.deploy.fmi.process import process_model
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.proof.scans import random_scans
-from clepsydra.designs.lqi_kalman import design_lqi_kalman
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.process.reader import load_process
@@ -107,14 +105,11 @@ def origin(process: str, period: float) -> Origin:
 
 
 def pi_program() -> Program:
-    analysis = analyse(load_process("quadruple-tank"))
-    program = design_simc(analysis.model, analysis.pairing).program()
-    return replace(program, name="quadruple_tank_pi")
+    return replace(designed("simc", "quadruple-tank").program(), name="quadruple_tank_pi")
 
 
 def lqi_program() -> Program:
-    analysis = analyse(load_process("three-tanks"))
-    return replace(design_lqi_kalman(analysis.model).program(), name="three_tanks_lqi")
+    return replace(designed("lqi_kalman", "three-tanks").program(), name="three_tanks_lqi")
 
 
 def pi_model() -> FmuModel:
@@ -122,13 +117,11 @@ def pi_model() -> FmuModel:
 
 
 def process_of(name: str) -> FmuModel:
-    analysis = analyse(load_process(name))
-    period = analysis.operating_point.process.sampling_period
-    return process_model(
-        analysis.operating_point, substeps_for(analysis.model), origin(name, period)
-    )
+    tanks = plant(name)
+    period = tanks.process.sampling_period
+    return process_model(tanks.point, substeps_for(tanks.linear), origin(name, period))
 
 
 def exchange_of(name: str) -> FmuModel:
-    point = analyse(load_process(name)).operating_point
+    point = plant(name).point
     return exchange_model(point, origin(name, point.process.sampling_period))

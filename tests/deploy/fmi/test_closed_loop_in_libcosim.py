@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 from fmus import Imported, written
 from models import pi_model, process_of
+from plants import plant
 from tools import need
-
-from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.process.reader import load_process
 
 SCANS = 300
 #: From this scan on there is a new setpoint.
@@ -30,7 +28,7 @@ def _libcosim():
 def loop(tmp_path_factory):
     """Return the FMUs of process and controller, their folder, and the setpoints at rest."""
     folder = tmp_path_factory.mktemp("loop")
-    point = find_equilibrium(load_process("quadruple-tank"))
+    point = plant("quadruple-tank").point
     paths = [written(model, folder, "2.0") for model in (process_of("quadruple-tank"), pi_model())]
     return *paths, folder, point.measurements[:2]
 

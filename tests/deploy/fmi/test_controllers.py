@@ -8,16 +8,12 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from fmus import VERSIONS, Imported, all_bits, cases, written
 from models import drawn, lqi_program, origin, pi_model, pi_program
+from plants import designed, plant
 
 from clepsydra import Kernel
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.printing.entries import is_ring, signal_of
-from clepsydra.designs.fuzzy_control import design_fuzzy_pi
-from clepsydra.designs.simc import design_simc
-from clepsydra.designs.smith_predictor import design_smith_predictor
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 
 SCANS = 1200
 
@@ -38,21 +34,16 @@ def simulated(program, inputs) -> np.ndarray:
     return np.column_stack([run.output(s.name)[0] for s in showing.outputs])
 
 
-def shelled(make, name):
-    analysis = analyse(load_process(name))
-    return exportable(make(analysis), analysis.operating_point).program
+def shelled(design, name):
+    return exportable(designed(design, name), plant(name).point).program
 
 
 PROGRAMS = {
     "PI": pi_program,
     "LQI with Kalman filter": lqi_program,
-    "PI in its shell": lambda: shelled(lambda a: design_simc(a.model, a.pairing), "quadruple-tank"),
-    "fuzzy in its shell": lambda: shelled(
-        lambda a: design_fuzzy_pi(a.model, a.pairing), "three-tanks"
-    ),
-    "Smith predictor": lambda: shelled(
-        lambda a: design_smith_predictor(a.model, a.pairing), "eight-tanks"
-    ),
+    "PI in its shell": lambda: shelled("simc", "quadruple-tank"),
+    "fuzzy in its shell": lambda: shelled("fuzzy_pi", "three-tanks"),
+    "Smith predictor": lambda: shelled("smith_predictor", "eight-tanks"),
 }
 
 

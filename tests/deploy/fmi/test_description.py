@@ -9,6 +9,7 @@ import pytest
 from fmpy.validation import validate_fmu
 from fmus import VERSIONS
 from models import exchange_of, origin, pi_model, pi_program, process_of
+from plants import designed, plant
 from refusals import refused
 
 from clepsydra import Signal
@@ -18,9 +19,6 @@ from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.dependencies import output_dependencies
 from clepsydra.deploy.fmi.unit_definitions import unit_definitions
 from clepsydra.deploy.fmi.write import write_fmu
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 from clepsydra.program.program import Block, Operation, Program
 
 MODELS = {
@@ -84,8 +82,7 @@ def test_every_variable_has_its_name_unit_range_and_start(kind, version, describ
 
 def test_inputs_start_as_in_every_other_export():
     """Behind the plant shell: no sensor, manual, no time step, until the importer sets them."""
-    analysis = analyse(load_process("quadruple-tank"))
-    ready = exportable(design_simc(analysis.model, analysis.pairing), analysis.operating_point)
+    ready = exportable(designed("simc", "quadruple-tank"), plant("quadruple-tank").point)
     model = controller_model(ready.program, ready.origin)
     starts = {
         name: model.variable(name).signal.initial

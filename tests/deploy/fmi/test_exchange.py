@@ -7,14 +7,13 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from fmus import VERSIONS, Imported, all_bits, cases, written
 from models import FRICTIONS, exchange_of, origin, rig
+from plants import plant
 
 from clepsydra import InputError
 from clepsydra.deploy.fmi.exchange import exchange_model
-from clepsydra.linear.analysis import analyse
 from clepsydra.loop.motion_block import motion_at_rest
 from clepsydra.loop.open_loop import simulate
 from clepsydra.process.catalogue_names import catalogue_names
-from clepsydra.process.reader import load_process
 
 POINTS = 200
 
@@ -138,7 +137,7 @@ QUICK = [("quadruple-tank", "2.0"), ("wet-well", "3.0")]
 
 @pytest.mark.parametrize(("name", "version"), cases(QUICK, catalogue_names()))
 def test_derivatives_guards_and_outputs_are_those_of_the_equations(name, version, tmp_path):
-    assert exact(analyse(load_process(name)).operating_point, tmp_path, version) == 0
+    assert exact(plant(name).point, tmp_path, version) == 0
 
 
 @pytest.mark.parametrize(
@@ -208,7 +207,7 @@ def integrated(path, profiles, times, outputs, tolerance: float = 1e-10):
     ("name", "version"), cases([("quadruple-tank", "2.0")], ["quadruple-tank"])
 )
 def test_cvode_goes_where_the_reference_goes(name, version, tmp_path):
-    point = analyse(load_process(name)).operating_point
+    point = plant(name).point
     path = written(exchange_of(name), tmp_path, version)
     times = np.arange(121.0)
     profiles = {
@@ -232,7 +231,7 @@ def test_cvode_goes_where_the_reference_goes(name, version, tmp_path):
 @pytest.mark.parametrize(("name", "version"), cases([("wet-well", "3.0")], ["wet-well"]))
 def test_events_happen_where_the_reference_finds_them(name, version, tmp_path):
     """The wet well fills and is pumped down again and again: its pumps start and stop by level."""
-    point = analyse(load_process(name)).operating_point
+    point = plant(name).point
     path = written(exchange_of(name), tmp_path, version)
     period = point.process.sampling_period
     times = period * np.arange(1201.0)
@@ -318,6 +317,6 @@ def test_the_modes_are_kept_apart(version, tmp_path):
 @pytest.mark.parametrize("version", VERSIONS)
 def test_nominal_values_are_the_size_of_the_states(version, tmp_path):
     fmu = started(exchange_of("quadruple-tank"), tmp_path, version)
-    expected = [s.high for s in load_process("quadruple-tank").state]
+    expected = [s.high for s in plant("quadruple-tank").process.state]
     assert list(fmu.vector("NominalsOfContinuousStates", 4)) == expected
     fmu.close()

@@ -6,15 +6,14 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from fmus import VERSIONS, Imported, all_bits, cases, written
 from models import FRICTIONS, drawn, origin, process_of, rig
+from plants import plant
 from refusals import refused
 
 from clepsydra import Kernel
 from clepsydra.deploy.fmi.process import process_model
 from clepsydra.deploy.process_program import process_program
-from clepsydra.linear.analysis import analyse
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.process.catalogue_names import catalogue_names
-from clepsydra.process.reader import load_process
 
 SAMPLES = 1000
 
@@ -46,7 +45,7 @@ def proven(point, substeps: int, folder, version: str, samples: int = SAMPLES) -
 def every_variant() -> list[str]:
     names = []
     for name in catalogue_names():
-        names += [name, *(f"{name}:{variant}" for variant in load_process(name).variants)]
+        names += [name, *(f"{name}:{variant}" for variant in plant(name).process.variants)]
     return names
 
 
@@ -56,8 +55,7 @@ QUICK = [("averaging-tank", "3.0"), ("wet-well", "2.0")]
 @pytest.mark.parametrize(("name", "version"), cases(QUICK, every_variant()))
 def test_every_bit_is_that_of_the_engine(name, version, tmp_path):
     """Square roots, concentrations, pumps that run dry and start."""
-    analysis = analyse(load_process(name))
-    proven(analysis.operating_point, substeps_for(analysis.model), tmp_path, version)
+    proven(plant(name).point, substeps_for(plant(name).linear), tmp_path, version)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +69,7 @@ def test_a_rig_with_a_delay_and_every_switch(friction, version, tmp_path):
 def paths(tmp_path_factory):
     """The quadruple tank in two steps a period."""
     folder = tmp_path_factory.mktemp("tank")
-    point = analyse(load_process("quadruple-tank")).operating_point
+    point = plant("quadruple-tank").point
     model = process_model(point, 2, origin("quadruple-tank", 1.0))
     return {version: (written(model, folder, version), folder) for version in VERSIONS}
 
@@ -124,7 +122,7 @@ def test_the_outputs_at_the_start_follow_the_state_that_is_set(importing):
 
 def test_a_long_time_does_not_add_up_rounding(tmp_path):
     """A tenth of a second is no double: the importer's sum of times drifts, the steps do not."""
-    point = analyse(load_process("quadruple-tank")).operating_point
+    point = plant("quadruple-tank").point
     path = written(process_model(point, 10, origin("quadruple-tank", 1.0)), tmp_path, "3.0")
     fmu, time = Imported(path, tmp_path).initialise(), 0.0
     for _ in range(100_000):

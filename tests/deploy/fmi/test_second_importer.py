@@ -19,13 +19,11 @@ import numpy as np
 import pytest
 from fmus import VERSIONS, Imported, written
 from models import FRICTIONS, exchange_of, origin, process_of, rig
+from plants import designed
 from tools import without
 
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.exchange import exchange_model
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 
 pytestmark = pytest.mark.thorough
 
@@ -92,8 +90,7 @@ STEPS = 200
 
 
 def three_tanks_pi():
-    analysis = analyse(load_process("three-tanks"))
-    program = design_simc(analysis.model, analysis.pairing).program()
+    program = designed("simc", "three-tanks").program()
     return controller_model(replace(program, name="three_tanks_pi"), origin("three-tanks", 1.0))
 
 

@@ -4,20 +4,19 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from plants import plant
 from tools import need_compiler, need_grammar, need_importer
 
+import clepsydra as cl
 from clepsydra.controllers.controller import Controller
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.of_study import proof_items
 from clepsydra.deploy.proof.proof import Proof, prove
-from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
-from clepsydra.process.reader import load_process
 from clepsydra.studies.designs import DESIGNS
 from clepsydra.studies.file.reader import read_study
-from clepsydra.studies.study import run_study
 
 #: Where each design applies: a small process, so that the proof is quick.
 APPLIES_TO = {
@@ -177,13 +176,8 @@ def _tools():
 
 
 @cache
-def analysed(process: str):
-    return analyse(load_process(process))
-
-
-@cache
 def designed(name: str) -> Controller:
-    return DESIGNS[name](analysed(APPLIES_TO[name]))
+    return DESIGNS[name](plant(APPLIES_TO[name]).analysis)
 
 
 def kind(controller: Controller) -> tuple[str, str]:
@@ -231,7 +225,7 @@ def test_every_kind_of_law_is_proved():
 @pytest.mark.parametrize("name", PROVED)
 def test_a_design_of_each_kind(name):
     controller = designed(name)
-    check(proof_of(controller, analysed(APPLIES_TO[name]).operating_point), controller)
+    check(proof_of(controller, plant(APPLIES_TO[name]).point), controller)
 
 
 def written(name: str, folder: Path, law: str = OWN_LAW) -> Path:
@@ -255,8 +249,8 @@ def test_what_is_written_out_in_a_study(name, tmp_path):
 
 @pytest.mark.thorough
 def test_a_law_in_python_is_refused_with_its_reason(tmp_path):
-    request = read_study(written("own", tmp_path, PYTHON_LAW))
-    items = [item for item in proof_items(run_study(request)) if item.kind == "controller"]
+    path = written("own", tmp_path, PYTHON_LAW)
+    items = [item for item in proof_items(cl.study(path)) if item.kind == "controller"]
     (row,) = prove(items).rows
     assert row.verdict == "refused" and row.target == "every target"
     assert "a law in Python" in row.reason and "write it as expressions" in row.reason

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from plants import designed, plant
 from spoilt_programs import dropped, item, level_control, places, quick_proof, spoilt
 from tools import need_compiler, need_grammar, need_importer
 
@@ -14,10 +15,7 @@ from clepsydra.deploy.proof import proof as proof_module
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.proof import prove
 from clepsydra.deploy.proof.targets import Target
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
-from clepsydra.process.reader import load_process
 
 C = {("C", "double")}
 FMUS = {("FMU 3.0", "double"), ("FMU 2.0", "double")}
@@ -119,13 +117,12 @@ def test_another_sampling_period_is_another_proof(monkeypatch, tmp_path, ran):
 
 
 def loop_item() -> ProofItem:
-    analysis = analyse(load_process("quadruple-tank"))
-    controller = design_simc(analysis.model, analysis.pairing)
-    point = analysis.operating_point
+    controller, tanks = designed("simc", "quadruple-tank"), plant("quadruple-tank")
+    point = tanks.point
     ready = exportable(controller, point)
     return ProofItem(
         controller.name, point.process.sampling_period, ready.program, origin=ready.origin,
-        controller=ready.controller, point=point, scenario=default_scenario(analysis.model),
+        controller=ready.controller, point=point, scenario=default_scenario(tanks.linear),
     )  # fmt: skip
 
 

@@ -6,7 +6,8 @@ import pytest
 from refusals import refused
 from tools import need_compiler, need_grammar, need_importer
 
-from clepsydra.cli import main
+import clepsydra as cl
+from clepsydra.cli.application import application
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.deploy.compiler import find_compiler
 from clepsydra.deploy.export import export_c, export_structured_text
@@ -15,7 +16,6 @@ from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.proof.job import Job
 from clepsydra.deploy.proof.of_study import proof_items
 from clepsydra.deploy.proof.targets import targets_of
-from clepsydra.studies.study import run_study
 
 SETTINGS = PlantShell(
     fail_safe={"pump_1": 2.0},
@@ -27,7 +27,7 @@ SETTINGS = PlantShell(
 
 @pytest.fixture(scope="module")
 def study():
-    return run_study("quadruple-tank", only="PI, SIMC")
+    return cl.study("quadruple-tank", only="PI, SIMC")
 
 
 @pytest.mark.thorough
@@ -81,7 +81,7 @@ def test_the_commands_prove_what_they_export_with_the_same_options(tmp_path, mon
 
     def said(*arguments: str) -> dict:
         with pytest.raises(SystemExit) as ended:
-            main([*arguments, "--controller", "slow", "--json"])
+            application(args=[*arguments, "--controller", "slow", "--json"])
         assert not ended.value.code
         return json.loads(capsys.readouterr().out)
 

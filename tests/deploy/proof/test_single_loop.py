@@ -5,14 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 from deployed import CompiledC
+from plants import plant
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.deploy.proof.compiled_law import compiled_law
 from clepsydra.deploy.proof.single_loop import ScoreChange, score_change
-from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
-from clepsydra.process.reader import load_process
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Operation
 from clepsydra.studies.designs import DESIGNS
@@ -24,7 +23,7 @@ def controlled_by(controller: Controller, compiled: CompiledC) -> Controller:
 
 @pytest.mark.thorough
 def test_a_law_with_delay_rings_runs_as_c_in_the_loop(tmp_path):
-    analysis = analyse(load_process("eight-tanks"))
+    analysis = plant("eight-tanks").analysis
     controller = DESIGNS["Smith predictor, PI"](analysis)
     assert any(isinstance(entry, DelayRing) for entry in controller.law.state)
     scenario = default_scenario(analysis.model)
@@ -38,7 +37,7 @@ def test_a_law_with_delay_rings_runs_as_c_in_the_loop(tmp_path):
 
 @pytest.mark.thorough
 def test_single_precision_moves_a_loop_by_its_rounding_and_no_score_that_counts(tmp_path):
-    analysis = analyse(load_process("quadruple-tank"))
+    analysis = plant("quadruple-tank").analysis
     controller = DESIGNS["PI, SIMC"](analysis)
     compiled = CompiledC(controller.program(), tmp_path, "single")
     scenario = default_scenario(analysis.model)
@@ -56,7 +55,7 @@ def test_single_precision_moves_a_loop_by_its_rounding_and_no_score_that_counts(
 @pytest.mark.thorough
 def test_a_program_that_is_no_more_the_controller_changes_the_scores(tmp_path):
     """The output goes only half of its way in the C: the loop is slower, and its scores worse."""
-    analysis = analyse(load_process("quadruple-tank"))
+    analysis = plant("quadruple-tank").analysis
     controller = DESIGNS["PI, SIMC"](analysis)
     program = controller.program()
     block = program.block

@@ -7,6 +7,7 @@ import json
 from functools import lru_cache
 
 import pytest
+from plants import plant
 from refusals import refused
 from rich.console import Console
 from spoilt_programs import item, level_control, quick_proof
@@ -19,8 +20,6 @@ from clepsydra.deploy.proof.item import ProofItem, process_item
 from clepsydra.deploy.proof.proof import prove
 from clepsydra.deploy.proof.screen import proof_screen
 from clepsydra.deploy.proof.targets import Target
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 from clepsydra.program.program import Block, Operation, Program
 from clepsydra.studies.designs import DESIGNS
 
@@ -47,7 +46,7 @@ def _tools():
 
 @lru_cache
 def shelled(name: str) -> ProofItem:
-    analysis = analyse(load_process("quadruple-tank"))
+    analysis = plant("quadruple-tank").analysis
     point = analysis.operating_point
     period = point.process.sampling_period
     controller = with_plant_shell(DESIGNS[name](analysis), period)
@@ -78,7 +77,7 @@ def test_a_controller_in_its_shell_is_the_same_on_every_target(name):
 
 
 def test_a_process_is_the_same_on_every_target():
-    point = analyse(load_process("quadruple-tank")).operating_point
+    point = plant("quadruple-tank").point
     proof = prove([process_item(point)])
     assert [row.target for row in proof.rows] == [
         "C", "Structured Text, matiec", "Structured Text, codesys", "Structured Text, scl",
@@ -114,7 +113,7 @@ def test_what_a_target_cannot_write_is_refused_with_the_reason(monkeypatch):
 
 def python_item(program: Program | None = None) -> ProofItem:
     """A controller whose law is a function of Python."""
-    controller = DESIGNS["PI, SIMC"](analyse(load_process("quadruple-tank")))
+    controller = DESIGNS["PI, SIMC"](plant("quadruple-tank").analysis)
     law = controller.law
     function = PythonLaw(law.name, law.inputs, law.parameters, law.state, law.outputs, (), None, ())
     own = dataclasses.replace(controller, law=function)
@@ -142,9 +141,9 @@ def test_an_item_that_is_refused_for_a_setting_fails_the_proof(monkeypatch):
 
 
 def test_nothing_is_written_wider_than_100_columns(monkeypatch):
-    analysis = analyse(load_process("three-tanks"))
+    point = plant("three-tanks").point
     monkeypatch.setattr(proof_module, "FEWEST", 1000)
-    proof = prove([item(), process_item(analysis.operating_point)], scans=1000)
+    proof = prove([item(), process_item(point)], scans=1000)
     text = screen(proof)
     assert max(len(line) for line in text.splitlines()) <= 100
     assert "…" not in text

@@ -5,7 +5,6 @@ import pytest
 from refusals import refused
 
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid, from_series, to_series
-from clepsydra.designs.loops import pid_settings
 
 FREQUENCIES = 1j * np.logspace(-4, 3, 60)
 
@@ -60,8 +59,8 @@ def test_the_way_back_is_the_same_transfer_function(derivative_on):
 
 def test_without_filter_it_is_the_known_algebra():
     series = to_series(FilteredPid(2.5, 12.5, 2.0), "measurement")
-    known = pid_settings.to_series(pid_settings.PidSettings(2.5, 12.5, 2.0))
-    assert series[:3] == pytest.approx(known, rel=1e-14)
+    # The root of 1 - 4 Td/Ti is 0.6: K (1 + 0.6)/2, Ti (1 + 0.6)/2, Ti (1 - 0.6)/2.
+    assert series[:3] == pytest.approx((2.0, 10.0, 2.5), rel=1e-14)
     at_the_edge = to_series(FilteredPid(2.0, 8.0, 2.0), "measurement")
     assert at_the_edge[:3] == pytest.approx((1.0, 4.0, 4.0), rel=1e-14)
 

@@ -5,13 +5,11 @@ from pathlib import Path
 
 import pytest
 from page_rows import entry, table_row
+from plants import designed
 
 from clepsydra import PidForm
 from clepsydra.deploy.vendor_tuning.translation import translate
 from clepsydra.deploy.vendor_tuning.vendors.every_block import EVERY_BLOCK
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 
 PAGE = (Path(__file__).parents[3] / "docs" / "vendor-tuning.md").read_text(encoding="utf-8")
 FLOWING = " ".join(PAGE.split())
@@ -19,9 +17,8 @@ FLOWING = " ".join(PAGE.split())
 
 @pytest.fixture(scope="module")
 def example():
-    analysis = analyse(load_process("three-tanks"))
-    controller = design_simc(analysis.model, analysis.pairing, form=PidForm("PID"))
-    return translate(controller, analysis.operating_point.process)
+    controller = designed("simc", "three-tanks", form=PidForm("PID"))
+    return translate(controller, controller.plant.process)
 
 
 @pytest.mark.parametrize("block", EVERY_BLOCK, ids=lambda block: block.key)

@@ -6,23 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plants import designed, plant
 from refusals import refused
 from rich.console import Console
 
+import clepsydra as cl
 from clepsydra import PidForm
 from clepsydra.deploy.vendor_tuning.check import Check
 from clepsydra.deploy.vendor_tuning.filling import Applied
 from clepsydra.deploy.vendor_tuning.standard_tuning import standard_tunings
 from clepsydra.deploy.vendor_tuning.translation import translate
 from clepsydra.deploy.vendor_tuning.vendors.every_block import EVERY_BLOCK
-from clepsydra.designs.arrest_time import design_arrest_time
-from clepsydra.designs.gain_scheduling import design_gain_scheduled_pid
-from clepsydra.designs.lqi_kalman import design_lqi_kalman
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
-from clepsydra.process.reader import load_process
 from clepsydra.studies.file.reader import read_study
 
 #: Steps of 0.01 min, of 0.1 s and of 0.1 % of a band: rounding that can be seen.
@@ -53,12 +49,12 @@ pytestmark = pytest.mark.thorough
 
 @pytest.fixture(scope="module")
 def quadruple():
-    return analyse(load_process("quadruple-tank"))
+    return plant("quadruple-tank")
 
 
 @pytest.fixture(scope="module")
 def three():
-    return analyse(load_process("three-tanks"))
+    return plant("three-tanks")
 
 
 def of_study(text, folder):
@@ -76,7 +72,7 @@ def shown(translation):
 
 
 def test_pi_control_is_the_same_in_every_block_to_the_printed_digits(quadruple):
-    found = translate(design_simc(quadruple.model, quadruple.pairing), "quadruple-tank")
+    found = translate(cl.design.simc(quadruple), "quadruple-tank")
     assert len(found.rows) == 2 * len(EVERY_BLOCK) and not found.refused
     assert found.saturated == 0.0
     for row in found.rows:
@@ -95,10 +91,10 @@ def test_pi_control_is_the_same_in_every_block_to_the_printed_digits(quadruple):
     ],
 )  # fmt: skip
 def test_what_rounding_does_is_what_a_run_with_the_rounded_numbers_shows(quadruple, key, numbers):
-    controller = design_simc(quadruple.model, quadruple.pairing)
-    scenario = default_scenario(quadruple.model)
+    controller = cl.design.simc(quadruple)
+    scenario = default_scenario(quadruple.linear)
     rounded = replace(controller, values=controller.values | numbers)
-    runs = [Loop(each, quadruple.model).run(scenario).values for each in (controller, rounded)]
+    runs = [Loop(each, quadruple.linear).run(scenario).values for each in (controller, rounded)]
     found = translate(controller, "quadruple-tank")
     for loop, pump in ((1, "pump_1"), (2, "pump_2")):
         expected = np.max(np.abs(runs[0][pump] - runs[1][pump])) / 10.0  # of 0 V to 10 V
@@ -107,9 +103,9 @@ def test_what_rounding_does_is_what_a_run_with_the_rounded_numbers_shows(quadrup
 
 
 def test_the_check_sees_one_percent_of_each_number(three):
-    controller = design_simc(three.model, three.pairing, form=PidForm("PID"))
-    (tuning,), _ = standard_tunings(controller, three.operating_point.process)
-    check = Check(controller, three.model, default_scenario(three.model))
+    controller = cl.design.simc(three, form=PidForm("PID"))
+    (tuning,), _ = standard_tunings(controller, three.process)
+    check = Check(controller, three.linear, default_scenario(three.linear))
     own = tuning.settings
     assert check.differences({1: Applied("isa", own, "measurement")})["feed"] == 0.0
     for name in ("gain", "integral_time", "derivative_time", "filter_time"):
@@ -119,8 +115,8 @@ def test_the_check_sees_one_percent_of_each_number(three):
 
 @pytest.mark.parametrize("algorithm", ["isa", "parallel", "velocity"])
 def test_pid_control_by_its_numbers_is_the_same_and_what_blocks_lack_shows(three, algorithm):
-    controller = design_simc(three.model, three.pairing, form=PidForm("PID", algorithm))
-    found = translate(controller, three.operating_point.process)
+    controller = cl.design.simc(three, form=PidForm("PID", algorithm))
+    found = translate(controller, three.process)
     assert [block for _, block, _ in found.refused] == ["Honeywell HC900 PID"]
     for row in found.rows:
         if row.block.key not in (*COARSE, "emerson-deltav-series"):
@@ -136,12 +132,9 @@ def test_the_series_form_differs_by_sampling_alone(three):
     """A quarter of the sampling period, a quarter of the difference, where it is short enough."""
     found = []
     for period in (0.5, 0.125):
-        process = replace(three.operating_point.process, sampling_period=period)
-        analysis = analyse(process)
-        controller = design_simc(
-            three.model, three.pairing, form=PidForm("PID", derivative_on="error")
-        )
-        scenario = default_scenario(analysis.model)
+        process = replace(three.process, sampling_period=period)
+        controller = cl.design.simc(three, form=PidForm("PID", derivative_on="error"))
+        scenario = default_scenario(cl.Plant(process).linear)
         quiet = replace(scenario, noise=np.zeros_like(scenario.noise))
         found.append(
             translate(controller, process, quiet).row(1, "emerson-deltav-series").by_numbers
@@ -150,8 +143,8 @@ def test_the_series_form_differs_by_sampling_alone(three):
 
 
 def test_a_series_controller_is_the_series_block_to_the_printed_digits(three):
-    controller = design_simc(three.model, three.pairing, form=PidForm("PID", "series"))
-    found = translate(controller, three.operating_point.process)
+    controller = cl.design.simc(three, form=PidForm("PID", "series"))
+    found = translate(controller, three.process)
     row = found.row(1, "emerson-deltav-series")
     values = controller.values
     assert {setting.name: setting.value for setting in row.filled.settings} == pytest.approx(
@@ -167,18 +160,17 @@ def test_a_series_controller_is_the_series_block_to_the_printed_digits(three):
 
 
 def test_the_time_at_a_limit_is_counted(three):
-    controller = design_simc(three.model, three.pairing, form=PidForm("PID"))
-    scenario = default_scenario(three.model)
-    feed = Loop(controller, three.model).run(scenario).values["feed"]
+    controller = cl.design.simc(three, form=PidForm("PID"))
+    scenario = default_scenario(three.linear)
+    feed = Loop(controller, three.linear).run(scenario).values["feed"]
     share = np.mean((feed == 0.0) | (feed == controller.values["high_limit_1"]))
-    found = translate(controller, three.operating_point.process, scenario)
+    found = translate(controller, three.process, scenario)
     assert 0.0 < share == found.saturated
     assert f"{100 * share:.2g} % of its samples have an output at a limit" in found.as_markdown()
 
 
 def test_direct_action_of_a_basin():
-    analysis = analyse(load_process("equalisation-tank"))
-    controller = design_arrest_time(analysis.model, analysis.pairing)
+    controller = designed("arrest_time", "equalisation-tank")
     found = translate(controller, "equalisation-tank")
     assert found.tunings[0].action == "direct" and controller.values["proportional_gain_1"] < 0.0
     for row in found.rows:
@@ -231,17 +223,17 @@ def test_proportional_control_has_no_integral_time(tmp_path):
 
 
 def test_controllers_without_a_pid_of_fixed_gains_are_refused(quadruple, three):
-    lqi = design_lqi_kalman(quadruple.model)
+    lqi = cl.design.lqi_kalman(quadruple)
     with refused(expected="at least one PID loop whose gains are constant"):
         translate(lqi, "quadruple-tank")
-    scheduled = design_gain_scheduled_pid(three.model, three.pairing)
+    scheduled = cl.design.gain_scheduled_pid(three)
     with refused(expected="at least one PID loop whose gains are constant"):
-        translate(scheduled, three.operating_point.process)
+        translate(scheduled, three.process)
 
 
 def test_the_screen_fits_and_markdown_and_dict_say_the_same(three):
-    controller = design_simc(three.model, three.pairing, form=PidForm("PID"))
-    found = translate(controller, three.operating_point.process)
+    controller = cl.design.simc(three, form=PidForm("PID"))
+    found = translate(controller, three.process)
     text = shown(found)
     assert max(len(line.rstrip()) for line in text.splitlines()) <= 100
     markdown, plain = found.as_markdown(), found.as_dict()
