@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
+import clepsydra as cl
 from clepsydra.report.analysis_page import analysis_page_text, write_analysis_page
 from clepsydra.report.analysis_tables import dead_time_grid, hankel_grid, reach_grid
 from clepsydra.report.bode import bode_figure
@@ -17,21 +16,15 @@ from clepsydra.report.roots_picture import roots_figure
 from clepsydra.report.singular_value_picture import directionality_figure
 from clepsydra.report.step_picture import step_figure
 
-pytestmark = pytest.mark.thorough
-
 LATE = Path(__file__).parents[1] / "dead-time.toml"
 
 
 @pytest.fixture(scope="module")
 def late():
-    return analyse(load_process(LATE))
+    return cl.load(LATE).analysis
 
 
-@pytest.mark.parametrize(
-    "name", ["quadruple-tank", "averaging-tank", "equalisation-tank", "wet-well", str(LATE)]
-)
-def test_every_process_has_a_page(name):
-    text = analysis_page_text(analyse(load_process(name)))
+def check_page(text):
     assert text.count("<svg") == 6
     identifiers = re.findall(r'\bid="([^"]+)"', text)
     assert len(identifiers) == len(set(identifiers))
@@ -39,8 +32,24 @@ def test_every_process_has_a_page(name):
     assert "http" not in re.sub(r'xmlns(:xlink)?="[^"]*"', "", text)
 
 
-def test_two_pages_of_one_analysis_are_equal(late):
-    assert analysis_page_text(late) == analysis_page_text(late)
+@pytest.fixture(scope="module")
+def page(late):
+    return analysis_page_text(late)
+
+
+def test_a_process_has_a_page(page):
+    check_page(page)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ["quadruple-tank", "equalisation-tank", "wet-well"])
+def test_every_process_has_a_page(name):
+    check_page(analysis_page_text(cl.load(name).analysis))
+
+
+@pytest.mark.thorough
+def test_two_pages_of_one_analysis_are_equal(late, page):
+    assert analysis_page_text(late) == page
 
 
 def line(axes):
@@ -85,7 +94,7 @@ def test_nyquist_starts_at_the_static_gain_in_ranges(late):
 
 @pytest.fixture(scope="module")
 def averaging():
-    return analyse(load_process("averaging-tank:all-inputs"))
+    return cl.load("averaging-tank:all-inputs").analysis
 
 
 @pytest.mark.parametrize("draw", [step_figure, nyquist_figure])
@@ -110,7 +119,7 @@ def test_a_narrow_panel_still_names_its_input(averaging, draw):
 
 
 def test_only_what_is_there_is_in_the_legend_of_roots(averaging):
-    for analysis in (averaging, analyse(load_process("quadruple-tank"))):
+    for analysis in (averaging, cl.load("quadruple-tank").analysis):
         legend = roots_figure(analysis).axes[0].get_legend()
         words = [entry.get_text() for entry in legend.get_texts()]
         assert words == ["pole", "zero"][: 1 + (analysis.zeros.size > 0)]
@@ -129,7 +138,7 @@ def test_tables(late):
 
 
 def test_an_integrator_is_named_among_the_hankel_values():
-    grid = hankel_grid(analyse(load_process("averaging-tank")))
+    grid = hankel_grid(cl.load("averaging-tank").analysis)
     assert "none for the pole at 0 rad/s" in grid.rows[-1][1]
 
 

@@ -15,7 +15,7 @@ def test_a_study_is_no_run_and_the_message_says_where_its_runs_are(result):
     with pytest.raises(InputError) as refusal:
         plot(result)
     assert str(refusal.value) == (
-        "plot: got 'a StudyResult', expected a Run or a Simulation; give result.ranking[0].run."
+        "plot: got 'a Study', expected a Run or a Simulation; give result.ranking[0].run."
     )
     with refused(remedy="no controller of it has a run"):
         plot(replace(result, ranking=()))

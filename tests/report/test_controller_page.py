@@ -2,9 +2,8 @@
 
 import pytest
 
+import clepsydra as cl
 from clepsydra.report.controller_page import controller_page
-from clepsydra.studies.file.reader import read_study
-from clepsydra.studies.study import run_study
 
 STUDY = """
 process = "wet-well:flow-meters"
@@ -42,7 +41,7 @@ gain = "3 %/%"
 def pages(tmp_path_factory):
     path = tmp_path_factory.mktemp("cascade") / "study.toml"
     path.write_text(STUDY, encoding="utf-8")
-    result = run_study(read_study(path))
+    result = cl.study(path)
     return {
         candidate.controller.name: controller_page(result, place)
         for place, candidate in enumerate(result.ranking)

@@ -5,21 +5,16 @@ from types import SimpleNamespace
 
 import pytest
 
+import clepsydra as cl
 from clepsydra import PidForm, Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.controllers.start_stop_levels import start_stop_law
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.output_block import OutputBlock
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.ratio_block import RatioBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
-from clepsydra.designs.bryson import design_lqi
-from clepsydra.designs.lqi_kalman import design_lqi_kalman
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 from clepsydra.report.law_tables import law_facts, law_grids, law_words
 from clepsydra.report.pid_tables import equation, loop_settings
 from clepsydra.report.scheme_tables import scheme_blocks
@@ -27,7 +22,12 @@ from clepsydra.report.scheme_tables import scheme_blocks
 
 @pytest.fixture(scope="module")
 def wet_well():
-    return analyse(load_process("wet-well"))
+    return cl.load("wet-well")
+
+
+@pytest.fixture(scope="module")
+def four_tanks():
+    return cl.load("quadruple-tank")
 
 
 def by_hand(point, form, **values):
@@ -52,7 +52,7 @@ def facts_of(controller, point):
 
 
 def test_gains_are_in_the_units_of_the_displays(wet_well):
-    point = wet_well.operating_point
+    point = wet_well.point
     facts = facts_of(
         by_hand(point, PidForm(), proportional_gain_1=-125.0, integral_time_1=120.0), point
     )
@@ -66,7 +66,7 @@ def test_gains_are_in_the_units_of_the_displays(wet_well):
 
 
 def test_a_pid_names_its_derivative_and_the_other_forms(wet_well):
-    point = wet_well.operating_point
+    point = wet_well.point
     values = {"proportional_gain_1": -125.0, "integral_time_1": 100.0, "derivative_time_1": 16.0}
     facts = facts_of(by_hand(point, PidForm("PID"), **values, derivative_filter_1=8.0), point)
     assert facts["derivative time Td"] == "16.00 s = 0.2667 min"
@@ -79,7 +79,7 @@ def test_a_pid_names_its_derivative_and_the_other_forms(wet_well):
 
 
 def test_a_parallel_form_is_shown_in_isa_too(wet_well):
-    point = wet_well.operating_point
+    point = wet_well.point
     form = PidForm("PI", "parallel", anti_windup="conditional_integration")
     facts = facts_of(by_hand(point, form, proportional_gain_1=-125.0, integral_gain_1=-2.5), point)
     assert facts["integral time Ti"].startswith("50.00 s")
@@ -88,7 +88,7 @@ def test_a_parallel_form_is_shown_in_isa_too(wet_well):
 
 
 def test_gap_action_and_ramp_are_in_display_units(wet_well):
-    point = wet_well.operating_point
+    point = wet_well.point
     form = PidForm(error="gap", setpoint_ramp=True)
     facts = facts_of(
         by_hand(point, form, proportional_gain_1=-9.0, gap_1=0.002, setpoint_ramp_1=1e-5), point
@@ -98,7 +98,7 @@ def test_gap_action_and_ramp_are_in_display_units(wet_well):
 
 
 def test_without_integral_action_there_is_a_bias_and_no_integral_time(wet_well):
-    point = wet_well.operating_point
+    point = wet_well.point
     facts = facts_of(by_hand(point, PidForm("P"), proportional_gain_1=-125.0), point)
     assert "integral time Ti" not in facts and "anti-windup" not in facts
     assert "+ bias" in facts["algorithm"]
@@ -124,7 +124,7 @@ def scheme_of(blocks, values=None):
 
 
 def test_every_block_of_a_scheme_is_said(wet_well):
-    process = wet_well.operating_point.process
+    process = wet_well.point.process
     level, duty = process.signal("level"), process.signal("duty")
     percent = Signal("split", "%", low=0.0, high=100.0)
     standby = Signal("standby", "1", "%", 0.0, 1.0)
@@ -163,7 +163,7 @@ def test_every_block_of_a_scheme_is_said(wet_well):
 
 
 def test_an_inner_loop_says_where_its_setpoint_comes_from(wet_well):
-    point = wet_well.operating_point
+    point = wet_well.point
     level, duty = point.process.signal("level"), point.process.signal("duty")
     inner = PidBlock("inner", 2, PidForm(), level, 1, duty, "outer", 1)
     values = {"setpoint_low_limit_2": 0.006, "setpoint_high_limit_2": 0.018, "integral_time_2": 5.0}
@@ -172,7 +172,7 @@ def test_an_inner_loop_says_where_its_setpoint_comes_from(wet_well):
 
 
 def test_an_outer_loop_moves_a_setpoint(wet_well):
-    point = wet_well.operating_point
+    point = wet_well.point
     level, duty = point.process.signal("level"), point.process.signal("duty")
     outer = PidBlock("outer", 1, PidForm(), level, 1, level, 1, None)
     inner = PidBlock("inner", 2, PidForm(), level, 1, duty, "outer", 1)
@@ -181,7 +181,7 @@ def test_an_outer_loop_moves_a_setpoint(wet_well):
 
 
 def test_a_fixed_setpoint_is_not_said_to_be_the_operators(wet_well):
-    point = wet_well.operating_point
+    point = wet_well.point
     level, duty = point.process.signal("level"), point.process.signal("duty")
     flood = PidBlock("flood", 1, PidForm(), level, 1, duty, 1, 1)
     scheme = scheme_of([flood, OutputBlock(1, duty, "flood")])
@@ -190,11 +190,10 @@ def test_a_fixed_setpoint_is_not_said_to_be_the_operators(wet_well):
     assert dict(loop.facts)["setpoint"].startswith("fixed at 12")
 
 
-def test_decoupling_is_said_of_every_output():
-    analysis = analyse(load_process("quadruple-tank"))
-    controller = design_simc(analysis.model, analysis.pairing, decoupling="dynamic")
-    process = analysis.operating_point.process
-    found = {part.title: dict(part.facts) for part in scheme_blocks(controller, process)}
+def test_decoupling_is_said_of_every_output(four_tanks):
+    controller = cl.design.simc(four_tanks, decoupling="dynamic")
+    blocks = scheme_blocks(controller, four_tanks.process)
+    found = {part.title: dict(part.facts) for part in blocks}
     words = found["Decoupling of pump_2 (sum 2)"]["from pump_1"]
     assert words.startswith(f"{controller.values['feedforward_gain_2_1']:.4f}".replace("-", "−"))
     assert "V/V × (pump_1 − 3.000 V), through 1/(1 + " in words  # there is no lead
@@ -202,8 +201,8 @@ def test_decoupling_is_said_of_every_output():
 
 
 def test_matrices_name_their_rows_and_columns_in_display_units(wet_well):
-    controller = design_lqi_kalman(wet_well.model)
-    grids = {grid.title: grid for grid in law_grids(controller, wet_well.operating_point.process)}
+    controller = cl.design.lqi_kalman(wet_well)
+    grids = {grid.title: grid for grid in law_grids(controller, wet_well.point.process)}
     feedback = grids["F, feedback"]
     assert feedback.head[1:] == ("well.level [m]", "duty.actual [%]")
     ((name, level, actual),) = feedback.rows
@@ -218,35 +217,23 @@ def test_matrices_name_their_rows_and_columns_in_display_units(wet_well):
     assert any("Observer" in sentence for sentence in law_words(controller))
 
 
-def test_a_state_feedback_says_its_operating_point():
-    analysis = analyse(load_process("quadruple-tank"))
-    controller = design_lqi(analysis.model)
-    parts = {
-        p.title: dict(p.facts) for p in law_facts(controller, analysis.operating_point.process)
-    }
+def test_a_state_feedback_says_its_operating_point(four_tanks):
+    process = four_tanks.process
+    parts = {p.title: dict(p.facts) for p in law_facts(cl.design.lqi(four_tanks), process)}
     assert parts["Operating point"]["level_1°"] == "6.131 V"
     assert parts["Output pump_1"]["pump_1°, at rest"] == "3.000 V"
     assert "output at rest" not in parts["Output pump_1"]
-    assert (
-        law_facts(design_simc(analysis.model, analysis.pairing), analysis.operating_point.process)
-        == []
-    )
+    assert law_facts(cl.design.simc(four_tanks), process) == []
 
 
 def test_start_and_stop_levels_are_a_table_of_stages():
-    process = load_process("wet-well:start-stop")
-    pumps = list(process.inputs)
-    law = start_stop_law(2, measured=process.signal("level"), manipulated=pumps)
-    values = {p.name: p.initial for p in law.parameters} | {
+    plant = cl.load("wet-well:start-stop")
+    process, names = plant.process, [signal.name for signal in plant.process.inputs]
+    controller = cl.design.start_stop_levels(plant).with_values({
         "start_level_1": 0.012, "stop_level_1": 0.008,
         "start_level_2": 0.016, "stop_level_2": 0.010,
         "shortest_rest": 60.0,
-    }  # fmt: skip
-    state = {s.name: s.initial for s in law.state}
-    names = tuple(signal.name for signal in pumps)
-    controller = Controller(
-        "levels", "start/stop levels", "By hand.", law, values, state, ("level",), (), names
-    )
+    })  # fmt: skip
     (grid,) = law_grids(controller, process)
     assert grid.rows[1] == ("stage 2: 2 running", "16.00 mA = 3.000 m", "10.00 mA = 1.500 m")
     parts = {part.title: dict(part.facts) for part in law_facts(controller, process)}
@@ -257,14 +244,14 @@ def test_start_and_stop_levels_are_a_table_of_stages():
 
 
 def test_a_gain_of_zero_is_said(wet_well):
-    point = wet_well.operating_point
+    point = wet_well.point
     controller = by_hand(point, PidForm(), proportional_gain_1=1.0)
     still = replace(controller, values=controller.values | {"proportional_gain_1": 0.0})
     assert facts_of(still, point)["gain K"] == "0: no proportional action"
 
 
 def test_a_parallel_form_without_isa_form_says_so(wet_well):
-    point = wet_well.operating_point
+    point = wet_well.point
     level, duty = point.process.signal("level"), point.process.signal("duty")
     loop = PidBlock("level", 1, PidForm("PI", "parallel"), level, 1, duty, 1, 1)
     scheme = scheme_of(

@@ -98,7 +98,7 @@ def test_the_reader_finds_reasons_warnings_numbers_and_how_they_came_about(resul
         assert all(warning in words for warning in candidate.warnings)
     assert "the process has no dead time" in words
     assert "error 3.2e-09 of the state's range" in words
-    assert "samples 2800" in words
+    assert f"samples {result.scenario.samples}" in words
     assert "seed of the noise 7" in words
     assert "Python 3." in words
 
@@ -127,7 +127,6 @@ def test_two_reports_of_one_result_are_equal(result, text):
     assert report_text(result) == text
 
 
-@pytest.mark.thorough
 def test_a_report_is_written_whole(result, tmp_path):
     path = tmp_path / "report.html"
     write_report(result, path)
@@ -198,7 +197,7 @@ def test_what_holds_for_the_process_is_said(result, text):
 
 
 def test_a_report_stays_small(result, text):
-    # 2800 samples of eight signals in two runs are 600 kB as numbers of 14 letters.
+    # 4260 samples of eight signals in two runs are 950 kB as numbers of 14 letters.
     assert len(text) < 250_000
 
 
@@ -211,11 +210,3 @@ def test_the_report_names_process_variant_and_study_file(result):
     assert "study file" not in words_of(report_text(result))
     named = words_of(report_text(replace(result, path=Path("weekly/compare.toml"))))
     assert "study file weekly/compare.toml process file quadruple-tank (catalogue)" in named
-
-
-def test_a_result_at_a_prompt_is_a_few_lines(result):
-    assert repr(result) == (
-        "<StudyResult of quadruple-tank: 2 controllers, best PI, phase margin; 1 not applicable>"
-    )
-    lines = str(result).splitlines()
-    assert lines[0] == result.verdict and lines[1:] == [repr(c) for c in result.ranking]

@@ -4,17 +4,15 @@ import html
 import io
 import re
 import xml.etree.ElementTree as tree
+from dataclasses import replace
 
 import numpy as np
+import pandas
 import pytest
 from rich.console import Console
 
+import clepsydra as cl
 from clepsydra import Signal
-from clepsydra.identification.estimate import Estimate
-from clepsydra.identification.identification import identify_model
-from clepsydra.identification.process_fit import fit_process
-from clepsydra.identification.simulated_record import record_of
-from clepsydra.loop.simulation import simulate
 from clepsydra.report.identification_page import identification_text
 from clepsydra.report.identification_picture import (
     ComparedSignal,
@@ -24,23 +22,39 @@ from clepsydra.report.identification_picture import (
 from clepsydra.report.identification_screen import identification_screen
 from clepsydra.report.identification_tables import estimate_cells
 
-STEPS = ["3.5 V @ 1 min", "2.6 V @ 6 min", "3.2 V @ 11 min", "2.9 V @ 15 min"]
+PLANT = cl.load("quadruple-tank")
+STEPS = [
+    cl.step("pump_1", to=value, at=at)
+    for value, at in (
+        ("3.5 V", "1 min"),
+        ("2.6 V", "6 min"),
+        ("3.2 V", "11 min"),
+        ("2.9 V", "15 min"),
+    )
+]
 
 
 @pytest.fixture(scope="module")
-def run():
-    return simulate("quadruple-tank", {"pump_1": STEPS}, duration="18 min")
+def record(tmp_path_factory):
+    """The record of a simulation, with noise on all four sensors."""
+    path = tmp_path_factory.mktemp("record") / "record.csv"
+    cl.simulate(PLANT, None, STEPS, duration="18 min").save(path)
+    table = pandas.read_csv(path)
+    noise = np.random.default_rng(1)
+    for name in (f"level_{k} [V]" for k in (1, 2, 3, 4)):
+        table[name] += noise.normal(0.0, 0.02, len(table))
+    table.to_csv(path, index=False)
+    return path
 
 
 @pytest.fixture(scope="module")
-def models(run):
-    return identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
+def models(record):
+    return cl.identify(record, "pump_1", "level_1")
 
 
 @pytest.fixture(scope="module")
-def parameters(run):
-    record = record_of(run, {f"level_{k}": 0.02 for k in (1, 2, 3, 4)})
-    return fit_process(run.process, record, ["outlet_1.area", "splitter_1.tank_1"])
+def parameters(record):
+    return cl.identify(record, plant=PLANT, parameters=["outlet_1.area", "splitter_1.tank_1"])
 
 
 def words_of(page):
@@ -115,6 +129,7 @@ def test_correlations_are_those_of_the_definition():
     assert max(heights) == heights[2] == pytest.approx(117 / 120 * 46.0, abs=0.2)
 
 
-def test_an_interval_that_says_nothing_is_not_printed():
+def test_an_interval_that_says_nothing_is_not_printed(models):
     lag = Signal("time_constant", "s", low=0.0)
-    assert estimate_cells(Estimate(lag, 2.0, 1e-9, 1e12)) == ("2.00", "not told", "s")
+    estimate = replace(models.best.estimates[0], signal=lag, value=2.0, low=1e-9, high=1e12)
+    assert estimate_cells(estimate) == ("2.00", "not told", "s")

@@ -3,13 +3,9 @@
 import numpy as np
 import pytest
 
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
-from clepsydra.linear.equilibrium import find_equilibrium
+import clepsydra as cl
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
-from clepsydra.loop.simulation import simulate
-from clepsydra.process.reader import load_process
 from clepsydra.report.analysis_tables import operating_point_grid
 from clepsydra.report.drawing import process_drawing
 from clepsydra.report.nyquist import nyquist_figure
@@ -71,7 +67,7 @@ def made(tmp_path):
         path = tmp_path / "brine.toml"
         roles = {"controlled": controlled, "manipulated": manipulated}
         path.write_text(PLANT.format(sensors=sensors, **roles), encoding="utf-8")
-        return load_process(path)
+        return cl.load(path)
 
     return make
 
@@ -83,7 +79,7 @@ def plant(made):
 
 def test_a_table_says_the_percent_of_the_sensor(plant):
     """An analyser of 0 to 50 g/l in 15 g/l shows 30 %, whatever the range of the component."""
-    grid = operating_point_grid(analyse(plant).operating_point)
+    grid = operating_point_grid(plant.point)
     shown = {name: percent for name, _, percent in grid.rows}
     for name in ("tank.salt", "salinity.lagged", "salinity"):
         assert shown[name] == "30.0 %"
@@ -92,7 +88,8 @@ def test_a_table_says_the_percent_of_the_sensor(plant):
 
 
 def test_an_axis_and_its_limits_are_those_of_the_sensor(plant):
-    run = simulate(plant, {"brine": "160 l/min @ 60 s"}, duration="6 min")
+    more = [cl.step("brine", to="160 l/min", at="60 s")]
+    run = cl.simulate(plant, None, more, duration="6 min")
     panels = {panel.signal.name: panel for panel in all_panels(run)}
 
     def content(name):
@@ -112,14 +109,14 @@ def test_an_axis_and_its_limits_are_those_of_the_sensor(plant):
 
 
 def test_a_drawing_says_the_percent_of_the_sensor_and_fills_the_tank_to_its_level(plant):
-    svg = process_drawing(plant, find_equilibrium(plant))
+    svg = process_drawing(plant.process, plant.point)
     assert f"tank: level 0.483 m of 1.00 m, {AT_REST:.1f} %" in svg
 
 
 def test_the_controlled_sensor_of_several_decides(made):
     second = SALINITY.replace("salinity", "trace").replace("50 g/l", "20 g/l")
-    process = made(second + SALINITY + LEVEL)
-    assert percent_scale(process, "tank.salt") == pytest.approx((0.0, 50.0))
+    plant = made(second + SALINITY + LEVEL)
+    assert percent_scale(plant.process, "tank.salt") == pytest.approx((0.0, 50.0))
 
 
 def test_a_locus_is_in_the_percent_of_the_sensor(made):
@@ -127,7 +124,7 @@ def test_a_locus_is_in_the_percent_of_the_sensor(made):
     loci = []
     for span, most in (("60 cm", "100 %"), ("70 cm", "120 %")):
         level = LEVEL.replace("70 cm", span).replace("120 %", most)
-        (axes,) = nyquist_figure(analyse(made(SALINITY + level, "level"))).axes
+        (axes,) = nyquist_figure(made(SALINITY + level, "level").analysis).axes
         assert axes.get_xlabel() == "real part [% per %]"
         loci.append(max(axes.lines, key=lambda line: abs(line.get_xdata()[0])).get_xdata())
     assert loci[0] == pytest.approx(loci[1])
@@ -142,13 +139,14 @@ range = ["0 l/min", "300 l/min"]
 nominal = "20 l/min"
 """
     sensors = SALINITY + LEVEL.replace("10 cm", "0 cm") + more
-    analysis = analyse(made(sensors, "level", "outflow"))
-    model = analysis.model
-    controller = design_simc(model, analysis.pairing)
+    plant = made(sensors, "level", "outflow")
+    model = plant.linear
     nothing = np.zeros((300, 2))
     disturbances = np.tile(model.point.disturbances, (300, 1)) * np.linspace(1, 0, 300)[:, None]
     setpoints = np.full((300, 1), 0.0)
-    run = Loop(controller, model).run(Scenario(2.0, setpoints, disturbances, nothing, (), 1))
+    run = Loop(cl.design.simc(plant), model).run(
+        Scenario(2.0, setpoints, disturbances, nothing, (), 1)
+    )
     draws = run.values["outflow.draws"] > 0.5
     shown = recording_of(run).values["outflow"]
     assert 0.0 < np.mean(draws) < 1.0 and np.any(run.values["outflow"][~draws] > 0.0)

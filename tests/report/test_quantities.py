@@ -2,12 +2,10 @@ import math
 import re
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from clepsydra import Signal
-from clepsydra.base.words import time_text
 from clepsydra.report.quantities import (
     number_text,
     quantity_text,
@@ -70,19 +68,10 @@ def test_a_setpoint_in_volts_is_the_level_that_the_sensor_would_read(process):
 @given(st.floats(1e-3, 9e5))
 def test_a_time_is_what_it_says_in_each_of_its_forms(time):
     length = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
-    for text in (time_text(time), time_cell(time), *setting_time(time).split(" = ")):
+    for text in (time_cell(time), *setting_time(time).split(" = ")):
         number, unit = text.split(" ")
         assert math.isclose(read(number) * length[unit], time, rel_tol=0.0051)
         assert "e" not in number
-
-
-@pytest.mark.parametrize(
-    ("time", "said"),
-    [(180.0, "180 s"), (181.0, "3.02 min"), (10800.0, "180 min"), (10801.0, "3 h"),
-     (259200.0, "72 h"), (259201.0, "3 d"), (math.inf, "no end")],
-)  # fmt: skip
-def test_the_unit_of_a_time_changes_at_three_of_the_next(time, said):
-    assert time_text(time) == said
 
 
 def test_what_an_engineer_enters_is_in_seconds_first():

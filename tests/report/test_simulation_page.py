@@ -6,10 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clepsydra.base.words import time_text
-from clepsydra.loop.open_loop_plan import plan_simulation
-from clepsydra.loop.profile import read_assignment
-from clepsydra.process.reader import load_process
+import clepsydra as cl
+from clepsydra.process.catalogue_names import catalogue_file
 from clepsydra.report.colours import INK, signal_colours
 from clepsydra.report.event_marks import event_marks
 from clepsydra.report.panels import all_panels
@@ -25,26 +23,33 @@ from clepsydra.report.simulation_tables import (
 from clepsydra.report.trend_svg import trend_svg
 
 
-def planned(name, *texts, **options):
-    process = load_process(name)
-    changes = [read_assignment(text, process, "--input") for text in texts]
-    plan = plan_simulation(process, changes, **options)
-    return plan, plan.run()
+def simulated(name, *events, duration=None):
+    return cl.simulate(cl.load(name), None, events, duration=duration)
 
 
 @pytest.fixture(scope="module")
 def step():
-    return planned("quadruple-tank", "pump_1=3.5V@60s", "inflow_1=2 cm^3/s@2min")
+    return simulated(
+        "quadruple-tank",
+        cl.step("pump_1", to="3.5 V", at="60 s"),
+        cl.step("inflow_1", to="2 cm^3/s", at="2 min"),
+    )
 
 
 @pytest.fixture(scope="module")
 def trips():
-    return planned("laboratory-four-tanks", "pump_1=90%@5s", duration="60 s")
+    more = cl.step("pump_1", to="90 %", at="5 s")
+    return simulated("laboratory-four-tanks", more, duration="60 s")
+
+
+def seconds(text):
+    """What a time in a table says."""
+    number, unit = text.split(" ")
+    return float(number) * {"s": 1.0, "min": 60.0}[unit]
 
 
 def test_panels_are_states_inputs_and_disturbances_that_act(step):
-    _, run = step
-    names = [panel.signal.name for panel in all_panels(run)]
+    names = [panel.signal.name for panel in all_panels(step)]
     assert names == [
         "tank_1.level", "tank_2.level", "tank_3.level", "tank_4.level", "pump_1", "pump_2",
         "inflow_1",
@@ -52,7 +57,7 @@ def test_panels_are_states_inputs_and_disturbances_that_act(step):
 
 
 def test_states_that_are_no_levels_have_no_rim():
-    _, run = planned("averaging-tank", duration="5 s")
+    run = simulated("averaging-tank", duration="5 s")
     kinds = {panel.signal.name: panel.kind for panel in all_panels(run)}
     assert (kinds["tank.level"], kinds["tank.impurity"]) == ("level", "state")
     words = [text.get_text() for axes in plot(run).axes for text in axes.texts]
@@ -60,15 +65,14 @@ def test_states_that_are_no_levels_have_no_rim():
 
 
 def test_one_colour_a_signal_and_shared_time(step):
-    _, run = step
-    figure, colours = plot(run), signal_colours(run.process)
+    figure, colours = plot(step), signal_colours(step.process)
     assert len(figure.axes) == 7  # no strip: there is no scenario
-    for axes, panel in zip(figure.axes, all_panels(run), strict=True):
+    for axes, panel in zip(figure.axes, all_panels(step), strict=True):
         line = max(axes.lines, key=lambda entry: len(entry.get_xdata()))
         assert line.get_color() == colours[panel.signal.name]
-        assert np.allclose(line.get_xdata(), run.time / 60)
+        assert np.allclose(line.get_xdata(), step.time / 60)
     assert figure.axes[-1].get_xlabel() == "time [min]"
-    assert {axes.get_xlim()[1] for axes in figure.axes} == {run.time[-1] / 60}
+    assert {axes.get_xlim()[1] for axes in figure.axes} == {step.time[-1] / 60}
 
 
 def hairlines(axes):
@@ -78,30 +82,30 @@ def hairlines(axes):
 
 @pytest.mark.thorough
 def test_events_are_hairlines_where_they_happen(trips):
-    _, run = trips
-    times = [mark.time for mark in event_marks(run.happenings)]
+    times = [mark.time for mark in event_marks(trips.happenings)]
     assert times
-    for axes in plot(run).axes:
+    for axes in plot(trips).axes:
         assert np.allclose(sorted(set(hairlines(axes))), sorted(set(times)), rtol=0, atol=1e-9)
-    numbers = [text.get_text() for text in plot(run).axes[0].texts]
+    numbers = [text.get_text() for text in plot(trips).axes[0].texts]
     numbers = [int(number.split()[0]) for number in numbers]
     assert numbers[0] == 1 and numbers == sorted(numbers)
 
 
 def test_without_events_there_are_no_hairlines(step):
-    assert not any(hairlines(axes) for axes in plot(step[1]).axes)
+    assert not any(hairlines(axes) for axes in plot(step).axes)
 
 
 def test_events_do_not_change_the_range_of_a_panel(trips):
-    _, run = trips
-    axes = plot(run).axes[1]
+    axes = plot(trips).axes[1]
     bottom, top = axes.get_ylim()
-    low, high = (100 * f(run.values["tank_1.level"]) for f in (np.min, np.max))
+    low, high = (100 * f(trips.values["tank_1.level"]) for f in (np.min, np.max))
     assert bottom >= -0.31 and top <= 30.31 and bottom < low <= high < top
 
 
 def test_a_pump_at_its_limit_is_marked_with_the_time():
-    _, run = planned("quadruple-tank", "pump_1=10V@20s", "pump_1=3V@50s", duration="60 s")
+    moves = (("10 V", "20 s"), ("3 V", "50 s"))
+    events = [cl.step("pump_1", to=value, at=at) for value, at in moves]
+    run = simulated("quadruple-tank", *events, duration="60 s")
     axes = plot(run).axes[4]
     words = [text.get_text() for text in axes.get_legend().get_texts()]
     assert "at a limit for 30 s" in words
@@ -112,12 +116,10 @@ def rgb(colour):
     return tuple(int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
 
 
-@pytest.mark.thorough
 def test_the_page_says_all_of_it(trips):
-    plan, run = trips
-    page = simulation_text(plan, run)
-    assert "with pump_1 to 90 % at 5 s" in page and trust_sentence(run) in page
-    for event in run.happenings[:5]:
+    page = simulation_text(trips.plan, trips)
+    assert "with pump_1 to 90 % at 5 s" in page and trust_sentence(trips) in page
+    for event in trips.happenings[:5]:
         assert event.words in page
     assert page.count("<svg") == 2
     for name in ("tank_1.level", "level_1", "pump_1"):
@@ -126,9 +128,8 @@ def test_the_page_says_all_of_it(trips):
 
 @pytest.mark.thorough
 def test_two_pages_of_one_simulation_are_equal_and_load_nothing(step, tmp_path):
-    plan, run = step
-    page = simulation_text(plan, run)
-    write_simulation_page(plan, plan.run(), tmp_path / "page.html")
+    page = simulation_text(step.plan, step)
+    write_simulation_page(step.plan, step.plan.run(), tmp_path / "page.html")
     assert (tmp_path / "page.html").read_text("utf-8") == page
     assert "<script" not in page
     assert not re.search(r"(?:src|href)=\"(?!#)", page)
@@ -136,61 +137,62 @@ def test_two_pages_of_one_simulation_are_equal_and_load_nothing(step, tmp_path):
 
 @pytest.mark.thorough
 def test_words_of_the_user_are_escaped(tmp_path):
-    from clepsydra.process.catalogue_names import catalogue_file
-
     text = catalogue_file("quadruple-tank").read_text("utf-8")
     path = tmp_path / "a.toml"
     path.write_text(re.sub(r'^title = ".*"$', 'title = "<b>x</b>"', text, flags=re.M), "utf-8")
-    page = simulation_text(*planned(path, duration="10 s"))
+    run = simulated(path, duration="10 s")
+    page = simulation_text(run.plan, run)
     assert "<b>x" not in page and "&lt;b&gt;x" in page
 
 
 def test_tables_hold_the_numbers_of_the_run(step):
-    _, run = step
-    rows = {row[0]: row[1:] for row in trajectories_grid(run).rows}
-    level = 100 * run.values["tank_1.level"]
+    rows = {row[0]: row[1:] for row in trajectories_grid(step).rows}
+    level = 100 * step.values["tank_1.level"]
     assert rows["tank_1.level"][0] == f"{level[0]:.2f} cm"
     assert rows["tank_1.level"][1] == f"{level[-1]:.2f} cm"
     assert rows["tank_3.level"][2:] == ("–", "–")
     assert rows["pump_1"][3] == "3.500 V at 60 s"
     assert "inflow_1" in rows and "inflow_2" not in rows
-    (balance,) = run.balances
-    assert balances_grid(run).rows[0][1] == f"{balance.entered:.4f} m³"
+    (balance,) = step.balances
+    assert balances_grid(step).rows[0][1] == f"{balance.entered:.4f} m³"
 
 
 def test_many_events_are_one_line_and_one_mark(trips):
     """A pump that trips and is released again and again: not a comb of hairlines."""
-    _, run = trips
-    trips_of_it = [e for e in run.happenings if e.event.startswith("pump_1.trips")]
-    rows = events_grid(run, 12).rows
-    assert len(trips_of_it) > 5 and len(rows) < len(run.happenings)
+    trips_of_it = [e for e in trips.happenings if e.event.startswith("pump_1.trips")]
+    rows = events_grid(trips, 12).rows
+    assert len(trips_of_it) > 5 and len(rows) < len(trips.happenings)
     (row,) = [row for row in rows if row[2].startswith(trips_of_it[0].words)]
     count = sum(event.times for event in trips_of_it)
-    last = time_text(trips_of_it[-1].time, 4)
-    assert row[1] == time_text(trips_of_it[0].time, 4)
-    assert row[2].endswith(f"({count} times, the last at {last})")
-    for axes in plot(run).axes:
+    assert seconds(row[1]) == pytest.approx(trips_of_it[0].time, rel=5e-4)
+    times, last = re.search(r"\((\d+) times, the last at (.*)\)$", row[2]).groups()
+    assert int(times) == count
+    assert seconds(last) == pytest.approx(trips_of_it[-1].time, rel=5e-4)
+    for axes in plot(trips).axes:
         assert len(hairlines(axes)) == len(rows)
-    assert f"{row[0]} (×{count})" in [text.get_text() for text in plot(run).axes[0].texts]
-    svg = trend_svg(run, all_panels(run), "trends", "a")
+    assert f"{row[0]} (×{count})" in [text.get_text() for text in plot(trips).axes[0].texts]
+    svg = trend_svg(trips, all_panels(trips), "trends", "a")
     assert f">{row[0]} (×{count})</text>" in svg
-    assert events_grid(run, 0).rows == (
-        ("…", "", f"and {len(rows)} more, the last at {time_text(run.happenings[-1].time, 4)}"),
-    )
+    ((dots, _, others),) = events_grid(trips, 0).rows
+    number, last = re.fullmatch(r"and (\d+) more, the last at (.*)", others).groups()
+    assert (dots, int(number)) == ("…", len(rows))
+    assert seconds(last) == pytest.approx(trips.happenings[-1].time, rel=5e-4)
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("pump_1=3.2V", "pump_1 to 3.2 V from the start"),
-        ("pump_1=3.5V@60s", "pump_1 to 3.5 V at 60 s"),
-        ("pump_1=4V@60s..10min", "pump_1 to 4 V from 60 s to 10 min"),
-        ("inflow_1=2e-6 m^3/s@1h", "inflow_1 to 2 cm³/s at 60 min"),
-    ],
-)
-def test_changes_in_words(text, words):
-    process = load_process("quadruple-tank")
-    assert change_words(process, read_assignment(text, process, "--input")) == words
+def test_changes_in_words():
+    events = [
+        cl.step("pump_1", to="3.2 V", at=0.0),
+        cl.step("pump_1", to="3.5 V", at="60 s"),
+        cl.ramp("pump_2", to="4 V", at="60 s", over="9 min"),
+        cl.step("inflow_1", to="2e-6 m^3/s", at="1 h"),
+    ]
+    run = simulated("quadruple-tank", *events, duration="61 min")
+    assert sorted(change_words(run.process, change) for change in run.plan.changes) == [
+        "inflow_1 to 2 cm³/s at 60 min",
+        "pump_1 to 3.2 V from the start",
+        "pump_1 to 3.5 V at 60 s",
+        "pump_2 to 4 V from 60 s to 10 min",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -203,4 +205,4 @@ def test_changes_in_words(text, words):
     ],
 )
 def test_how_sure_it_is(step, error, words):
-    assert words in trust_sentence(replace(step[1], error_estimate=error))
+    assert words in trust_sentence(replace(step, error_estimate=error))

@@ -5,13 +5,8 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
-from clepsydra.loop.default_scenario import default_scenario
-from clepsydra.loop.loop import Loop
-from clepsydra.loop.simulation import simulate
+import clepsydra as cl
 from clepsydra.process.catalogue_names import catalogue_file
-from clepsydra.process.reader import load_process
 from clepsydra.report.colours import INK, signal_colours
 from clepsydra.report.panels import all_panels, controlled_panels
 from clepsydra.report.plot import plot
@@ -61,7 +56,8 @@ def test_the_right_axis_shows_percent_of_the_tank(figure, run):
 
 def test_a_level_beyond_the_rim_is_not_cut_off():
     # 0.05 m³/s more than flows out, on 1 m², from 2 m: 5.5 m after 70 s, in a tank of 4 m.
-    flood = simulate("averaging-tank", inputs={"inflow": "0.25 m^3/s @ 10 s"}, duration="80 s")
+    more = [cl.step("inflow", to="0.25 m^3/s", at="10 s")]
+    flood = cl.simulate(cl.load("averaging-tank"), None, more, duration="80 s")
     axes = trend_figure(flood, all_panels(flood)).axes[0]
     assert flood.values["tank.level"][-1] == pytest.approx(5.5)
     assert axes.get_ylim()[1] > 5.5
@@ -94,7 +90,6 @@ def test_saturation_is_marked_exactly_where_a_pump_stands_at_a_limit(figure, run
     assert f"at a limit for {marked.sum()} s" in words
 
 
-@pytest.mark.thorough
 def test_a_run_away_from_its_limits_has_no_marks(result):
     run = result.ranking[0].run
     axes = panel_axes(plot(run), run)["pump_1"]
@@ -120,7 +115,7 @@ def test_measured_values_are_drawn_only_where_there_is_noise(figure, run):
 def test_the_strip_names_every_segment_with_its_size(figure, run):
     words = [text.get_text() for text in figure.axes[0].texts]
     assert words[0] == "setpoint\nlevel_1\n+1 V = +2 cm"
-    assert words[5] == "load\ninflow_2\n+2 cm³/s"
+    assert words[5] == "load\ninflow_2\n+1.5 cm³/s"
     assert len(words) == len(run.scenario.segments)
 
 
@@ -165,9 +160,8 @@ def test_long_names_leave_room_for_the_name_of_a_limit(tmp_path):
         text = text.replace(short, f"{short}_of_the_second_condensate_line_N")
     path = tmp_path / "long.toml"
     path.write_text(text, encoding="utf-8")
-    analysis = analyse(load_process(path))
-    controller = design_simc(analysis.model, analysis.pairing)
-    run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
+    plant = cl.load(path)
+    run = cl.simulate(plant, cl.design.simc(plant))
     figure = trend_figure(run, controlled_panels(run))
     renderer = FigureCanvasAgg(figure).get_renderer()
     axes = next(entry for entry in figure.axes if entry.get_legend())

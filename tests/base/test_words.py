@@ -1,0 +1,27 @@
+"""How long something takes, in words."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from clepsydra.base.words import time_text
+
+LENGTH = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+
+
+@given(st.floats(1e-3, 9e5))
+def test_a_time_is_what_it_says(time):
+    number, unit = time_text(time).split(" ")
+    assert math.isclose(float(number) * LENGTH[unit], time, rel_tol=0.0051)
+    assert "e" not in number
+
+
+@pytest.mark.parametrize(
+    ("time", "said"),
+    [(180.0, "180 s"), (181.0, "3.02 min"), (10800.0, "180 min"), (10801.0, "3 h"),
+     (259200.0, "72 h"), (259201.0, "3 d"), (math.inf, "no end")],
+)  # fmt: skip
+def test_the_unit_of_a_time_changes_at_three_of_the_next(time, said):
+    assert time_text(time) == said
