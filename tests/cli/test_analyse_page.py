@@ -1,10 +1,13 @@
 """``clepsydra analyse --output``: the page is written, or nothing is."""
 
 import json
+from pathlib import Path
 
 import pytest
 
 from clepsydra.cli import main
+
+ONE_TANK = str(Path(__file__).parents[1] / "one-tank.toml")
 
 
 def run(*arguments):
@@ -18,7 +21,7 @@ def run(*arguments):
 @pytest.mark.thorough
 def test_it_writes_a_page_beside_the_table(tmp_path, capsys):
     target = tmp_path / "tank.html"
-    assert run("analyse", "three-tanks", "--output", str(target)) == 0
+    assert run("analyse", ONE_TANK, "--output", str(target)) == 0
     assert f"Page: {target}" in capsys.readouterr().out.replace("\n", "")
     assert target.read_text("utf-8").startswith("<!DOCTYPE html>")
 
@@ -26,7 +29,7 @@ def test_it_writes_a_page_beside_the_table(tmp_path, capsys):
 @pytest.mark.thorough
 def test_json_names_the_page(tmp_path, capsys):
     target = tmp_path / "tank.html"
-    assert run("analyse", "three-tanks", "--json", "-o", str(target)) == 0
+    assert run("analyse", ONE_TANK, "--json", "-o", str(target)) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["page"] == str(target)
     assert target.exists()

@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import shutil
 import subprocess
 import sys
 from importlib import resources
@@ -16,6 +17,19 @@ from clepsydra.cli.output import print_json
 from clepsydra.studies.designs import DESIGNS
 
 NAMES = ["quadruple-tank", "quadruple-tank-nonminimum-phase"]
+ONE_TANK = Path(__file__).parents[1] / "one-tank.toml"
+TWO = """
+process = "plant.toml"
+[controllers."PI, SIMC"]
+design = "simc"
+[controllers."by hand".loops.level]
+measurement = "level_1"
+output = "pump_1"
+actions = "PI"
+action = "reverse"
+gain = "2 V/cm"
+integral_time = "1 min"
+"""
 HEAVY = {
     "numpy",
     "casadi",
@@ -61,58 +75,123 @@ def process(code: str, *arguments: str, folder: Path, **environment: str):
 
 
 COMMAND = "from clepsydra.cli import main; main()"
+#: What answers at once: no numeric library is loaded for it.
+LIGHT = [
+    ["--help"], ["-h"], ["--version"], ["study", "--help"], ["analyse", "--help"],
+    ["identify", "--help"], ["simulate", "--help"], ["new", "--help"], ["draw", "--help"],
+    ["processes"],
+]  # fmt: skip
 
 
-@pytest.mark.sampled
-@pytest.mark.parametrize(
-    "arguments", [["--help"], ["-h"], ["--version"], ["study", "--help"], ["analyse", "--help"]]
-)
-def test_help_and_version_load_nothing_numeric(arguments, tmp_path):
+def test_help_version_and_the_list_of_processes_load_nothing_numeric(tmp_path):
     code = (
-        "import sys\n"
+        "import contextlib, json, sys\n"
         "from clepsydra.cli import main\n"
-        "try:\n"
-        "    main()\n"
-        "except SystemExit as ending:\n"
-        "    loaded = {name.partition('.')[0] for name in sys.modules}\n"
-        "    print('status', ending.code or 0, *sorted(loaded), file=sys.stderr)\n"
+        "for arguments in json.loads(sys.argv[1]):\n"
+        "    with contextlib.suppress(SystemExit):\n"
+        "        main(arguments)\n"
+        "    loaded = sorted({name.partition('.')[0] for name in sys.modules})\n"
+        "    print(*arguments, json.dumps(loaded), sep='\\t', file=sys.stderr)\n"
     )
-    done = process(code, *arguments, folder=tmp_path)
-    word, status, *loaded = done.stderr.split()
-    assert (word, status) == ("status", "0"), done.stderr
-    assert "typer" in loaded and not HEAVY & set(loaded)
-    assert done.stdout.strip()
+    done = process(code, json.dumps(LIGHT), folder=tmp_path)
+    found = [line.split("\t") for line in done.stderr.splitlines()]
+    assert (done.returncode, [arguments for *arguments, _ in found]) == (0, LIGHT), done.stderr
+    for *arguments, loaded in found:
+        assert not HEAVY & set(json.loads(loaded)), arguments
+    assert "typer" in json.loads(found[0][-1])
+
+
+OPTIONS = {
+    "study": ("--json", "--output", "PROCESS"),
+    "identify": ("--manipulated", "--measured", "--process", "--parameters", "--write"),
+    "simulate": ("--input", "--profile", "--duration", "--start", "--state", "--solver"),
+}
 
 
 def test_help_names_the_verbs_and_their_options(command):
     status, output, _ = command("--help")
     assert status == 0 and "study" in output and "analyse" in output
-    status, output, _ = command("study", "--help")
-    assert status == 0 and "--json" in output and "--output" in output and "PROCESS" in output
+    for verb, words in OPTIONS.items():
+        status, output, _ = command(verb, "--help")
+        assert status == 0
+        assert [word for word in words if word not in output] == [], verb
 
 
 def test_the_version(command):
     assert command("--version") == (0, f"clepsydra {clepsydra.__version__}\n", "")
 
 
-@pytest.mark.parametrize("name", [NAMES[0], pytest.param(NAMES[1], marks=pytest.mark.thorough)])
-def test_study_prints_one_document_and_writes_report_and_data(command, tmp_path, name):
-    status, output, _ = command("study", name, "--json", "--output", str(tmp_path))
-    assert status == 0
+@pytest.fixture
+def two(tmp_path):
+    """Write a study of two controllers into the folder where the command runs."""
+    shutil.copy(ONE_TANK, tmp_path / "plant.toml")
+    (tmp_path / "two.toml").write_text(TWO)
+    return tmp_path
+
+
+def check_study(output, folder, stem):
+    """Check the one document of a study, its report and its data; return the document."""
     document = one_document(output)
     ranking = document["ranking"]
-    assert isinstance(ranking, list)
     assert [entry["rank"] for entry in ranking] == list(range(1, len(ranking) + 1))
-    assert len(ranking) + len(document["not_applicable"]) == len(DESIGNS) + 1  # one is tuned
-    assert names(tmp_path) == [f"{name}.html", f"{name}.parquet"]
-    assert Path(document["report"]).samefile(tmp_path / f"{name}.html")
-    assert Path(document["trajectories"]).samefile(tmp_path / f"{name}.parquet")
-    table = pandas.read_parquet(tmp_path / f"{name}.parquet")
+    assert names(folder) == [f"{stem}.html", f"{stem}.parquet"]
+    assert Path(document["report"]).samefile(folder / f"{stem}.html")
+    assert Path(document["trajectories"]).samefile(folder / f"{stem}.parquet")
+    table = pandas.read_parquet(folder / f"{stem}.parquet")
     assert set(table["controller"]) == {entry["controller"] for entry in ranking}
     assert len(table) == len(ranking) * document["scenario"]["samples"]
-    page = (tmp_path / f"{name}.html").read_text(encoding="utf-8")
+    page = (folder / f"{stem}.html").read_text(encoding="utf-8")
     assert page.rstrip().endswith("</html>")
     assert all(entry["controller"] in page for entry in ranking)
+    return document
+
+
+def check_table(result, folder, stem, controllers):
+    """Check that a study showed a table which fits a terminal, and said what it wrote."""
+    status, output, errors = result
+    assert status == 0 and "Traceback" not in errors
+    lines = output.splitlines()
+    table = [line for line in lines if not line.startswith(("Report:", "Trajectories:"))]
+    assert all(len(line) <= 100 for line in table)
+    assert len({output.index(text) for text in controllers}) == len(controllers)
+    assert str(folder / f"{stem}.html") in output.replace("\n", "")
+    assert names(folder) == [f"{stem}.html", f"{stem}.parquet"]
+
+
+def test_study_prints_one_document_and_writes_report_and_data(command, two):
+    status, output, _ = command("study", "two.toml", "--json", "--output", "out")
+    assert status == 0
+    document = check_study(output, two / "out", "two")
+    assert {entry["controller"] for entry in document["ranking"]} == {"PI, SIMC", "by hand"}
+
+
+def test_study_shows_a_ranked_table_that_fits_a_terminal(command, two):
+    out = two / "out"
+    check_table(command("study", "two.toml", "-o", str(out)), out, "two", ("PI, SIMC", "by hand"))
+
+
+def test_without_a_folder_the_current_one_is_used_and_the_seed_is_an_option(command, two):
+    status, output, _ = command("study", "two.toml", "--json", "--seed", "5")
+    assert status == 0
+    assert one_document(output)["scenario"]["seed"] == 5
+    assert names(two) == ["plant.toml", "two.html", "two.parquet", "two.toml"]
+
+
+@pytest.mark.thorough
+def test_a_study_of_a_process_tries_every_design(command, tmp_path):
+    out = tmp_path / "out"
+    status, output, _ = command("study", str(ONE_TANK), "--json", "--output", str(out))
+    assert status == 0
+    document = check_study(output, out, "one-tank")
+    tried = [entry["controller"] for entry in document["ranking"] + document["not_applicable"]]
+    assert len(set(tried)) == len(tried) == len(DESIGNS) + 1  # one is tuned
+
+
+@pytest.mark.thorough
+def test_the_table_of_every_design_fits_a_terminal(command, tmp_path):
+    controllers = ("PI, SIMC", "PI, phase margin", "LQI, Bryson")
+    result = command("study", NAMES[1], "-o", str(tmp_path))
+    check_table(result, tmp_path, NAMES[1], controllers)
 
 
 def test_numbers_that_json_has_no_form_for_become_null(capsys):
@@ -122,28 +201,6 @@ def test_numbers_that_json_has_no_form_for_become_null(capsys):
     assert one_document(capsys.readouterr().out) == expected
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("name", NAMES)
-def test_study_shows_a_ranked_table_that_fits_a_terminal(command, tmp_path, name):
-    status, output, errors = command("study", name, "-o", str(tmp_path))
-    assert status == 0 and "Traceback" not in errors
-    lines = output.splitlines()
-    table = [line for line in lines if not line.startswith(("Report:", "Trajectories:"))]
-    assert all(len(line) <= 100 for line in table)
-    places = [output.index(text) for text in ("PI, SIMC", "PI, phase margin", "LQI, Bryson")]
-    assert len(set(places)) == 3
-    assert str(tmp_path / f"{name}.html") in output.replace("\n", "")
-    assert names(tmp_path) == [f"{name}.html", f"{name}.parquet"]
-
-
-@pytest.mark.thorough
-def test_without_a_folder_the_current_one_is_used_and_the_seed_is_an_option(command, tmp_path):
-    status, output, _ = command("study", NAMES[0], "--json", "--seed", "5")
-    assert status == 0
-    assert one_document(output)["scenario"]["seed"] == 5
-    assert names(tmp_path) == ["quadruple-tank.html", "quadruple-tank.parquet"]
-
-
 #: Johansson's table I: gamma, k [cm³/(s V)], v [V].
 PHASES = {
     NAMES[0]: ((0.70, 0.60), (3.33, 3.35), (3.00, 3.00)),
@@ -151,7 +208,6 @@ PHASES = {
 }
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("name", NAMES)
 def test_analyse_prints_johanssons_closed_forms(command, tmp_path, name):
     status, output, _ = command("analyse", name, "--json")
@@ -305,18 +361,16 @@ def test_an_interrupted_study_ends_with_status_130(command, tmp_path, monkeypatc
 
 
 @pytest.mark.thorough
-def test_a_real_process_studies_a_file_of_ones_own(tmp_path):
-    (tmp_path / "mine.toml").write_bytes(edited(('name = "quadruple-tank"', 'name = "mine"')))
-    done = process(COMMAND, "study", "mine.toml", "--json", folder=tmp_path)
+def test_a_real_process_studies_a_file_of_ones_own(two):
+    done = process(COMMAND, "study", "two.toml", "--json", folder=two)
     assert done.returncode == 0, done.stderr
-    assert one_document(done.stdout)["process"] == "mine"
-    assert names(tmp_path) == ["mine.html", "mine.parquet", "mine.toml"]
-    done = process(COMMAND, "analyse", "mine.toml", "--json", folder=tmp_path)
+    assert one_document(done.stdout)["process"] == "one-tank"
+    assert names(two) == ["plant.toml", "two.html", "two.parquet", "two.toml"]
+    done = process(COMMAND, "analyse", "plant.toml", "--json", folder=two)
     assert done.returncode == 0, done.stderr
     assert {"poles", "zeros", "rga", "operating_point"} <= one_document(done.stdout).keys()
 
 
-@pytest.mark.thorough
 def test_a_real_process_refuses_a_bad_file(tmp_path):
     (tmp_path / "bad.toml").write_bytes(BAD_FILES["negative area"])
     done = process(COMMAND, "study", "bad.toml", "--json", folder=tmp_path)

@@ -8,8 +8,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-
-from clepsydra.deploy.compiler import find_compiler
+from tools import need_compiler
 
 PAGE = Path(__file__).parents[2] / "docs" / "export.md"
 PI = ("quadruple-tank", "--controller", "PI, SIMC")
@@ -43,14 +42,12 @@ range = ["0 cm", "30 cm"]
 """
 
 
-@pytest.mark.thorough
 def test_the_main_program_of_the_page_runs_the_exported_c(command, tmp_path):
     status, out, _ = command("export", *PI, "--to", "c")
     assert status == 0 and f"Written: {NAME}.c" in out
     text = re.search(r"<!-- main.c -->\n```c\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)[1]
     Path("main.c").write_text(text, "utf-8")
-    compiler = find_compiler("test")
-    built = [*compiler.command, "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
+    built = [need_compiler(), "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
     subprocess.run([*built, "main.c", f"{NAME}.c", "-lm", "-o", "main"], check=True)
     printed = subprocess.run(["./main"], capture_output=True, text=True, check=True).stdout
     # K = 3, Ti = 1000 s / 31.2188 and 42.454 s, b = 1: the integral is such that the first scan,
@@ -110,7 +107,6 @@ def test_a_process_and_a_controller_become_fmus(command, version):
     assert len(list(Path().glob("*.fmu"))) == 3
 
 
-@pytest.mark.thorough
 def test_the_tuning_goes_to_screen_and_file(command):
     status, out, _ = command("export", *PI, "--to", "tuning")
     assert status == 0 and "KP = 3 %/%" in Path(f"{NAME}_tuning.md").read_text("utf-8")

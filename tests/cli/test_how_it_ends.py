@@ -67,7 +67,10 @@ def test_a_signal_ends_it_with_its_status_and_leaves_nothing(tmp_path, number, s
 
 
 @pytest.mark.skipif(not FULL.exists(), reason="no device that is always full")
-@pytest.mark.parametrize("arguments", [["--help"], ["processes", "--json"], ["processes"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [["--help"], ["processes", "--json"], pytest.param(["processes"], marks=pytest.mark.thorough)],
+)
 def test_full_standard_output_is_a_message(tmp_path, arguments):
     with FULL.open("w") as full:
         status, errors = end(start(tmp_path, *arguments, stdout=full))
@@ -83,22 +86,20 @@ def test_a_reader_that_closes_its_pipe_ends_it_like_any_other_program(tmp_path):
     assert end(process) == (-signal.SIGPIPE, "")
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(
     "arguments",
     [["analyse", "a\x1b[31mred.toml"], ["analyse", "--\x1b[2J"], ["\x9b2J"], ["study", "a\nb"]],
 )
-def test_control_characters_of_an_argument_never_reach_the_terminal(tmp_path, arguments):
-    status, errors = end(start(tmp_path, *arguments))
+def test_control_characters_of_an_argument_never_reach_the_terminal(command, arguments):
+    status, _, errors = command(*arguments)
     assert status == 2
     assert all(each == "\n" or each.isprintable() for each in errors)
 
 
-@pytest.mark.thorough
-def test_control_characters_of_a_file_never_reach_the_terminal(tmp_path):
+def test_control_characters_of_a_file_never_reach_the_terminal(command, tmp_path):
     mine = tmp_path / "mine.toml"
     mine.write_text('name = "mine"\n["tanks"."a\\u001b[31m"]\n"\\u001b[2J" = "\\u0007"\n')
-    status, errors = end(start(tmp_path, "analyse", "mine.toml"))
+    status, _, errors = command("analyse", "mine.toml")
     assert status == 2
     assert all(each == "\n" or each.isprintable() for each in errors)
 

@@ -1,12 +1,15 @@
 """Where results go: a folder that is made where it is missing, and never a file in its place."""
 
+from pathlib import Path
+
 import pytest
 
+ONE_TANK = str(Path(__file__).parents[1] / "one-tank.toml")
 PI = ("quadruple-tank", "--controller", "PI, SIMC")
 WRITTEN = {
-    "simulate": (("simulate", "quadruple-tank", "-o", "a/b"), "simulation.html"),
+    "simulate": (("simulate", ONE_TANK, "-o", "a/b"), "simulation.html"),
     "draw": (("draw", "quadruple-tank", "-o", "a/b/c.svg"), "c.svg"),
-    "analyse": (("analyse", "quadruple-tank", "-o", "a/b/c.html"), "c.html"),
+    "analyse": (("analyse", ONE_TANK, "-o", "a/b/c.html"), "c.html"),
     "export": (("export", *PI, "--to", "tuning", "-o", "a/b"), "_tuning.md"),
 }
 

@@ -1,11 +1,9 @@
 """The verbs that list, draw and begin processes."""
 
 import json
-import re
 import subprocess
 import sys
 import tomllib
-from importlib import resources
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -13,10 +11,7 @@ import pytest
 
 import clepsydra as cl
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
-from clepsydra.process.kinds import KINDS
-from clepsydra.process.reader import _GENERAL_KEYS, load_process
-
-TEMPLATE = (resources.files("clepsydra.interface") / "new_process.toml").read_text(encoding="utf-8")
+from clepsydra.process.reader import load_process
 
 
 def names(folder):
@@ -51,24 +46,6 @@ def test_processes_prints_one_json_document_with_what_load_process_says(command)
         assert (entry["title"], entry["source"]) == (process.title, process.source)
         assert entry["variants"] == dict(process.variants)
         assert tuple(entry["default_variants"]) == tuple(process.variant)
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("arguments", [["processes"], ["new", "--help"], ["draw", "--help"]])
-def test_these_load_no_numeric_library(tmp_path, arguments):
-    code = (
-        "import sys; from clepsydra.cli import main\n"
-        "try: main(sys.argv[1:])\n"
-        "except SystemExit: pass\n"
-        "heavy = {'numpy', 'casadi', 'scipy', 'pandas', 'matplotlib', 'pint'}\n"
-        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
-    )
-    source = str(Path(cl.__file__).parents[1])
-    done = subprocess.run(
-        [sys.executable, "-c", code, *arguments],
-        cwd=tmp_path, env={"PYTHONPATH": source}, capture_output=True, text=True, timeout=60,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
 
 
 def test_python_runs_the_package(tmp_path):
@@ -117,43 +94,6 @@ def test_a_new_file_loads_and_can_be_studied(command, tmp_path):
     status, _, errors = command("study", "my-plant.toml", "--json")
     assert (status, errors) == (0, "")
     assert names(tmp_path) == ["my-plant.html", "my-plant.parquet", "my-plant.toml"]
-
-
-def test_the_template_explains_every_key():
-    for key in _GENERAL_KEYS:
-        assert re.search(rf"^(# )?(\[)?{key}\b", TEMPLATE, re.MULTILINE), key
-    for kind in KINDS:
-        place = re.search(rf"^(# )?\[{kind.table}\.", TEMPLATE, re.MULTILINE)
-        assert place, kind.table
-        rest = TEMPLATE[place.start() :]
-        for key in kind.keys:
-            assert re.search(rf"\b{key} = ", rest) or re.search(rf"\b{key} = ", TEMPLATE), key
-
-
-@pytest.mark.parametrize("table", sorted({kind.table for kind in KINDS}))
-def test_what_the_template_shows_in_comments_can_be_written(table, tmp_path):
-    """Uncomment one table of the template at a time: its keys are known and its values right."""
-    block = re.search(rf"^# \[{table}\.[a-z_0-9]+\]\n(# .*\n)+", TEMPLATE, re.MULTILINE)
-    if block is None:
-        assert re.search(rf"^\[{table}\.", TEMPLATE, re.MULTILINE)
-        return
-    lines = [line[2:] for line in block.group().splitlines()]
-    # Words after a value are for the reader, and some keys exclude others.
-    lines = [re.sub(r'^(\w+ = ("[^"]*"|\[.*\]|\{.*\}|\S+))\s{2,}.*$', r"\1", x) for x in lines]
-    lines = [x for x in lines if not x.startswith(("rangeability", "backlash"))]
-    text = TEMPLATE.replace(block.group(), "\n".join(lines) + "\n")
-    outlet = 'source = "tank_1"\ndestination = "basin"'
-    if table == "splitters":
-        # The outlet feeds it, and it feeds a second reservoir instead of the tank.
-        text = text.replace(outlet, outlet.replace("basin", "splitter_1"), 1)
-        sump = "fractions = { sump = 0.7, basin = 0.3 }\n[reservoirs.sump]"
-        text = text.replace("fractions = { tank_1 = 0.7, basin = 0.3 }", sump)
-    if table == "delays":
-        text = text.replace(outlet, outlet.replace("basin", "channel_1"), 1)
-        text = text.replace('destination = "tank_1"\ntime', 'destination = "basin"\ntime')
-    (tmp_path / "plant.toml").write_text(text, encoding="utf-8")
-    name = re.match(r"\[\w+\.(\w+)\]", lines[0]).group(1)
-    assert name in {e.name for e in load_process(tmp_path / "plant.toml").elements}
 
 
 @pytest.mark.parametrize("name", ["quadruple-tank", "eight-tanks"])

@@ -1,15 +1,12 @@
 """``clepsydra simulate``: what it prints and writes, and what it refuses."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pandas
 import pytest
 
-from clepsydra.loop.simulation import simulate
+import clepsydra as cl
 
 
 @pytest.fixture
@@ -20,25 +17,6 @@ def simulated(command):
 
 def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
-
-
-@pytest.mark.thorough
-def test_help_loads_nothing_numeric():
-    code = (
-        "import sys\n"
-        "from clepsydra.cli import main\n"
-        "try:\n    main(['simulate', '--help'])\n"
-        "except SystemExit:\n    print(*sorted(sys.modules), file=sys.stderr)\n"
-    )
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=60
-    )
-    loaded = {name.partition(".")[0] for name in done.stderr.split()}
-    assert "typer" in loaded
-    assert not loaded & {"numpy", "casadi", "scipy", "matplotlib", "pandas", "pyarrow", "pint"}
-    for option in ("--input", "--profile", "--duration", "--start", "--state", "--solver"):
-        assert option in done.stdout
 
 
 @pytest.mark.thorough
@@ -68,10 +46,13 @@ def test_json_is_what_the_function_returns(simulated, tmp_path):
     )  # fmt: skip
     assert status == 0
     found = json.loads(output)
-    run = simulate(
-        "quadruple-tank", {"pump_1": ["3.5 V @ 60 s", "4 V @ 90 s..120 s"]}, duration="300 s",
-        state={"tank_1.level": "5 cm"},
-    )  # fmt: skip
+    steps = [
+        cl.step("pump_1", to="3.5 V", at="60 s"),
+        cl.ramp("pump_1", to="4 V", at="90 s", over="30 s"),
+    ]
+    run = cl.simulate(
+        cl.load("quadruple-tank"), None, steps, duration="300 s", state={"tank_1.level": "5 cm"}
+    )
     assert found["signals"]["tank_1.level"]["start"] == 0.05
     for signal in run.signals:
         entry = found["signals"][signal.name]

@@ -13,7 +13,7 @@ from clepsydra.process import reader
 from clepsydra.process.kinds import KINDS
 from clepsydra.process.reader import load_process
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PAGE = "".join(
     (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
     for name in ("process-files", "switches")
