@@ -41,7 +41,9 @@ def test_help_speaks_of_the_plant(name):
         assert parameter in text
 
 
-@pytest.mark.thorough
+SLOW = pytest.mark.thorough
+
+
 @pytest.mark.parametrize(
     ("name", "text", "number"),
     [
@@ -50,9 +52,13 @@ def test_help_speaks_of_the_plant(name):
         ("phase_margin", {"crossover": "0.02 rad/s"}, {"crossover": 0.02}),
         ("lqi", {"maximum_errors": {"level_1": "5 %"}}, {"maximum_errors": {"level_1": 0.5}}),
         ("lqi", {"maximum_moves": {"pump_1": "500 mV"}}, {"maximum_moves": {"pump_1": 0.5}}),
-        ("gain_scheduled_lqi", {"over": "level_1", "points": ["40 %", "6 V"]},
-         {"over": "level_1", "points": [4.0, 6.0]}),
-        ("pole_placement", {"bandwidth": "0.05 rad/s"}, {"bandwidth": 0.05}),
+        pytest.param(
+            "gain_scheduled_lqi", {"over": "level_1", "points": ["40 %", "6 V"]},
+            {"over": "level_1", "points": [4.0, 6.0]}, marks=SLOW,
+        ),
+        pytest.param(
+            "pole_placement", {"bandwidth": "0.05 rad/s"}, {"bandwidth": 0.05}, marks=SLOW
+        ),
     ],
 )  # fmt: skip
 def test_text_with_a_unit_is_the_number_in_its_unit(plant, name, text, number):

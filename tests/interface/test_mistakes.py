@@ -206,7 +206,6 @@ def test_a_design_that_does_not_suit_says_why(plant):
         cl.design.arrest_time(plant)
 
 
-@pytest.mark.thorough
 def test_a_plant_that_cannot_rest_as_asked_says_why(plant):
     with pytest.raises(cl.NoEquilibrium):
         cl.analyse(plant.at(outputs={"level_1": "9.9 V", "level_2": "0.2 V"}))

@@ -36,7 +36,6 @@ def test_relative_gains_are_labelled_and_add_up_to_one(plant):
     assert gains.to_numpy() == pytest.approx(by_hand)
 
 
-@pytest.mark.thorough
 def test_margins_are_those_of_the_loop_with_its_gain_raised(plant, pi):
     """A gain raised by its margin brings the loop to the edge: twice as far is unstable."""
     margin = cl.margins(pi, plant).loc["level_1", "gain margin"]
@@ -115,7 +114,6 @@ def test_parameters_of_a_plant_are_found_again(plant, tmp_path):
     assert error.value.place == "manipulated"
 
 
-@pytest.mark.thorough
 def test_an_export_writes_what_it_says(plant, pi, tmp_path):
     bold = pi.with_values({"level_1": {"K": 6.0}}, name="bold")
     written = cl.export(bold, plant, tmp_path / "plc", to="st", fail_safe={"pump_1": 2.0})

@@ -27,7 +27,10 @@ def test_the_whole_way(tmp_path):
     assert study.best.controller.name in (pi.name, bold.name) and len(study.ranking) == 2
     study.report(tmp_path / "out.html")
     assert (tmp_path / "out.html").stat().st_size > 10_000
-    best = cl.tune(pi, plant, goal="iae", limits={"overshoot": "10 %", "max|S|": 1.6})
+    best = cl.tune(
+        pi, plant, goal="iae", limits={"overshoot": "10 %", "max|S|": 1.6},
+        parameters={"level_1": {"K": (1, 9)}}, events=events[:1], duration="3 min",
+    )  # fmt: skip
     assert best.tuning.objective < 1.0 and best.tuning.maximum_sensitivity < 1.6 + 1e-5
     record = cl.simulate(plant, None, [cl.step("pump_1", "+0.5 V", at="1 min")])
     record.save(tmp_path / "record.csv")
