@@ -25,7 +25,6 @@ from benchmarks.case import (
 from benchmarks.cplusplus import VECTOR_COUNTS, CPlusPlus, recording_arrays
 from benchmarks.experiments import AGREEMENT
 from benchmarks.measure import Timings, Way, interleave
-from clepsydra.engine.object_cache import ObjectCache
 
 ONE_RUN = make_case(1, 400)
 BATCH = make_case(53, 400)
@@ -77,10 +76,8 @@ def test_cplusplus_single_run_equals_numpy(program: CPlusPlus) -> None:
 
 @pytest.mark.parametrize("case", [ONE_RUN, BATCH], ids=["one run", "batch"])
 def test_clepsydra_equals_numpy(case: Case, tmp_path: Path) -> None:
-    clepsydra = with_clepsydra.Clepsydra.build(
-        ObjectCache(tmp_path / "kernels"), record=case is ONE_RUN
-    )
-    found = with_clepsydra.solution(clepsydra.prepare(case).run())
+    run = with_clepsydra.first_call(case, tmp_path / "kernels", cached=True)
+    found = with_clepsydra.solution(run())
     assert (found.recorded is not None) == (case is ONE_RUN)
     assert largest_difference(found, solve(case)) < AGREEMENT
 

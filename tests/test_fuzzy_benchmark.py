@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,8 +13,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from benchmarks import fuzzy, page
 from benchmarks.experiments import Disagreement
-from clepsydra.controllers.fuzzy.membership import triangle
-from clepsydra.controllers.fuzzy.system import LinguisticVariable
 
 # scikit-fuzzy, where it is installed, calls NumPy as it was.
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning:skfuzzy")
@@ -43,7 +42,8 @@ def test_ways_that_disagree_are_not_timed(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_the_centroid_below_straight_lines_is_that_of_the_trapezoid() -> None:
     """A triangle over 0 to 3 with its top at 1, clipped at a half from 0.5 to 2."""
-    u = LinguisticVariable("u", 0.0, 4.0, {"T": triangle(0.0, 1.0, 3.0)})
+    triangle = SimpleNamespace(degrees=lambda x: np.interp(x, [0.0, 1.0, 3.0], [0.0, 1.0, 0.0]))
+    u = SimpleNamespace(sets={"T": triangle})
     parts = [(0.5 * 0.5 / 2, 1 / 3), (1.5 * 0.5, 1.25), (1.0 * 0.5 / 2, 2 + 1 / 3)]
     expected = sum(area * at for area, at in parts) / sum(area for area, _ in parts)
     points = np.array([0.0, 1.0, 3.0, 4.0])

@@ -9,8 +9,8 @@ from pages import PAGES, ROOT, blocks
 from PIL import Image
 from tools import need, need_compiler
 
+import clepsydra as cl
 from clepsydra.cli.application import application
-from clepsydra.studies.study import run_study
 
 LANGUAGES = {"sh", "python", "pycon", "toml", "c", "iecst", "csv", "text"}
 COMMANDS = [block for page in PAGES for block in blocks(page, "sh")]
@@ -69,4 +69,4 @@ def test_the_page_runs(page, tmp_path, monkeypatch):
 def test_the_picture_of_the_readme_shows_what_its_study_finds():
     """Where it does not, .ci/report_picture.py makes it again."""
     with Image.open(ROOT / "docs" / "report.png") as picture:
-        assert picture.text["Description"] == run_study("quadruple-tank").verdict
+        assert picture.text["Description"] == cl.study("quadruple-tank").verdict
