@@ -1,10 +1,60 @@
-"""A law in increments on a sampled model, scan by scan."""
+"""A law in increments on a sampled model, scan by scan, and its gains by pole placement."""
 
 from collections import deque
+from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import convolution_matrix
 
 from clepsydra.program.delay_ring import DelayRing
+
+
+class Placed(NamedTuple):
+    """P (1 − z^-1) u = r0 w − Q y, which gives A (1 − z^-1) P + B Q = D."""
+
+    P: np.ndarray
+    Q: np.ndarray
+    feedforward: float
+    D: np.ndarray
+
+    @property
+    def values(self):
+        """The parameters of the law: P divided by p0, and Q in differences of the measurement."""
+        differences = -np.cumsum(self.Q[:0:-1])[::-1]
+        gains = {"reference_gain_1": self.feedforward}
+        gains |= {f"measurement_gain_1_{j}": g for j, g in enumerate(differences, start=1)}
+        gains |= {f"increment_gain_1_{j}": p for j, p in enumerate(self.P[1:], start=1)}
+        scaled = {name: gain / self.P[0] for name, gain in gains.items()}
+        return {name: float(gain) for name, gain in scaled.items()}
+
+
+def placed(model, poles, penalty=1.0, *, predicted=False):
+    """The poles of the quadratic criterion A* q A + B* B, and further ones.
+
+    Parameters
+    ----------
+    model : SampledModel
+    poles : sequence of float
+    penalty : float
+        q
+    predicted : bool
+        For what a predictor shows: B(1) z^-1 in the place of B.
+    """
+    A, B = np.array(model.A, float), np.array(model.B, float)
+    length = max(len(A), len(B))
+    A_, B_ = (np.pad(each, (0, length - len(each))) for each in (A, B))
+    criterion = penalty * np.convolve(A_, A_[::-1]) + np.convolve(B_, B_[::-1])
+    roots = np.roots(np.trim_zeros(criterion))
+    D = np.poly([*roots[np.abs(roots) < 1.0], *poles]).real
+    B = np.array([0.0, B.sum()]) if predicted else np.concatenate([np.zeros(model.delay), B])
+    steadied = np.convolve(A, [1.0, -1.0])
+    of_p = max(len(B) - 1, len(D) - len(steadied) + 1)
+    size = len(steadied) + of_p - 1
+    of_q = size - of_p
+    columns = [convolution_matrix(steadied, of_p), convolution_matrix(B, of_q)]
+    columns = [np.pad(each, ((0, size - len(each)), (0, 0))) for each in columns]
+    found = np.linalg.solve(np.hstack(columns), np.pad(D, (0, size - len(D))))
+    return Placed(found[:of_p], found[of_p:], D.sum() / B.sum(), D)
 
 
 class Rig:

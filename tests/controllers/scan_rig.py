@@ -1,34 +1,72 @@
-"""A controller run scan by scan by its law's own function."""
+"""Controllers of plants, each designed once, run scan by scan by their laws' own functions."""
+
+from collections import deque
+from functools import cache
 
 import numpy as np
 
+import clepsydra as cl
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.studies.designs import DESIGNS
+
+load = cache(cl.load)
+
+
+@cache
+def designed(name, process):
+    """The controller of a design by its name in studies, and the plant that it is for."""
+    plant = load(process)
+    return DESIGNS[name](plant.analysis), plant
+
 
 class ScannedLaw:
-    """Keeps state and inputs; `scan` changes some inputs and returns the outputs by name."""
+    """Keeps state, rings and inputs; `scan` changes some inputs and returns the outputs by name."""
 
-    def __init__(self, controller, period):
+    def __init__(self, controller, period, **inputs):
         self.controller, self.law = controller, controller.law
         self.state = dict(controller.initial_state)
-        self.inputs = {s.name: s.initial for s in self.law.inputs} | {"time_step": period}
-        self.parameters = [controller.values[p.name] for p in self.law.parameters]
+        self.rings = {
+            entry.name: deque([self.state[entry.name]] * entry.length)
+            for entry in self.law.state
+            if isinstance(entry, DelayRing)
+        }
+        self.values = dict(controller.values)
+        self.inputs = {signal.name: signal.initial for signal in self.law.inputs}
+        modes = [name for name in self.inputs if name.startswith(("mode_", "sensor_"))]
+        self.inputs |= dict.fromkeys(modes, 1.0) | {"time_step": period} | inputs
 
     def scan(self, **inputs):
+        assert set(inputs) <= set(self.inputs), sorted(set(inputs) - set(self.inputs))
         self.inputs |= inputs
+        self.state |= {name: ring[0] for name, ring in self.rings.items()}
         results = self.law.function(
             [self.state[entry.name] for entry in self.law.state],
             [self.inputs[signal.name] for signal in self.law.inputs],
-            self.parameters,
+            [self.values[signal.name] for signal in self.law.parameters],
         )
         groups = self.law.state, self.law.outputs, self.law.intermediates
-        self.state, outputs, self.named = (
+        following, outputs, self.named = (
             dict(zip((e.name for e in group), np.array(values).ravel().tolist(), strict=True))
             for group, values in zip(groups, results, strict=True)
         )
+        for name, ring in self.rings.items():
+            ring.popleft()
+            ring.append(following[name])
+        self.state = following
+        return outputs
+
+    def scans(self, count, **inputs):
+        """Run some scans with the same inputs and return the outputs of the last."""
+        for _ in range(count):
+            outputs = self.scan(**inputs)
         return outputs
 
 
-def at_rest(controller, model):
-    """Measurements and setpoints at the operating point."""
-    at = model.point.as_dict()
+def at_rest(controller, plant):
+    """Measurements, setpoints and what is set by hand at the operating point."""
+    at = plant.point.as_dict()
     given = {f"measurement_{k}": at[n] for k, n in enumerate(controller.measurements, start=1)}
-    return given | {f"setpoint_{j}": at[n] for j, n in enumerate(controller.setpoints, start=1)}
+    given |= {f"setpoint_{j}": at[n] for j, n in enumerate(controller.setpoints, start=1)}
+    for i, name in enumerate(controller.manipulated, start=1):
+        given |= {f"manual_{i}": at[name], f"tracking_{i}": at[name]}
+    return given

@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 from refusals import refused
 
+import clepsydra as cl
 from clepsydra import PidForm, Signal
 from clepsydra.controllers.blocks.status import read_status
 from clepsydra.controllers.conditioned_linear import ConditionedMatrices, conditioned_linear_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 
 LEVEL, PUMP = Signal("level", "m", low=0.0, high=10.0), Signal("pump", "V", low=0.0, high=10.0)
 AT_REST = {"fading_time_1": 20.0, "low_limit_1": 0.0, "high_limit_1": 10.0, "bias_1": 3.0}
@@ -49,9 +47,8 @@ def pi_matrices(gain, integral_time, step=1.0):
 
 
 @pytest.fixture(scope="module")
-def designed():
-    analysis = analyse(load_process("quadruple-tank"))
-    return design_glover_mcfarlane(analysis.model, analysis.pairing), analysis
+def controller():
+    return cl.design.glover_mcfarlane(cl.load("quadruple-tank"))
 
 
 def rig_of(controller):
@@ -133,11 +130,10 @@ def test_unconditioned_is_the_same_inside_the_limits():
 
 
 @pytest.mark.parametrize("away", [0, 2])
-def test_bumpless_from_manual_and_tracking(designed, away):
+def test_bumpless_from_manual_and_tracking(controller, away):
     """At rest by hand at any output and any error: automatic begins where the hand left off."""
-    controller, analysis = designed
     rig = rig_of(controller)
-    at = analysis.operating_point.as_dict()
+    at = controller.plant.point.as_dict()
     given = {
         "setpoint_1": at["level_1"],
         "setpoint_2": at["level_2"],
@@ -155,10 +151,9 @@ def test_bumpless_from_manual_and_tracking(designed, away):
     assert later["manipulated_1"] < 4.2 - 0.1 and later["manipulated_2"] > 1.7 + 0.1
 
 
-def test_the_offset_of_a_bumpless_start_fades(designed):
-    controller, analysis = designed
+def test_the_offset_of_a_bumpless_start_fades(controller):
     rig = rig_of(controller)
-    at = analysis.operating_point.as_dict()
+    at = controller.plant.point.as_dict()
     given = {
         f"{what}_{j}": at[f"level_{j}"] for what in ("setpoint", "measurement") for j in (1, 2)
     }
@@ -174,10 +169,9 @@ def test_the_offset_of_a_bumpless_start_fades(designed):
     assert rig.kept("integral_1") == pytest.approx(share * start, rel=1e-9)
 
 
-def test_one_output_by_hand_leaves_the_other_in_automatic(designed):
-    controller, analysis = designed
+def test_one_output_by_hand_leaves_the_other_in_automatic(controller):
     rig = rig_of(controller)
-    at = analysis.operating_point.as_dict()
+    at = controller.plant.point.as_dict()
     given = {
         f"{what}_{j}": at[f"level_{j}"] for what in ("setpoint", "measurement") for j in (1, 2)
     }
@@ -197,10 +191,9 @@ def test_one_output_by_hand_leaves_the_other_in_automatic(designed):
         {"mode_1": 3.0, "mode_2": 7.0},
     ],
 )
-def test_faults_hold_outputs_and_memory(designed, fault):
-    controller, analysis = designed
+def test_faults_hold_outputs_and_memory(controller, fault):
     rig = rig_of(controller)
-    at = analysis.operating_point.as_dict()
+    at = controller.plant.point.as_dict()
     given = {f"setpoint_{j}": at[f"level_{j}"] for j in (1, 2)}
     given |= {"measurement_1": at["level_1"] + 0.1, "measurement_2": at["level_2"]}
     for _ in range(20):
@@ -215,8 +208,7 @@ def test_faults_hold_outputs_and_memory(designed, fault):
         assert np.array_equal(rig.state, kept)
 
 
-def test_parameters_that_run_over_leave_the_memory(designed):
-    controller, _ = designed
+def test_parameters_that_run_over_leave_the_memory(controller):
     name = next(n for n in controller.values if n.startswith("transition_1_"))
     rig = Rig(
         controller.law,

@@ -1,40 +1,50 @@
 """The extended Kalman filter beside one in NumPy, beside the linear one, and in an empty tank."""
 
+from functools import cache
+
+import casadi as ca
 import numpy as np
 import pytest
 from refusals import refused
 from scan_rig import ScannedLaw
 from scipy.linalg import expm
 
+import clepsydra as cl
 from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
 from clepsydra.controllers.process_equations import process_equations
-from clepsydra.designs.extended_kalman import design_lqi_extended_kalman
-from clepsydra.designs.lqi_kalman import design_lqi_kalman
-from clepsydra.linear.analysis import analyse
 from clepsydra.linear.derivatives import Derivatives
-from clepsydra.process.reader import load_process
 
-PROCESS = load_process("quadruple-tank")
-MODEL = analyse(PROCESS).model
+PLANT = cl.load("quadruple-tank")
+PROCESS, POINT = PLANT.process, PLANT.point
 SLOPE = 50.0  # of the sensors [V/m]
 BY_HAND = {"mode_1": 0, "mode_2": 0, "setpoint_1": 6.0, "setpoint_2": 6.0}
 
 
-def rates(levels, pumps):
-    found = PROCESS.dynamics(levels, pumps, MODEL.point.disturbances, PROCESS.parameter_values)
-    return np.array(found).ravel()
+@pytest.fixture(scope="module")
+def designed():
+    return cl.design.lqi_extended_kalman(PLANT)
 
 
-def moved_on(levels, pumps, steps, period=1.0):
+@cache
+def motion(steps, period=1.0):
     """Runge-Kutta, in as many steps as asked for."""
-    h = period / steps
+    levels, pumps = ca.SX.sym("levels", 4), ca.SX.sym("pumps", 2)
+
+    def rates(at):
+        return PROCESS.dynamics(at, pumps, POINT.disturbances, PROCESS.parameter_values)
+
+    h, moved = period / steps, levels
     for _ in range(steps):
-        a = rates(levels, pumps)
-        b = rates(levels + 0.5 * h * a, pumps)
-        c = rates(levels + 0.5 * h * b, pumps)
-        d = rates(levels + h * c, pumps)
-        levels = levels + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
-    return levels
+        a = rates(moved)
+        b = rates(moved + 0.5 * h * a)
+        c = rates(moved + 0.5 * h * b)
+        d = rates(moved + h * c)
+        moved = moved + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+    return ca.Function("motion", [levels, pumps], [moved])
+
+
+def moved_on(levels, pumps, steps):
+    return np.array(motion(steps)(levels, pumps)).ravel()
 
 
 def plant(levels, pumps, samples):
@@ -62,15 +72,13 @@ def far_pumps(k):
     return np.array([1.8, 3.4]) if k < 150 else np.array([3.4, 1.6])
 
 
-@pytest.mark.thorough
-def test_it_is_the_filter_that_numpy_computes():
+def test_it_is_the_filter_that_numpy_computes(designed):
     """All measurements at once, Joseph's form, and the exponential of SciPy."""
-    controller = design_lqi_extended_kalman(MODEL)
-    values, state = controller.values, controller.initial_state
+    values, state = designed.values, designed.initial_state
     random = np.random.default_rng(2)
     noise = 0.05 * random.normal(size=(300, 2))
     truth = plant([0.08, 0.15, 0.03, 0.01], far_pumps, 300)
-    found, law = scanned(controller, truth, far_pumps, noise)
+    found, law = scanned(designed, truth, far_pumps, noise)
     P = np.zeros((4, 4))
     for j in range(4):
         for k in range(j, 4):
@@ -78,7 +86,7 @@ def test_it_is_the_filter_that_numpy_computes():
     x = np.array([state[f"estimate_{j}"] for j in range(1, 5)])
     V = np.diag([values[f"sensor_noise_{k}"] ** 2 for k in (1, 2)])
     intensity = np.diag([values[f"input_noise_{i}"] ** 2 for i in (1, 2)])
-    loads = sum(p.name.startswith("load_noise") for p in controller.law.parameters)
+    loads = sum(p.name.startswith("load_noise") for p in designed.law.parameters)
     assert loads == len(PROCESS.disturbances)  # in the order of the process
     H = np.hstack([SLOPE * np.eye(2), np.zeros((2, 2))])
     derivatives = Derivatives(PROCESS)
@@ -90,7 +98,7 @@ def test_it_is_the_filter_that_numpy_computes():
         P = left @ P @ left.T + K @ V @ K.T
         assert found[k] == pytest.approx(x, rel=1e-9), k
         pumps = far_pumps(k)
-        local = derivatives.at(x, pumps, MODEL.point.disturbances)
+        local = derivatives.at(x, pumps, POINT.disturbances)
         S = local.rates_by_input @ intensity @ local.rates_by_input.T
         sizes = np.array([values[f"load_noise_{k}"] for k in range(1, loads + 1)])
         effects = local.rates_by_disturbance * sizes
@@ -102,16 +110,12 @@ def test_it_is_the_filter_that_numpy_computes():
     assert law.state["covariance_4_4"] == pytest.approx(P[3, 3], rel=1e-7)
 
 
-@pytest.mark.thorough
-def test_far_from_the_operating_point_it_knows_what_the_linear_one_does_not():
-    pair = (
-        design_lqi_extended_kalman(MODEL),
-        design_lqi_kalman(MODEL, measurements=["level_1", "level_2"]),
-    )
-    truth = plant(MODEL.point.state, far_pumps, 600)
+def test_far_from_the_operating_point_it_knows_what_the_linear_one_does_not(designed):
+    other = cl.design.lqi_kalman(PLANT, measurements=["level_1", "level_2"])
+    truth = plant(POINT.state, far_pumps, 600)
     noise = np.zeros((600, 2))
-    extended, _ = scanned(pair[0], truth, far_pumps, noise)
-    law, linear = ScannedLaw(pair[1], 1.0), []
+    extended, _ = scanned(designed, truth, far_pumps, noise)
+    law, linear = ScannedLaw(other, 1.0), []
     for k, levels in enumerate(truth):
         pumps = far_pumps(k)
         law.scan(
@@ -120,16 +124,14 @@ def test_far_from_the_operating_point_it_knows_what_the_linear_one_does_not():
         )  # fmt: skip
         linear.append([law.named[f"deviation_{j}"] for j in range(1, 5)])
     assert PROCESS.levels == tuple(f"tank_{j}.level" for j in range(1, 5))
-    linear = np.array(linear) + MODEL.point.state
+    linear = np.array(linear) + POINT.state
     errors = [np.abs(found - truth)[:, 2:].max() for found in (extended, linear)]
     assert errors[0] < 1e-6  # the same equations, and the same start
     assert errors[1] > 0.002  # 2 mm, of levels of some centimetres
 
 
-@pytest.mark.thorough
-def test_a_wrong_start_is_forgotten_and_an_empty_tank_does_no_harm():
+def test_a_wrong_start_is_forgotten_and_an_empty_tank_does_no_harm(designed):
     """The pumps stand still until all tanks are empty, then run again."""
-    controller = design_lqi_extended_kalman(MODEL)
 
     def pumps(k):
         return np.zeros(2) if k < 1200 else np.array([3.0, 3.5])
@@ -137,7 +139,7 @@ def test_a_wrong_start_is_forgotten_and_an_empty_tank_does_no_harm():
     truth = plant([0.15, 0.05, 0.1, 0.06], pumps, 2000)
     assert truth[1199].max() < 1e-3
     noise = 0.05 * np.random.default_rng(3).normal(size=(2000, 2))
-    found, law = scanned(controller, truth, pumps, noise)
+    found, law = scanned(designed, truth, pumps, noise)
     assert np.isfinite(found).all() and found.min() >= 0.0
     assert all(np.isfinite(value) for value in law.state.values())
     errors = np.abs(found - truth)
@@ -145,10 +147,9 @@ def test_a_wrong_start_is_forgotten_and_an_empty_tank_does_no_harm():
 
 
 @pytest.mark.thorough
-def test_without_measurements_it_goes_on_by_the_equations_and_its_doubt_is_bounded():
-    controller = design_lqi_extended_kalman(MODEL)
-    law = ScannedLaw(controller, 1.0)
-    level = MODEL.point.state
+def test_without_measurements_it_goes_on_by_the_equations_and_its_doubt_is_bounded(designed):
+    law = ScannedLaw(designed, 1.0)
+    level = POINT.state
     shown = {f"measurement_{k}": SLOPE * level[k - 1] for k in (1, 2)}
     law.scan(**shown, setpoint_1=shown["measurement_1"], setpoint_2=shown["measurement_2"])
     for _ in range(3000):
@@ -156,7 +157,7 @@ def test_without_measurements_it_goes_on_by_the_equations_and_its_doubt_is_bound
     assert [law.state[f"estimate_{j}"] for j in range(1, 5)] == pytest.approx(level, rel=1e-6)
     spans = [signal.span for signal in PROCESS.state]
     for j, span in enumerate(spans, start=1):
-        before = controller.initial_state[f"covariance_{j}_{j}"]
+        before = designed.initial_state[f"covariance_{j}_{j}"]
         assert before < law.state[f"covariance_{j}_{j}"] <= span**2
 
 
@@ -164,8 +165,8 @@ def test_without_measurements_it_goes_on_by_the_equations_and_its_doubt_is_bound
     {"measurement_1": np.nan}, {"measurement_2": -np.inf}, {"time_step": -1.0},
     {"time_step": np.nan}, {"measurement_1": 1e300},
 ])  # fmt: skip
-def test_nonsense_leaves_numbers(fault):
-    law = ScannedLaw(design_lqi_extended_kalman(MODEL), 1.0)
+def test_nonsense_leaves_numbers(designed, fault):
+    law = ScannedLaw(designed, 1.0)
     for _ in range(5):
         law.scan(**{"measurement_1": 6.0, "measurement_2": 6.0, "setpoint_1": 6.0} | fault)
     assert all(np.isfinite(value) for value in law.state.values())
@@ -173,4 +174,4 @@ def test_nonsense_leaves_numbers(fault):
 
 def test_a_controlled_output_has_to_be_measured():
     with refused(remedy="level_2"):
-        ExtendedKalman(process_equations(MODEL), ("level_1",), (), 1, 0)
+        ExtendedKalman(process_equations(PLANT.linear), ("level_1",), (), 1, 0)

@@ -6,13 +6,8 @@ from pathlib import Path
 import numpy as np
 from pages import blocks
 
+import clepsydra as cl
 from clepsydra.controllers.fuzzy import file as fuzzy_file
-from clepsydra.controllers.fuzzy.file import load_fuzzy
-from clepsydra.controllers.fuzzy.wired import WiredFuzzy
-from clepsydra.linear.analysis import analyse
-from clepsydra.loop.default_scenario import default_scenario
-from clepsydra.loop.loop import Loop
-from clepsydra.process.reader import load_process
 
 PAGE = (Path(__file__).parents[2] / "docs" / "fuzzy-files.md").read_text(encoding="utf-8")
 SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL))
@@ -33,13 +28,12 @@ def test_every_key_is_told_and_no_other():
 def test_the_example_holds_the_level(tmp_path):
     (block,) = (b for b in blocks("docs/fuzzy-files.md") if b.file == "level-rules.toml")
     (tmp_path / block.file).write_text(block.text, encoding="utf-8")
-    analysis = analyse(load_process("quadruple-tank"))
-    point = analysis.operating_point
-    file = load_fuzzy(tmp_path / "level-rules.toml")
-    controller = WiredFuzzy(file, point.process).controller(point, "by rules")
-    scenario = default_scenario(analysis.model)
-    run = Loop(controller, analysis.model).run(scenario)
-    step = next(s for s in scenario.segments if s.signal == "level_1")
-    error = scenario.setpoints[:, 0] - run.true_measurement("level_1")
-    assert abs(error[int(step.start)]) > 0.9
-    assert np.abs(error[int(step.stop) - 60 : int(step.stop)]).max() < 0.05
+    plant = cl.load("quadruple-tank")
+    controller = cl.design.fuzzy(plant, tmp_path / "level-rules.toml")
+    steps = [cl.step("level_1", by, at=at) for by, at in (("+1 V", 0), ("-1 V", 600))]
+    run = cl.simulate(plant, controller, steps, duration=1200)
+    level = run.true_measurement("level_1")
+    error = run.scenario.setpoints[:, 0] - level
+    for start in (0, 600):
+        assert abs(error[start]) > 0.9
+        assert np.abs(error[start + 540 : start + 600]).max() < 0.05

@@ -1,16 +1,13 @@
 """Files of fuzzy controllers: every mistake has its line, and units are what they say."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from refusals import refused
 
+import clepsydra as cl
 from clepsydra import InputError
-from clepsydra.controllers.fuzzy.file import load_fuzzy, read_fuzzy
-from clepsydra.controllers.fuzzy.wired import WiredFuzzy
-from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.process.document import parse
-from clepsydra.process.reader import load_process
 
 TEXT = """title = "A level"
 points = 51
@@ -52,15 +49,21 @@ down = "if e is N then u is S"
 stay = "if e is ZO and (de is N or de is P) then u is M"
 up = "if e is P then u is L"
 """
-PLANT = find_equilibrium(load_process("quadruple-tank"))
+PLANT = cl.load("quadruple-tank")
 
 
-def wired(text=TEXT):
-    return WiredFuzzy(read_fuzzy(parse(text.encode(), "a.toml", "fuzzy")), PLANT.process)
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def controlled(text=TEXT, plant=PLANT):
+    Path("a.toml").write_text(text, encoding="utf-8")
+    return cl.design.fuzzy(plant, "a.toml", name="mine")
 
 
 def test_units_and_gains_are_converted_to_the_laws():
-    controller = wired().controller(PLANT, "mine")
+    controller = controlled()
     values = controller.values
     assert values["input_gain_1"] == pytest.approx(2.0)  # 0.002 per mV
     assert values["dead_zone_1"] == pytest.approx(5e-3)
@@ -71,7 +74,7 @@ def test_units_and_gains_are_converted_to_the_laws():
     assert (values["low_limit_1"], values["high_limit_1"]) == (0.0, 10.0)
     assert controller.manipulated == ("pump_2",) and controller.setpoints == ("level_1",)
     assert controller.initial_state["last_output_1"] == 3.0
-    assert controller.initial_state["filtered_2"] == pytest.approx(PLANT.as_dict()["level_1"])
+    assert controller.initial_state["filtered_2"] == pytest.approx(PLANT.point.as_dict()["level_1"])
     assert controller.design == "Written out: 3 rules, centroid on 51 points; A level."
     assert controller.law.description[0] == "down: if e is N then u is S"
 
@@ -79,9 +82,9 @@ def test_units_and_gains_are_converted_to_the_laws():
 def test_each_error_has_the_setpoint_of_its_own_measurement():
     rate = 'of = "level_1"\nquantity = "measurement_rate"\nunit = "V/min"\nfilter_time = "2 s"'
     assert rate in TEXT
-    found = wired(TEXT.replace(rate, 'of = "level_2"\nunit = "V"'))
+    found = controlled(TEXT.replace(rate, 'of = "level_2"\nunit = "V"'))
     assert found.measurements == found.setpoints == ("level_1", "level_2")
-    rate_of_another = wired(TEXT.replace(rate, rate.replace("level_1", "level_2")))
+    rate_of_another = controlled(TEXT.replace(rate, rate.replace("level_1", "level_2")))
     assert rate_of_another.measurements == ("level_1", "level_2")
     assert rate_of_another.setpoints == ("level_1",)
 
@@ -89,15 +92,14 @@ def test_each_error_has_the_setpoint_of_its_own_measurement():
 @pytest.mark.parametrize(("line", "time"), [("", 4.0), ('\nfading_time = "0.5 min"', 30.0)])
 def test_what_a_bumpless_start_of_a_position_saves_fades_in_ten_samples_or_as_written(line, time):
     position = TEXT.replace('action = "increment"\nunit = "V/min"', f'unit = "V"{line}')
-    process = replace(PLANT.process, sampling_period=0.4)
-    read = WiredFuzzy(read_fuzzy(parse(position.encode(), "a.toml", "fuzzy")), process)
-    assert read.controller(PLANT, "mine").values["fading_time_1"] == time
+    plant = cl.Plant(replace(PLANT.process, sampling_period=0.4))
+    assert controlled(position, plant).values["fading_time_1"] == time
 
 
 def test_a_position_is_told_to_have_no_integral_action():
-    assert wired().controller(PLANT, "mine").notes == ()
+    assert controlled().notes == ()
     text = TEXT.replace('action = "increment"\nunit = "V/min"', 'unit = "V"')
-    (note,) = wired(text).controller(PLANT, "mine").notes
+    (note,) = controlled(text).notes
     assert note == "pump_2 has no integral action: a load leaves an offset."
 
 
@@ -175,7 +177,7 @@ MISTAKES = [
 def test_a_mistake_is_answered_with_its_line(old, new, message):
     assert TEXT.count(old) >= 1
     with pytest.raises(InputError) as found:
-        wired(TEXT.replace(old, new))
+        controlled(TEXT.replace(old, new))
     assert str(found.value).startswith(message), str(found.value)
 
 
@@ -186,17 +188,16 @@ def test_one_input_is_moved_by_one_output_only():
     text = TEXT.replace("[rules]", second + "[rules]").replace("u is L", "u is L and v is L")
     text = text.replace("u is M", "u is M and v is M").replace("u is S", "u is S and v is S")
     with refused(place="line 25, outputs.u.moves", value="pump_2", expected="each"):
-        wired(text)
-    assert wired(text.replace('moves = "pump_2"', 'moves = "pump_1"', 1)).manipulated == (
+        controlled(text)
+    assert controlled(text.replace('moves = "pump_2"', 'moves = "pump_1"', 1)).manipulated == (
         "pump_1",
         "pump_2",
     )
 
 
-def test_a_file_that_is_no_text_and_a_unit_that_is_none(tmp_path):
-    file = tmp_path / "rules.toml"
-    file.write_bytes(b"\xff\xfe")
+def test_a_file_that_is_no_text_and_a_unit_that_is_none():
+    Path("rules.toml").write_bytes(b"\xff\xfe")
     with refused(expected="text in UTF-8", remedy="check that this is a fuzzy file"):
-        load_fuzzy(file)
-    with pytest.raises(InputError, match=r"line 6, inputs\.e\.unit: got '1 ', expected"):
-        wired(TEXT.replace('"mV"', '"1"'))
+        cl.design.fuzzy(PLANT, "rules.toml")
+    with refused(place="line 6, inputs.e.unit", value="1 "):
+        controlled(TEXT.replace('"mV"', '"1"'))

@@ -6,16 +6,18 @@ import pytest
 from refusals import refused
 from scan_rig import ScannedLaw, at_rest
 
+import clepsydra as cl
 from clepsydra import PidForm, Signal
 from clepsydra.controllers.blocks.schedule import Schedule
 from clepsydra.controllers.gain_scheduling import scheduled_law, scheduled_lqi_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.designs.bryson import design_lqi
-from clepsydra.designs.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 
 LEVEL, PUMP = Signal("level", "m", low=0.0, high=10.0), Signal("pump", "%", low=0.0, high=100.0)
+
+
+@pytest.fixture(scope="module")
+def averaging():
+    return cl.load("averaging-tank")
 
 
 def table_of(points, values):
@@ -102,8 +104,9 @@ def test_scheduled_gains_move_no_output_by_themselves(form):
 
 @pytest.mark.thorough
 def test_scheduled_lqi_moves_no_output_by_its_gains():
-    model = analyse(load_process("quadruple-tank")).model
-    controller = design_gain_scheduled_lqi(model, over="level_1", points=[3.0, 6.0, 9.0])
+    controller = cl.design.gain_scheduled_lqi(
+        cl.load("quadruple-tank"), over="level_1", points=[3.0, 6.0, 9.0]
+    )
     law = ScannedLaw(controller, 1.0)
     shown = {"measurement_1": 8.5, "measurement_2": 4.0, "measurement_3": 2.0, "measurement_4": 3.0}
     first = law.scan(**shown, setpoint_1=8.5, setpoint_2=4.0)
@@ -117,16 +120,15 @@ def test_scheduled_lqi_moves_no_output_by_its_gains():
 
 
 @pytest.mark.thorough
-def test_scheduled_lqi_at_its_operating_point_is_lqi():
+def test_scheduled_lqi_at_its_operating_point_is_lqi(averaging):
     """In every sample, for small deviations: the schedule passes through the plain design."""
-    model = analyse(load_process("averaging-tank")).model
     pair = (
-        design_lqi(model),
-        design_gain_scheduled_lqi(model, over="volume", points=[1.0, 2.0, 3.0]),
+        cl.design.lqi(averaging),
+        cl.design.gain_scheduled_lqi(averaging, over="volume", points=["1 m^3", "2 m^3", "3 m^3"]),
     )
     laws = [ScannedLaw(controller, 0.1) for controller in pair]
     random = np.random.default_rng(4)
-    given = at_rest(pair[0], model)
+    given = at_rest(pair[0], averaging)
     places = {name: k for k, name in enumerate(pair[0].measurements, start=1)}
     for _ in range(50):
         given[f"measurement_{places['concentration']}"] = 5000.0 + 20.0 * random.normal()
@@ -136,13 +138,14 @@ def test_scheduled_lqi_at_its_operating_point_is_lqi():
 
 
 @pytest.mark.thorough
-def test_the_linear_model_halfway_is_that_of_the_interpolated_gains():
+def test_the_linear_model_halfway_is_that_of_the_interpolated_gains(averaging):
     """Whatever the sensors say, the law moves by its gains of the last sample."""
-    model = analyse(load_process("averaging-tank")).model
-    controller = design_gain_scheduled_pid(model, over="volume", points=[1.0, 2.0, 3.0])
+    controller = cl.design.gain_scheduled_pid(
+        averaging, over="volume", points=["1 m^3", "2 m^3", "3 m^3"]
+    )
     loop = controller.setpoints.index("concentration") + 1
     law = ScannedLaw(controller, 0.1)
-    given = at_rest(controller, model)
+    given = at_rest(controller, averaging)
     volume = controller.measurements.index("volume") + 1
     given |= {f"measurement_{volume}": 2.5, f"setpoint_{volume}": 2.5}
     for _ in range(3000):

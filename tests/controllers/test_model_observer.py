@@ -2,34 +2,26 @@
 
 import numpy as np
 import pytest
-from refusals import refused
 
-from clepsydra.controllers.feedback_linearisation import feedback_linearisation_law
-from clepsydra.controllers.observers.model_observer import ModelObserver
-from clepsydra.linear.analysis import analyse
-from clepsydra.linear.lie_derivatives import input_affine_equations
-from clepsydra.linear.relative_degree import relative_degree
-from clepsydra.process.reader import load_process
+import clepsydra as cl
 
-MEASURED = ("level_1", "level_2")
+PLANT = cl.load("quadruple-tank")
 CORRECTION = 1e-3 * np.array([[4.0, 0.1], [0.2, 3.0], [1.0, 0.5], [-0.3, 0.7]])
 
 
 @pytest.fixture(scope="module")
 def scanned():
-    """The law of four tanks with two sensors, its parameters, and a scan by names."""
-    process = load_process("quadruple-tank")
-    found = relative_degree(analyse(process).model)
-    equations = found.equations
-    observer = ModelObserver(equations, equations.states, MEASURED, CORRECTION != 0.0)
-    law = feedback_linearisation_law(found, observer=observer)
-    values = {parameter.name: parameter.initial for parameter in law.parameters}
+    """The law of four tanks with two sensors, and a scan by names."""
+    controller = cl.design.feedback_linearisation(PLANT, measurements=["level_1", "level_2"])
+    law = controller.law
 
     def scan(state, correction, **inputs):
         given = {signal.name: signal.initial for signal in law.inputs} | {
             "mode_1": 0.0, "mode_2": 0.0, "time_step": 2.0,
         } | inputs  # fmt: skip
-        numbers = values | observer.values(correction)
+        numbers = controller.values | {
+            f"correction_{j + 1}_{k + 1}": value for (j, k), value in np.ndenumerate(correction)
+        }
         start = {entry.name: 0.0 for entry in law.state}
         start |= {f"estimate_{k}": x for k, x in enumerate(state, start=1)}
         following, _, _ = law.function(
@@ -45,7 +37,7 @@ def scanned():
 def integrated(state, u, time):
     from scipy.integrate import solve_ivp
 
-    process = load_process("quadruple-tank")
+    process = PLANT.process
     parameters = process.parameter_values
     run = solve_ivp(
         lambda _, x: np.array(process.dynamics(x, u, np.zeros(2), parameters)).ravel(),
@@ -87,9 +79,3 @@ def test_an_unusable_time_step_leaves_the_estimate(scanned):
     state = np.array([0.12, 0.13, 0.02, 0.015])
     kept = scanned(state, CORRECTION, manual_1=4.0, measurement_1=6.3, time_step=0.0)
     assert kept.tolist() == state.tolist()
-
-
-def test_a_state_that_acts_on_the_estimated_ones_is_asked_for():
-    equations = input_affine_equations(analyse(load_process("quadruple-tank")).model)
-    with refused(expected="tank_3.level too"):
-        ModelObserver(equations, ("tank_1.level",), ("level_1",), np.ones((1, 1), bool))

@@ -5,65 +5,52 @@ import math
 import numpy as np
 import pytest
 from refusals import refused
-from sampled_rig import Rig
+from sampled_rig import Rig, placed
 from scipy.signal import lfilter
 
 from clepsydra.controllers.polynomial_controller import PolynomialShape, polynomial_law
 from clepsydra.designs.polynomial.sampled_model import SampledModel
-from clepsydra.designs.polynomial.spectral_factor import spectral_factor
-from clepsydra.designs.polynomial.two_degree_of_freedom import assigned, two_degree_of_freedom
 
 PLANT = SampledModel((0.05, 0.04), (-1.5, 0.55), 3, 1.0)
 
 
-def placed(penalty=1.0, poles=(0.5, 0.4)):
-    B = (0.0, 0.0, 0.0, *PLANT.B)
-    D = assigned(spectral_factor(tuple(PLANT.A), tuple(PLANT.B), penalty), poles)
-    return two_degree_of_freedom(tuple(PLANT.A), B, D), D
+FOUND = placed(PLANT, (0.5, 0.4))
 
 
-def rig(found, **options):
-    gains, moves = found.difference_gains, found.increment_gains
-    law = polynomial_law([PolynomialShape(len(gains), 0, len(moves))])
-    values = {"reference_gain_1": found.reference_gain}
-    values |= {f"measurement_gain_1_{j}": g for j, g in enumerate(gains, start=1)}
-    values |= {f"increment_gain_1_{j}": p for j, p in enumerate(moves, start=1)}
-    return Rig(law, values | options.pop("limits", {}), options.pop("model", PLANT), **options)
+def rig(**options):
+    law = polynomial_law([PolynomialShape(len(FOUND.Q) - 1, 0, len(FOUND.P) - 1)])
+    values = FOUND.values | options.pop("limits", {})
+    return Rig(law, values, options.pop("model", PLANT), **options)
 
 
 def test_the_loop_is_that_of_the_polynomials():
     """y = z^-d B r0 / D w: the Diophantine equation makes D the only denominator."""
-    found, D = placed()
-    loop = rig(found)
+    loop = rig()
     y = loop.run(80, setpoint_1=6.0)
     w = np.ones(80)
     B = np.concatenate([np.zeros(3), PLANT.B])
-    expected = 5.0 + found.feedforward * lfilter(B, D.coefficients, w)
+    expected = 5.0 + FOUND.feedforward * lfilter(B, FOUND.D, w)
     assert y == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_load_leaves_no_offset():
-    found, _ = placed()
-    assert rig(found, load=0.7).run(150)[-1] == pytest.approx(5.0, abs=1e-9)
+    assert rig(load=0.7).run(150)[-1] == pytest.approx(5.0, abs=1e-9)
 
 
 def test_the_polynomial_form_of_the_law():
     """u from (25) as a difference equation: P (1 − z^-1) u = r0 w − Q y, on any record."""
-    found, _ = placed()
     random = np.random.default_rng(1)
     y, w = 5.0 + random.normal(size=60), np.repeat(random.uniform(4, 6, 6), 10)
-    loop = rig(found, model=None)
+    loop = rig(model=None)
     u = np.array([loop.scan(measurement_1=a, setpoint_1=b) for a, b in zip(y, w, strict=True)])
-    P = np.convolve([float(p) for p in found.P], [1.0, -1.0])
-    Q = np.array([float(q) for q in found.Q])
+    P = np.convolve(FOUND.P, [1.0, -1.0])
     # All were at rest before: deviations from there, the absolute parts cancel as Q(1) = r0.
-    right = found.feedforward * (w - 5.0) - lfilter(Q, [1.0], y - 5.0)
+    right = FOUND.feedforward * (w - 5.0) - lfilter(FOUND.Q, [1.0], y - 5.0)
     assert u - 3.0 == pytest.approx(lfilter([1.0], P, right), abs=1e-8)
 
 
 def test_the_output_leaves_its_limit_at_once():
-    found, _ = placed()
-    loop = rig(found, limits={"high_limit_1": 3.2, "low_limit_1": 2.0}, load=-2.0)
+    loop = rig(limits={"high_limit_1": 3.2, "low_limit_1": 2.0}, load=-2.0)
     loop.run(200, setpoint_1=6.0)  # out of reach
     assert loop.u[-1] == 3.2 and loop.status & 8
     assert loop.y[-1] < 5.5
@@ -74,8 +61,7 @@ def test_the_output_leaves_its_limit_at_once():
 @pytest.mark.parametrize("mode", [0.0, 2.0])
 def test_automatic_goes_on_from_manual_and_tracking(mode):
     """Where the level rests there is no move but that of the error in the first sample."""
-    found, _ = placed()
-    loop = rig(found, model=None)
+    loop = rig(model=None)
     loop.scan(setpoint_1=6.0, measurement_1=5.5)
     for k in range(12):
         value = 7.0 - 0.3 * min(k, 5)
@@ -83,7 +69,7 @@ def test_automatic_goes_on_from_manual_and_tracking(mode):
     last = loop.u[-1]
     first = loop.scan(mode_1=1.0)
     # What was moved by hand in the last samples counts, as it is still on its way.
-    assert first - last == pytest.approx(found.reference_gain * 0.8, abs=1e-12)
+    assert first - last == pytest.approx(FOUND.values["reference_gain_1"] * 0.8, abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -92,8 +78,7 @@ def test_automatic_goes_on_from_manual_and_tracking(mode):
               {"mode_1": 3.0}],
 )  # fmt: skip
 def test_a_fault_holds_and_leaves_no_trace(fault):
-    found, _ = placed()
-    loop, twin = rig(found, model=None), rig(found, model=None)
+    loop, twin = rig(model=None), rig(model=None)
     good = {"sensor_1": 1.0, "time_step": 1.0, "mode_1": 1.0}
     random = np.random.default_rng(5)
     for k, (y, w) in enumerate(random.uniform(4.5, 5.5, (30, 2))):
@@ -108,8 +93,7 @@ def test_a_fault_holds_and_leaves_no_trace(fault):
 
 
 def test_a_gain_that_is_no_number_holds_the_output():
-    found, _ = placed()
-    loop = rig(found, model=None)
+    loop = rig(model=None)
     loop.scan(setpoint_1=6.0)
     held = loop.u[-1]
     loop.values["reference_gain_1"] = math.nan
@@ -118,8 +102,7 @@ def test_a_gain_that_is_no_number_holds_the_output():
 
 def test_gains_change_without_a_bump():
     """New gains act on what moves from now on: the error, never the level itself."""
-    found, _ = placed()
-    loop = rig(found, model=None)
+    loop = rig(model=None)
     for _ in range(10):
         loop.scan(setpoint_1=5.0, measurement_1=5.0)
     loop.values |= {name: 10.0 * v for name, v in loop.values.items() if "_gain_" in name}

@@ -7,25 +7,22 @@ import pytest
 from pages import blocks
 from refusals import refused
 
+import clepsydra as cl
 from clepsydra import ClepsydraError, InputError, PythonLaw, Signal, StepLaw, load_law, python_law
 from clepsydra.controllers.controller import Controller
-from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.designs.own_law import own_controller
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
-from clepsydra.linear.analysis import analyse
 from clepsydra.loop.closed_loop import closed_loop
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
-from clepsydra.process.reader import load_process
 
 SLOW, USE, FAST = (block.text for block in blocks("docs/own-law.md", "python"))
 WIRES = {"measurements": ["level_1"], "setpoints": ["level_1"], "manipulated": ["pump_1"]}
 
 
 @pytest.fixture(scope="module")
-def model():
-    return analyse(load_process("quadruple-tank")).model
+def plant():
+    return cl.load("quadruple-tank")
 
 
 @pytest.fixture(autouse=True)
@@ -40,16 +37,19 @@ def loaded(text: str) -> StepLaw:
     return load_law("law.py")
 
 
-def pi_loop(model, file: str, gain: float = 2.0):
-    controller = own_controller(
-        model, load_law(file), **WIRES, values={"gain": gain}, initial_state={"integral": 3.0}
+def pi_control(plant: cl.Plant, file: str, gain: float = 2.0) -> cl.Controller:
+    return cl.design.own(
+        plant, load_law(file), **WIRES, values={"gain": gain}, initial_state={"integral": 3.0}
     )
-    return Loop(controller, model)
 
 
-def hard_scenario(model) -> Scenario:
+def loop_of(controller: cl.Controller) -> Loop:
+    return Loop(controller, controller.plant.linear)
+
+
+def hard_scenario(plant: cl.Plant) -> Scenario:
     """Setpoint steps up to 9.5 V and down to 2 V, with noise: the pump goes to both limits."""
-    point = model.point
+    point = plant.point
     setpoints = np.tile(point.measurements[:2], (400, 1))
     setpoints[20:, 0], setpoints[200:, 0] = 9.5, 2.0
     noise = 0.05 * np.random.default_rng(4).normal(size=(400, 4))
@@ -65,9 +65,11 @@ def test_the_documented_use_runs() -> None:
     assert level[659] - level[0] == pytest.approx(1.0, abs=0.01)
 
 
-def test_python_and_expressions_agree_in_every_bit(model) -> None:
-    scenario = hard_scenario(model)
-    slow, fast = (pi_loop(model, file).run(scenario) for file in ("my_pi.py", "my_fast_pi.py"))
+def test_python_and_expressions_agree_in_every_bit(plant) -> None:
+    scenario = hard_scenario(plant)
+    slow, fast = (
+        loop_of(pi_control(plant, file)).run(scenario) for file in ("my_pi.py", "my_fast_pi.py")
+    )
     assert isinstance(slow.controller.law, PythonLaw)
     assert not isinstance(fast.controller.law, PythonLaw)
     assert {4.0, 8.0} <= {float(int(s) & 12) for s in fast.values["pump_1.status"]}
@@ -76,10 +78,10 @@ def test_python_and_expressions_agree_in_every_bit(model) -> None:
 
 
 @pytest.mark.thorough
-def test_the_reference_solver_takes_a_law_in_python(model) -> None:
-    scenario = hard_scenario(model)
-    kernel = pi_loop(model, "my_pi.py").run(scenario, substeps=20)
-    reference = pi_loop(model, "my_pi.py").run(scenario, solver="reference")
+def test_the_reference_solver_takes_a_law_in_python(plant) -> None:
+    scenario = hard_scenario(plant)
+    loop = loop_of(pi_control(plant, "my_pi.py"))
+    kernel, reference = loop.run(scenario, substeps=20), loop.run(scenario, solver="reference")
     found = reference.values["tank_1.level"] - kernel.values["tank_1.level"]
     assert np.abs(found).max() < 1e-8  # [m]
 
@@ -107,21 +109,21 @@ def test_every_kind_of_process_is_moved_as_by_the_compiled_loop(name, pump) -> N
     """Switches, lags, components and a transport delay, whose ring lives between the calls."""
     if name == "rig":
         name = str(Path(__file__).parents[1] / "dead-time.toml")
-    analysis = analyse(load_process(name))
-    process = analysis.model.point.process
+    plant = cl.load(name)
+    process = plant.process
     level = process.controlled[0]
     pump = pump if pump in [u.name for u in process.inputs] else process.inputs[0].name
     size = 0.02 * process.signal(level).span
-    at = analysis.operating_point.as_dict()[pump]
+    at = plant.point.as_dict()[pump]
     span = process.signal(pump).span
     loops = []
     for text in (_PROPORTIONAL, _FAST_PROPORTIONAL):
-        controller = own_controller(
-            analysis.model, loaded(text), measurements=[level], setpoints=[level],
+        controller = cl.design.own(
+            plant, loaded(text), measurements=[level], setpoints=[level],
             manipulated=[pump], values={"gain": -0.1 * span / size, "bias": at},
         )  # fmt: skip
-        loops.append(Loop(controller, analysis.model))
-    scenario = beginnings(default_scenario(analysis.model), process.disturbances)
+        loops.append(loop_of(controller))
+    scenario = beginnings(default_scenario(plant.linear), process.disturbances)
     slow, fast = (loop.run(scenario) for loop in loops)
     assert np.ptp(fast.values[pump]) > 0.05 * span
     if name == "wet-well":
@@ -150,10 +152,10 @@ law = step_law(
 """
 
 
-def test_the_sensitivity_by_differences_is_that_of_the_expressions(model) -> None:
+def test_the_sensitivity_by_differences_is_that_of_the_expressions(plant) -> None:
     files = "my_pi.py", "my_fast_pi.py"
-    slow, fast = (pi_loop(model, file, gain=20.0).controller for file in files)
-    peaks = [sampled_loop(controller, model).maximum_sensitivity for controller in (slow, fast)]
+    controllers = [pi_control(plant, file, gain=20.0) for file in files]
+    peaks = [sampled_loop(each, plant.linear).maximum_sensitivity for each in controllers]
     assert 1.3 < peaks[1] < 3.0
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-8)
 
@@ -183,7 +185,7 @@ def test_modes_limits_and_a_failed_sensor(driven) -> None:
     assert pi.scan(**(usual | {"setpoint_1": 50.0}))["manipulated_1"] == 10.0
 
 
-def test_a_class_keeps_its_tables_and_the_run_can_be_replayed(model) -> None:
+def test_a_class_keeps_its_tables_and_the_run_can_be_replayed(plant) -> None:
     law = loaded(
         "from clepsydra import Signal\n"
         "class law:\n"
@@ -197,24 +199,24 @@ def test_a_class_keeps_its_tables_and_the_run_can_be_replayed(model) -> None:
         "        state['samples'] += 1\n"
         "        return state, {'manipulated_1': wanted}\n"
     )
-    controller = own_controller(
-        model, law, measurements=["level_1"], setpoints=[], manipulated=["pump_1"]
+    controller = cl.design.own(
+        plant, law, measurements=["level_1"], setpoints=[], manipulated=["pump_1"]
     )
-    loop, scenario = Loop(controller, model), hard_scenario(model)
+    loop, scenario = loop_of(controller), hard_scenario(plant)
     first, second = loop.run(scenario), loop.run(scenario)
     assert first.values["pump_1"][:5].tolist() == [3.0, 3.5, 2.5, 3.0, 3.5]
     np.testing.assert_array_equal(first.values["level_1"], second.values["level_1"])
 
 
-def test_what_python_cannot_do_is_refused(model) -> None:
-    controller = pi_loop(model, "my_pi.py").controller
-    for use in (controller.program, lambda: closed_loop(model.point.process, controller,
-                                                            substeps=1)):  # fmt: skip
+def test_what_python_cannot_do_is_refused(plant) -> None:
+    controller = pi_control(plant, "my_pi.py")
+    for use in (controller.program, lambda: closed_loop(plant.process, controller, substeps=1)):
         with pytest.raises(ClepsydraError, match="my_pi: a law in Python has no program"):
             use()
-    assert "my_fast_pi" in print_structured_text(
-        pi_loop(model, "my_fast_pi.py").controller.program()
-    )
+    with refused(value="my_pi, a law in Python", expected="a law of expressions"):
+        cl.export(controller, plant)
+    exported = cl.export(pi_control(plant, "my_fast_pi.py"), plant)
+    assert "FUNCTION_BLOCK" in exported.files[0].read_text(encoding="utf-8")
 
 
 HEAD = "inputs = ['measurement_1']\noutputs = ['manipulated_1']\nstate = ['count']\n"
@@ -259,12 +261,12 @@ STEP = HEAD + "def step(state, inputs, parameters, time_step):\n    count = stat
     ],
 )
 @pytest.mark.parametrize("solver", ["kernel", "reference"])
-def test_a_step_that_fails_names_line_sample_and_time(model, end, expected, solver) -> None:
-    controller = own_controller(
-        model, loaded(STEP + end), measurements=["level_1"], setpoints=[], manipulated=["pump_1"]
+def test_a_step_that_fails_names_line_sample_and_time(plant, end, expected, solver) -> None:
+    controller = cl.design.own(
+        plant, loaded(STEP + end), measurements=["level_1"], setpoints=[], manipulated=["pump_1"]
     )
     with pytest.raises(InputError) as caught:
-        Loop(controller, model).run(hard_scenario(model), solver=solver)
+        loop_of(controller).run(hard_scenario(plant), solver=solver)
     assert str(caught.value).startswith(expected)
 
 
@@ -304,10 +306,10 @@ def test_a_file_without_a_proper_law_is_refused(text, expected) -> None:
     assert str(caught.value).startswith(expected)
 
 
-def test_a_wrong_wire_is_refused(model) -> None:
+def test_a_wrong_wire_is_refused(plant) -> None:
     law = load_law("my_pi.py")
     with refused(place="manipulated", value="pump_3", expected="an input of quad"):
-        own_controller(model, law, **(WIRES | {"manipulated": ["pump_3"]}))
+        cl.design.own(plant, law, **(WIRES | {"manipulated": ["pump_3"]}))
     with refused(remedy="add integral_time"):
         Controller("a", "b", "", law, {"gain": 1.0}, {}, ("level_1",), ("level_1",), ("pump_1",))
 

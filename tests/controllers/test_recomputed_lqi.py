@@ -6,6 +6,7 @@ import pytest
 from scan_rig import ScannedLaw, at_rest
 from scipy.linalg import expm, solve_discrete_are
 
+import clepsydra as cl
 from clepsydra.controllers.blocks.sampled_matrices import (
     doublings_for,
     from_upper_triangle,
@@ -13,12 +14,14 @@ from clepsydra.controllers.blocks.sampled_matrices import (
     sampled_expressions,
     upper_triangle,
 )
-from clepsydra.designs.recomputed_lqi import design_recomputed_lqi
-from clepsydra.linear.analysis import analyse
 from clepsydra.linear.derivatives import Derivatives
-from clepsydra.process.reader import load_process
 
 RANDOM = np.random.default_rng(5)
+
+
+@pytest.fixture(scope="module")
+def controller():
+    return cl.design.recomputed_lqi(cl.load("quadruple-tank"))
 
 
 def as_numbers(expression):
@@ -76,12 +79,10 @@ def test_a_cost_that_is_not_definite_is_told():
     assert not bool(ca.evalf(step.definite)) and np.isfinite(as_numbers(step.gain)).all()
 
 
-def test_at_rest_nothing_moves():
-    model = analyse(load_process("quadruple-tank")).model
-    controller = design_recomputed_lqi(model)
+def test_at_rest_nothing_moves(controller):
     law = ScannedLaw(controller, 1.0)
     for _ in range(50):
-        outputs = law.scan(**at_rest(controller, model))
+        outputs = law.scan(**at_rest(controller, controller.plant))
     assert outputs["manipulated_1"] == pytest.approx(3.0, abs=1e-9)
     for name, value in controller.initial_state.items():
         # Weights and first gains have six digits each.
@@ -90,18 +91,16 @@ def test_at_rest_nothing_moves():
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("levels", [(8.0, 3.0, 1.0, 4.0), (2.0, 9.0, 5.0, 0.5)])
-def test_at_a_frozen_state_the_gains_come_to_those_of_the_stationary_regulator(levels):
+def test_at_a_frozen_state_the_gains_come_to_those_of_the_stationary_regulator(controller, levels):
     """By hand the pumps stand at 4 and 1 V; the levels [V] are anything."""
-    process = load_process("quadruple-tank")
-    model = analyse(process).model
-    controller = design_recomputed_lqi(model)
     law = ScannedLaw(controller, 1.0)
     hand = {"mode_1": 0, "mode_2": 0, "manual_1": 4.0, "manual_2": 1.0}
     shown = {f"measurement_{k}": value for k, value in enumerate(levels, start=1)}
     for _ in range(6000):
         law.scan(**hand, **shown, setpoint_1=6.0, setpoint_2=6.0)
     at = np.array([levels[controller.measurements.index(f"level_{k}")] for k in range(1, 5)]) / 50
-    local = Derivatives(process).at(at, np.array([4.0, 1.0]), model.point.disturbances)
+    point = controller.plant.point
+    local = Derivatives(point.process).at(at, np.array([4.0, 1.0]), point.disturbances)
     A, B, C = local.rates_by_state, local.rates_by_input, local.measured_by_state[:2]
     errors, moves, horizon = (
         np.array([controller.values[f"largest_error_{k}"] for k in (1, 2)]),
@@ -132,10 +131,8 @@ def test_at_a_frozen_state_the_gains_come_to_those_of_the_stationary_regulator(l
     assert np.max(np.abs(found - before)) > 0.02 * np.abs(before).max()
 
 
-def test_gains_that_change_move_no_output():
+def test_gains_that_change_move_no_output(controller):
     """At errors of zero and levels that stand, the gains converge and the pumps stand still."""
-    model = analyse(load_process("quadruple-tank")).model
-    controller = design_recomputed_lqi(model)
     law = ScannedLaw(controller, 1.0)
     shown = {"measurement_1": 8.0, "measurement_2": 3.0, "measurement_3": 1.0, "measurement_4": 4.0}
     first = law.scan(**shown, setpoint_1=8.0, setpoint_2=3.0)
@@ -151,11 +148,9 @@ def test_gains_that_change_move_no_output():
 @pytest.mark.parametrize("fault", [
     {"sensor_3": 0.0}, {"measurement_2": np.nan}, {"setpoint_1": np.inf}, {"time_step": 0.0},
 ])  # fmt: skip
-def test_a_fault_leaves_gains_and_cost(fault):
-    model = analyse(load_process("quadruple-tank")).model
-    controller = design_recomputed_lqi(model)
+def test_a_fault_leaves_gains_and_cost(controller, fault):
     law = ScannedLaw(controller, 1.0)
-    law.scan(**at_rest(controller, model) | {"measurement_1": 8.0})
+    law.scan(**at_rest(controller, controller.plant) | {"measurement_1": 8.0})
     before = dict(law.state)
     law.scan(**fault)
     for name, value in before.items():
@@ -165,12 +160,11 @@ def test_a_fault_leaves_gains_and_cost(fault):
 
 
 def test_lost_definiteness_leaves_gains_and_cost():
-    model = analyse(load_process("averaging-tank")).model
-    controller = design_recomputed_lqi(model)
+    controller = cl.design.recomputed_lqi(cl.load("averaging-tank"))
     law = ScannedLaw(controller, 0.1)
     law.state |= {name: -1e6 for name in law.state if name in ("cost_1_1", "cost_2_2")}
     before = dict(law.state)
-    law.scan(**at_rest(controller, model))
+    law.scan(**at_rest(controller, controller.plant))
     for name, value in before.items():
         if name.startswith(("cost_", "feedback_")):
             assert law.state[name] == value

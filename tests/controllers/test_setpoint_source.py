@@ -5,18 +5,24 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra import PidForm, Signal, program_of
+import clepsydra as cl
+from clepsydra import PidForm, Signal
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-from clepsydra.deploy.printing.precision import in_precision
-from clepsydra.deploy.printing.whole_numbers import (
-    SINGLE_WHOLE,
-    check_whole_results,
-    whole_ranges,
-)
+from clepsydra.studies.file.reader import read_study
 
 LEVEL = Signal("level_1", "V", low=0.0, high=16.0, initial=5.0)
 PUMP = Signal("pump_1", "V", low=0.0, high=10.0, initial=3.0)
 LOCAL, REMOTE = 6.0, 7.5
+STUDY = """process = "equalisation-tank"
+[controllers.a.loops.level]
+measurement = "level"
+output = "outflow"
+actions = "PI"
+action = "direct"
+gain = "2 %/%"
+integral_time = "1 h"
+remote_setpoint = true
+"""
 
 
 def law():
@@ -56,10 +62,14 @@ def test_what_stands_for_no_source_leaves_the_last_one(last, wrong):
     assert loop.scan(wrong) == expected[0]
 
 
-def test_the_remembered_source_fits_into_single_precision():
-    """Its input may be any integer of 32 bits; what is remembered of it holds in 24."""
-    program = in_precision(program_of(law()), "single")
-    check_whole_results(program, "single")
-    place = [entry.name for entry in program.state].index("last_setpoint_source_1")
-    found = whole_ranges(program, "single")[program.block.results[place]]
-    assert found.within(-SINGLE_WHOLE, SINGLE_WHOLE)
+def test_the_remembered_source_fits_into_single_precision(tmp_path):
+    """Its input may be any integer of 32 bits; what is remembered of it holds in 24.
+
+    What may not is refused when single precision is printed.
+    """
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    study = read_study(tmp_path / "study.toml")
+    plant = cl.load("equalisation-tank")
+    controller = study.controllers[0].make(study.analysis, plant.linear)
+    exported = cl.export(controller, plant, tmp_path, to="c", precision="single")
+    assert any("last_setpoint_source_1" in file.read_text() for file in exported.files)

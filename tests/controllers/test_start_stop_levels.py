@@ -1,18 +1,12 @@
 """Start and stop levels: against a state machine written another way, and the cycle by formula."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from refusals import refused
 
-from clepsydra import InputError, Kernel, NotApplicable, Signal
+import clepsydra as cl
+from clepsydra import InputError, NotApplicable, Signal
 from clepsydra.controllers.start_stop_levels import check_levels, start_stop_law
-from clepsydra.designs.start_stop_levels import design_start_stop_levels
-from clepsydra.linear.analysis import analyse
-from clepsydra.loop.closed_loop import closed_loop, controller_name
-from clepsydra.loop.loop import Loop
-from clepsydra.process.reader import load_process
 
 ON, OFF = 8.0, 1.0
 
@@ -237,43 +231,37 @@ EMPTYING = {"way": "destination", "source": "well", "destination": "works", "inf
 FILLING = {"way": "source", "source": "works", "destination": "well", "inflow": 20}
 
 
-def model_of(tmp_path, text):
+def plant_of(tmp_path, text):
     path = tmp_path / "station.toml"
     path.write_text(text, encoding="utf-8")
-    return analyse(load_process(path)).model
+    return cl.load(path)
 
 
-def starts_of(model, controller, samples, **inputs):
-    """Samples in which the first pump starts, with the kernel."""
-    loop = Loop(controller, model)
-    program = closed_loop(loop.process, controller, substeps=1)
-    result = Kernel(program).run(
-        samples,
-        inputs=loop.at_rest() | inputs,
-        state=loop.initial_state(),
-        parameters={controller_name(k): v for k, v in controller.values.items()},
-    )
-    pump = result.output(controller.manipulated[0])[0]
-    return np.flatnonzero(np.diff(pump) > 0.0) + 1
+@pytest.fixture(scope="module")
+def station_plants(tmp_path_factory):
+    return {
+        way["way"]: plant_of(tmp_path_factory.mktemp(way["way"]), STATION.format(**way))
+        for way in (EMPTYING, FILLING)
+    }
 
 
-@pytest.mark.sampled
-@pytest.mark.parametrize("way", [EMPTYING, FILLING])
+@pytest.mark.parametrize("way", ["destination", "source"], ids=["emptying", "filling"])
 @pytest.mark.parametrize("starts_per_hour", [6.0, 12.0])
-def test_the_worst_cycle_has_the_length_of_the_formula(tmp_path, way, starts_per_hour):
+def test_the_worst_cycle_has_the_length_of_the_formula(station_plants, way, starts_per_hour):
     """At an inflow of Q/2 a cycle lasts 3600 s / z, and longer at any other."""
-    model = model_of(tmp_path, STATION.format(**way))
-    controller = design_start_stop_levels(model, starts_per_hour=starts_per_hour)
+    plant = station_plants[way]
+    controller = cl.design.start_stop_levels(plant, starts_per_hour=starts_per_hour)
     values = controller.values
     # V = 0.9 Q/z in 10 m² of well, from 20 or 80 % of its height.
     way_up = 0.9 * 40.0 / starts_per_hour / 10.0
-    stop = 1.0 if way is EMPTYING else 4.0
+    stop = 1.0 if way == "destination" else 4.0
     assert values["stop_level_1"] == pytest.approx(stop, rel=1e-12)
     assert abs(values["start_level_1"] - stop) == pytest.approx(way_up, rel=1e-12)
     cycle = {}
     for inflow in (8e-3, 20e-3, 30e-3):
-        starts = starts_of(model, controller, 8000, inflow=inflow)
-        cycle[inflow] = float(np.diff(starts).mean())
+        load = cl.disturbance("inflow", to=f"{inflow} m^3/s", at=0)
+        pump = cl.simulate(plant, controller, [load], duration=8000).values["first"]
+        cycle[inflow] = float(np.diff(np.flatnonzero(np.diff(pump) > 0.0)).mean())
     longest_delay = 4  # at each level up to a sample late, and the way back
     assert 3600.0 / starts_per_hour <= cycle[20e-3] <= 3600.0 / starts_per_hour + longest_delay
     for inflow in (8e-3, 30e-3):
@@ -288,8 +276,8 @@ def test_the_stages_share_the_room(tmp_path):
     second += 'gain = "40 l/(s V)"\nrange = ["0 V", "1 V"]\n'
     second += '[sensors.second_flow]\nflow = "second"\nlag = "1 s"\nrange = ["0 l/s", "50 l/s"]\n'
     text = STATION.format(**EMPTYING).replace("[sensors.level]", second + "[sensors.level]")
-    model = model_of(tmp_path, text + 'second_flow = "10 l/s"\n')
-    values = design_start_stop_levels(model, starts_per_hour=12.0).values
+    plant = plant_of(tmp_path, text + 'second_flow = "10 l/s"\n')
+    values = cl.design.start_stop_levels(plant, starts_per_hour=12.0).values
     assert check_levels(values, 2, "station") is None
     # From 1 to 4 m there is room for 0.3 m of each stage; half of the rest is 1.35 m.
     assert values["start_level_1"] == pytest.approx(1.3, rel=1e-12)
@@ -311,33 +299,45 @@ def test_the_stages_share_the_room(tmp_path):
 def test_where_it_applies(tmp_path, before, after, reason):
     text = STATION.format(**EMPTYING)
     assert before in text
-    model = model_of(
+    plant = plant_of(
         tmp_path, text.replace(before, after).replace('level = "2 m"', 'level = "0.5 m"')
     )
     if reason is None:
-        assert design_start_stop_levels(model, starts_per_hour=6.0).manipulated == ("first",)
+        assert cl.design.start_stop_levels(plant, starts_per_hour=6.0).manipulated == ("first",)
         return
     with pytest.raises(NotApplicable, match=reason):
-        design_start_stop_levels(model, starts_per_hour=6.0)
+        cl.design.start_stop_levels(plant, starts_per_hour=6.0)
 
 
-@pytest.mark.thorough
-def test_other_processes_are_refused(tmp_path):
-    for name, reason in (
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
         ("quadruple-tank", "it keeps one level, and quadruple-tank has 2"),
         ("three-tanks", "feed is no pump"),
         ("wet-well", "duty has level switches of its own"),
-    ):
-        with pytest.raises(NotApplicable, match=reason):
-            design_start_stop_levels(analyse(load_process(name)).model)
-    model = model_of(tmp_path, STATION.format(**EMPTYING))
-    point = replace(model.point, disturbances=np.array([0.05]))
+    ],
+)
+def test_other_processes_are_refused(name, reason):
+    with pytest.raises(NotApplicable, match=reason):
+        cl.design.start_stop_levels(cl.load(name))
+
+
+def test_an_inflow_that_the_pumps_do_not_master_is_refused(station_plants):
+    """At 40 l/s the one pump only just keeps the level."""
+    full = station_plants["destination"].at(disturbances={"inflow": "40 l/s"})
     with pytest.raises(NotApplicable, match="does not go up and down as all pumps stop and start"):
-        design_start_stop_levels(replace(model, point=point))
+        cl.design.start_stop_levels(full)
 
 
-@pytest.mark.parametrize("starts", [0.0, -3.0, float("nan"), "ten"])
-def test_a_number_of_starts_that_is_none(tmp_path, starts):
-    model = model_of(tmp_path, STATION.format(**EMPTYING))
-    with refused(expected="a number above 0", remedy="give how often"):
-        design_start_stop_levels(model, starts_per_hour=starts)
+@pytest.mark.parametrize(
+    ("starts", "expected"),
+    [
+        (0.0, "a number above 0"),
+        (-3.0, "a number above 0"),
+        (float("nan"), "a number above 0"),
+        ("ten", "a quantity convertible to 1/h"),
+    ],
+)
+def test_a_number_of_starts_that_is_none(station_plants, starts, expected):
+    with refused(place="starts_per_hour", expected=expected):
+        cl.design.start_stop_levels(station_plants["destination"], starts_per_hour=starts)

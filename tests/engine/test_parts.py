@@ -49,8 +49,7 @@ def agree(monkeypatch, program: Program, largest: int, scenarios: int, **given) 
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("largest", [1, 3, 10, 40])
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize(("seed", "largest"), list(enumerate([1, 3, 10, 40] * 2)))
 def test_random_programs(seed, largest, monkeypatch):
     """With nested loops and conditionals, which stand between parts where they are larger."""
     _, block = random_block(7000 + seed, 4, 6, nesting=0.15, library=True)
@@ -66,8 +65,7 @@ def test_random_programs(seed, largest, monkeypatch):
     agree(monkeypatch, program, largest, 11, inputs=inputs, parameters=given)
 
 
-@pytest.mark.parametrize("largest", [1, 2, 5])
-@pytest.mark.parametrize("length", [1, 5, 13])
+@pytest.mark.parametrize(("length", "largest"), [(1, 1), (5, 2), (13, 5), (13, 1), (1, 5)])
 def test_rings_of_loops_and_of_the_state(length, largest, monkeypatch):
     program = ring_program(length)
     u, gain = np.sin(np.arange(SAMPLES)), np.linspace(-1.0, 1.0, 9)

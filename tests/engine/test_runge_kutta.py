@@ -6,11 +6,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from clepsydra import Kernel, Signal
+from clepsydra import Kernel, Signal, program_of
 from clepsydra.engine.runge_kutta import runge_kutta, runge_kutta_step
-from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.program import Loop, Program
-from clepsydra.program.reader import inline
+from clepsydra.program.program import Loop
+from clepsydra.program.step_law import Equations, step_law
 
 
 def test_a_step_of_a_linear_equation_is_the_stability_function():
@@ -105,12 +104,30 @@ def test_substeps_are_repeated_single_steps(substeps):
     assert np.array_equal(np.array(several(0.9, start)), np.array(state))
 
 
+def swinging(dynamics, substeps, h):
+    """A swing that starts at 1, and moves on by h in each sample."""
+
+    def equations(s):
+        moved = runge_kutta(dynamics, substeps)(h, ca.vertcat(s["x"], s["v"]))
+        return Equations({"x": moved[0], "v": moved[1]}, {"x_now": s["x"], "v_now": s["v"]})
+
+    return program_of(
+        step_law(
+            "swing",
+            inputs=[],
+            parameters=[],
+            state=[Signal("x", initial=1.0), Signal("v")],
+            outputs=[Signal("x_now"), Signal("v_now")],
+            equations=equations,
+        )
+    )
+
+
 def test_several_steps_become_one_counted_loop_and_one_step_none():
     dynamics, _, _ = swing()
 
     def loops(substeps: int) -> list[int]:
-        builder = BlockBuilder(3)
-        block = builder.finish(inline(builder, runge_kutta(dynamics, substeps), range(3)))
+        block = swinging(dynamics, substeps, 0.9).block
         return [s.count for s in block.statements if isinstance(s, Loop)]
 
     assert loops(1) == []
@@ -119,14 +136,9 @@ def test_several_steps_become_one_counted_loop_and_one_step_none():
 
 def test_a_kernel_of_the_method_follows_a_swing_for_many_turns():
     """|R(iω h)|: the amplitude after n steps is (1 - z⁶/72 + z⁸/576)^(n/2) with z = h."""
-    dynamics, start, _ = swing()
+    dynamics, _, _ = swing()
     samples, h = 2000, 0.1
-    builder = BlockBuilder(2)
-    moved = inline(builder, runge_kutta(dynamics, 1), [builder.constant(h), 0, 1])
-    block = builder.finish([*moved, 0, 1])
-    state = (Signal("x", initial=start[0]), Signal("v", initial=start[1]))
-    program = Program("swing", state, (), (), (Signal("x_now"), Signal("v_now")), block)
-    run = Kernel(program).run(samples)
+    run = Kernel(swinging(dynamics, 1, h)).run(samples)
     amplitude = np.hypot(run.output("x_now")[0], run.output("v_now")[0])
     factor = 1 - h**6 / 72 + h**8 / 576
     assert amplitude == pytest.approx(factor ** (np.arange(samples) / 2), rel=1e-12)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -49,12 +50,16 @@ def test_the_body_counts_where_the_condition_is_true_and_only_there():
     assert bits(evaluate_block(block, [math.nan, 1.0, 0.5, 0.0])) == bits([math.nan, 1.0])
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("seed", range(40))
+SEEDS = range(5000, 5012)
+nested = cache(partial(random_block, arguments=4, results=6, nesting=0.15))
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("seed", SEEDS)
 def test_folding_around_and_inside_conditionals_changes_no_bit(seed):
-    plain, built = random_block(5000 + seed, 4, 6, nesting=0.15)
+    plain, built = nested(seed)
     assert any(isinstance(s, Conditional) for s in walk(plain))
-    for row in stimulus(seed, 25, 4):
+    for row in stimulus(seed, 5, 4):
         assert bits(evaluate_block(built, row)) == bits(evaluate_block(plain, row))
 
 
@@ -67,15 +72,14 @@ def walk(block: Block):
 
 @pytest.mark.thorough
 def test_the_random_blocks_nest_both_ways():
-    blocks = [random_block(5000 + seed, 4, 6, nesting=0.15)[0] for seed in range(40)]
-    nested = {
+    found = {
         (type(outer), type(inner))
-        for block in blocks
-        for outer in walk(block)
+        for seed in SEEDS
+        for outer in walk(nested(seed)[0])
         if not isinstance(outer, Operation)
         for inner in outer.body.statements
     }
-    assert nested >= {(a, b) for a in (Loop, Conditional) for b in (Loop, Conditional)}
+    assert found >= {(a, b) for a in (Loop, Conditional) for b in (Loop, Conditional)}
 
 
 def test_a_condition_that_is_known_while_building():

@@ -1,16 +1,12 @@
 """Every change of who moves an output, and every way back, without a bump."""
 
-from functools import cache
 from pathlib import Path
 
 import pytest
-from shell_rig import Scans, at_rest
+from scan_rig import ScannedLaw, at_rest, designed
 
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
-from clepsydra.studies.designs import DESIGNS
 
 DEAD_TIME = Path(__file__).parents[2] / "dead-time.toml"
 #: Families that take an output up in one scan.
@@ -35,16 +31,10 @@ IN_TIME = [
 BUMP = 1e-9
 
 
-@cache
-def designed(name, process):
-    analysis = analyse(load_process(process))
-    return analysis, DESIGNS[name](analysis)
-
-
 class Rig:
     def __init__(self, name, process):
-        self.analysis, self.controller = designed(name, process)
-        self.period = self.analysis.operating_point.process.sampling_period
+        self.controller, plant = designed(name, process)
+        self.period = plant.process.sampling_period
         signals = {s.name: s for s in self.controller.law.outputs}
         self.span = signals["manipulated_1"].span
         low = signals["manipulated_1"].low
@@ -53,7 +43,7 @@ class Rig:
         self.safe = low + 0.4 * self.span
         self.moved = low + 0.55 * self.span
         shelled = with_plant_shell(self.controller, self.period, PlantShell(fail_safe=safe))
-        self.loop = Scans(shelled, self.period, **at_rest(shelled, self.analysis.model))
+        self.loop = ScannedLaw(shelled, self.period, **at_rest(shelled, plant))
         self.loop.scans(20)
 
     def all(self, what, value):

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shell_rig import AT_REST, LEVEL, PUMP, Scans, one_loop, shelled_loop
+from scan_rig import ScannedLaw
+from shell_rig import AT_REST, LEVEL, PUMP, one_loop, shelled_loop
 
 from clepsydra import PidForm
 from clepsydra.controllers.controller import Controller
@@ -36,7 +37,7 @@ def test_a_setpoint_moves_at_its_rate_and_arrives_in_every_bit():
 
 
 def test_the_law_gets_what_the_ramp_says():
-    loop, bare = shelled_loop(1.0, RAMP), Scans(one_loop(), 1.0, **AT_REST)
+    loop, bare = shelled_loop(1.0, RAMP), ScannedLaw(one_loop(), 1.0, **AT_REST)
     loop.scan(), bare.scan()
     for k in range(1, 12):
         found = loop.scan(setpoint_1=9.0)["manipulated_1"]
@@ -56,7 +57,7 @@ def test_the_ramp_begins_at_the_measurement_when_automatic_begins():
 
 
 def test_without_a_rate_manual_passes_the_setpoint_on():
-    loop, bare = shelled_loop(1.0), Scans(one_loop(), 1.0, **AT_REST)
+    loop, bare = shelled_loop(1.0), ScannedLaw(one_loop(), 1.0, **AT_REST)
     random = np.random.default_rng(3)
     for _ in range(300):
         given = {
@@ -153,7 +154,7 @@ def test_the_laws_own_anti_windup_heeds_the_rate_limit(anti_windup):
     protected, left = overshoot(
         lambda level: shelled.scan(measurement_1=level, setpoint_1=8.0)["manipulated_1"]
     )
-    bare, last = Scans(one_loop(form, **values), 1.0, **AT_REST), [3.0]
+    bare, last = ScannedLaw(one_loop(form, **values), 1.0, **AT_REST), [3.0]
 
     def limited_outside(level):
         asked = bare.scan(measurement_1=level, setpoint_1=8.0)["manipulated_1"]
@@ -169,7 +170,7 @@ def test_a_law_with_a_rate_limit_of_its_own_keeps_it():
     shelled = with_plant_shell(one_loop(rate_limited=True, rate_limit_1=0.5), 1.0, RATE)
     assert shelled.values["rate_limit_1"] == 0.25
     assert [p.name for p in shelled.law.parameters].count("rate_limit_1") == 1
-    loop = Scans(shelled, 1.0, **AT_REST)
+    loop = ScannedLaw(shelled, 1.0, **AT_REST)
     outputs = loop.scan(setpoint_1=9.0)
     assert outputs["manipulated_1"] == 3.25
     assert "at_rate_limit" in read_status(int(outputs["status_1"]))
@@ -209,7 +210,7 @@ def test_after_fail_safe_the_ramp_begins_at_the_measurement():
 
 def test_a_ramp_stands_for_every_output_that_follows_it():
     """Two outputs with a setpoint each: the fault of the one holds its own ramp only."""
-    loop = Scans(with_plant_shell(two_loops(), 1.0, two_ramps()), 1.0, **both())
+    loop = ScannedLaw(with_plant_shell(two_loops(), 1.0, two_ramps()), 1.0, **both())
     loop.scan()
     loop.scans(3, setpoint_1=9.0, setpoint_2=9.0, sensor_1=0)
     assert (loop.state["ramped_setpoint_1"], loop.state["ramped_setpoint_2"]) == (5.0, 6.5)
@@ -242,7 +243,7 @@ def test_a_setpoint_that_stands_fixed_is_left_alone():
     bare = two_loops(("level_1",), {"setpoint_2": 5.0})
     shelled = with_plant_shell(bare, 1.0, RAMP)
     assert "setpoint_rate_1" in shelled.values and "setpoint_rate_2" not in shelled.values
-    loop, alone = Scans(shelled, 1.0, **both()), Scans(bare, 1.0, **both())
+    loop, alone = ScannedLaw(shelled, 1.0, **both()), ScannedLaw(bare, 1.0, **both())
     for setpoint in (5.0, 9.0, math.nan, 2.0):
         found, expected = loop.scan(setpoint_2=setpoint), alone.scan(setpoint_2=setpoint)
         for name in ("manipulated_1", "manipulated_2", "status_1", "status_2"):

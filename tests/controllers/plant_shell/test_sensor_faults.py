@@ -3,17 +3,15 @@
 import math
 
 import pytest
-from shell_rig import LEVEL, Scans, at_rest, one_loop, shelled_loop
+from scan_rig import ScannedLaw, at_rest, designed
+from shell_rig import LEVEL, one_loop, shelled_loop
 
 from clepsydra import Signal
 from clepsydra.controllers.plant_shell.dependence import needed_by_outputs
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.plant_shell.status import SHELL_STATUS_BITS, read_status
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 from clepsydra.program.step_law import Equations, step_law
-from clepsydra.studies.designs import DESIGNS
 
 SAFE = PlantShell(fail_safe={"pump_1": 1.5})
 FAULTS = [
@@ -231,13 +229,12 @@ def test_a_fail_safe_value_that_is_not_a_number_is_the_low_limit(wrong):
     ],
 )
 def test_only_outputs_that_need_the_sensor_fail_safe(name, needed):
-    analysis = analyse(load_process("quadruple-tank"))
-    controller = DESIGNS[name](analysis)
+    controller, plant = designed(name, "quadruple-tank")
     assert needed_by_outputs(controller.law, 2, ("measurement", "sensor")) == needed
-    loop = Scans(
+    loop = ScannedLaw(
         with_plant_shell(controller, 1.0, PlantShell(fail_safe={"pump_1": 1.25, "pump_2": 2.5})),
         1.0,
-        **at_rest(controller, analysis.model),
+        **at_rest(controller, plant),
     )
     loop.scan()
     outputs = loop.scans(6, sensor_1=0)
@@ -264,15 +261,14 @@ def test_a_sensor_that_is_only_remembered_is_needed_by_what_it_reaches():
 
 
 def test_a_pump_station_stops_its_pumps_together():
-    analysis = analyse(load_process("wet-well:start-stop"))
-    controller = DESIGNS["Start/stop levels"](analysis)
+    controller, _ = designed("Start/stop levels", "wet-well:start-stop")
     shelled = with_plant_shell(controller, 1.0)
     assert any("runs or stands" in note for note in shelled.notes)
     assert not any(name.startswith("rate_limit") for name in shelled.values)
     top = max(v for name, v in controller.values.items() if name.startswith("start_level"))
     signal = next(s for s in shelled.law.inputs if s.name == "measurement_1")
     assert top < signal.high
-    loop = Scans(shelled, 1.0, measurement_1=0.5 * (top + signal.high))
+    loop = ScannedLaw(shelled, 1.0, measurement_1=0.5 * (top + signal.high))
     count = len(controller.manipulated)
     running = [controller.values[f"running_value_{i}"] for i in range(1, count + 1)]
     outputs = loop.scans(3)

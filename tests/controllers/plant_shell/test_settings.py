@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 from refusals import refused
-from shell_rig import LEVEL, Scans, one_loop
+from scan_rig import ScannedLaw
+from shell_rig import LEVEL, one_loop
 
 from clepsydra import InputError, PidForm, Signal, python_law
 from clepsydra.controllers.controller import Controller
@@ -119,7 +120,7 @@ def test_a_law_without_limits_has_no_rate_limit_and_still_fails_safe():
     assert any("no limits of pump_1" in note for note in shelled.notes)
     with refused(expected="no limits"):
         with_plant_shell(controller, 1.0, PlantShell(rate_limit={"pump_1": 1.0}))
-    loop = Scans(shelled, 1.0)
+    loop = ScannedLaw(shelled, 1.0)
     assert loop.scans(4, sensor_1=0, mode_1=1)["manipulated_1"] == 4.0
     assert loop.scan()["manipulated_1"] == 1.0
     assert loop.state["last_output_1"] == 1.0

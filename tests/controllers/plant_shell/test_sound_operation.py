@@ -1,19 +1,16 @@
 """With sound signals and no settings a shell changes nothing, in any bit."""
 
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scan_rig import designed
 
+import clepsydra as cl
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.deploy.printing.whole_numbers import check_whole_results
-from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
-from clepsydra.process.reader import load_process
 from clepsydra.program.program import EXACT
-from clepsydra.studies.designs import DESIGNS
 
 DEAD_TIME = Path(__file__).parents[2] / "dead-time.toml"
 FAMILIES = [
@@ -33,23 +30,15 @@ FAMILIES = [
     ("Start/stop levels", "wet-well:start-stop"),
 ]
 
-pytestmark = pytest.mark.thorough
 
-
-@cache
-def designed(name, process):
-    analysis = analyse(load_process(process))
-    return analysis, DESIGNS[name](analysis)
-
-
+@pytest.mark.sampled
 @pytest.mark.parametrize(("name", "process"), FAMILIES)
 def test_a_loop_with_the_shell_is_the_loop_without_it(name, process):
-    analysis, controller = designed(name, process)
-    period = analysis.operating_point.process.sampling_period
-    shelled = with_plant_shell(controller, period)
-    scenario = default_scenario(analysis.model)
-    bare = Loop(controller, analysis.model).run(scenario)
-    found = Loop(shelled, analysis.model).run(scenario)
+    controller, plant = designed(name, process)
+    shelled = with_plant_shell(controller, plant.process.sampling_period)
+    scenario = default_scenario(plant.linear)
+    bare = Loop(controller, plant.linear).run(scenario)
+    found = Loop(shelled, plant.linear).run(scenario)
     assert set(bare.values) == set(found.values)
     for signal, values in bare.values.items():
         assert np.array_equal(values.view(np.int64), found.values[signal].view(np.int64)), signal
@@ -57,11 +46,13 @@ def test_a_loop_with_the_shell_is_the_loop_without_it(name, process):
     assert any(len(np.unique(column)) > 1 for column in moved)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("name", "process"), FAMILIES)
-def test_the_shell_adds_only_what_every_target_computes_alike(name, process):
-    _, controller = designed(name, process)
+def test_the_shell_adds_only_what_every_target_computes_alike(name, process, tmp_path):
+    controller, plant = designed(name, process)
     program = with_plant_shell(controller, 1.0).program()
-    check_whole_results(program)
+    # Whole numbers that a target could not hold would be refused.
+    cl.export(controller, plant, tmp_path, to="c")
     operations = list(program.block.operations())
     own = {operation.code for operation in controller.program().block.operations()}
     assert {operation.code for operation in operations} - own <= EXACT
@@ -75,8 +66,7 @@ def test_the_shell_adds_only_what_every_target_computes_alike(name, process):
 
 
 def test_counted_loops_stay_loops_and_names_stay_names():
-    analysis = analyse(load_process("quadruple-tank"))
-    controller = DESIGNS["Fuzzy PI"](analysis)
+    controller, _ = designed("Fuzzy PI", "quadruple-tank")
     bare, shelled = controller.program(), with_plant_shell(controller, 1.0).program()
 
     def loops(program):
@@ -90,11 +80,14 @@ def test_counted_loops_stay_loops_and_names_stay_names():
     }
 
 
+@pytest.mark.thorough
 def test_the_reference_solver_runs_it_too():
-    analysis = analyse(load_process("quadruple-tank"))
-    shelled = with_plant_shell(DESIGNS["PI, SIMC"](analysis), 1.0)
-    scenario = default_scenario(analysis.model)
-    loop = Loop(shelled, analysis.model)
-    fast, slow = loop.run(scenario), loop.run(scenario, solver="reference")
+    controller, plant = designed("PI, SIMC", "quadruple-tank")
+    shelled = with_plant_shell(controller, 1.0)
+    events = [cl.step("level_1", "+1 V", at=20), cl.disturbance("inflow_1", "+10 %", at=300)]
+    fast, slow = (
+        cl.simulate(plant, shelled, events, duration=600, solver=solver)
+        for solver in ("kernel", "reference")
+    )
     for name in shelled.manipulated:
         assert np.max(np.abs(fast.values[name] - slow.values[name])) < 1e-5

@@ -5,16 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from shell_rig import at_rest, shelled_loop
+from scan_rig import at_rest, designed
+from shell_rig import shelled_loop
 
 from clepsydra import Kernel
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.controllers.plant_shell.status import read_status
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.studies.designs import DESIGNS
 
 DEAD_TIME = Path(__file__).parents[2] / "dead-time.toml"
 
@@ -53,7 +51,7 @@ def random_scans(program, samples, seed):
 )
 @pytest.mark.parametrize("before", [1, 3, 50])
 def test_a_cold_start_is_a_fresh_start_in_every_bit(name, process, before):
-    controller = DESIGNS[name](analyse(load_process(process)))
+    controller, _ = designed(name, process)
     settings = PlantShell(
         setpoint_rate=dict.fromkeys(controller.setpoints, 0.001),
         sensor_delay=dict.fromkeys(controller.measurements, 2.0),
@@ -104,10 +102,10 @@ def test_a_warm_start_in_manual_leaves_the_hand_alone():
 
 
 def test_the_watchdog_counts_to_32767_and_over_again():
-    analysis = analyse(load_process("quadruple-tank"))
-    shelled = with_plant_shell(DESIGNS["PI, SIMC"](analysis), 1.0)
+    controller, plant = designed("PI, SIMC", "quadruple-tank")
+    shelled = with_plant_shell(controller, 1.0)
     samples = 70_000
-    run = Kernel(shelled.program()).run(samples, inputs=at_rest(shelled, analysis.model))
+    run = Kernel(shelled.program()).run(samples, inputs=at_rest(shelled, plant))
     count = run.output("watchdog")[0]
     assert np.array_equal(count, np.arange(1, samples + 1) % 32768)
     assert shelled.output_wires["watchdog"] == "controller.watchdog"

@@ -1,7 +1,8 @@
 """A block to which nothing is wired does not look healthy, and neither does a forgotten wire."""
 
 import pytest
-from shell_rig import Scans, one_loop, shelled_loop
+from scan_rig import ScannedLaw
+from shell_rig import one_loop, shelled_loop
 
 from clepsydra import Signal
 from clepsydra.controllers.plant_shell.settings import PlantShell
@@ -13,7 +14,7 @@ def unwired(**wired):
     """The scans of a block with its own defaults but for what is wired."""
     shelled = with_plant_shell(one_loop(), 1.0, PlantShell(fail_safe={"pump_1": 1.5}))
     defaults = {signal.name: signal.initial for signal in shelled.law.inputs}
-    return Scans(shelled, defaults["time_step"], **defaults | wired)
+    return ScannedLaw(shelled, defaults["time_step"], **defaults | wired)
 
 
 def told(outputs) -> set[str]:
