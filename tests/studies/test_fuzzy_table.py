@@ -1,54 +1,56 @@
 """A study file names a file of sets and rules."""
 
-import shutil
-from pathlib import Path
-
 import pytest
+from pages import blocks
+from refusals import refused
 
-from clepsydra import InputError
-from clepsydra.linear.analysis import analyse
-from clepsydra.loop.default_scenario import default_scenario
-from clepsydra.loop.loop import Loop
-from clepsydra.papers.averaging_tank.fuzzy import RULES
-from clepsydra.process.document import parse
-from clepsydra.process.reader import load_process
-from clepsydra.process.table_reader import TableReader
-from clepsydra.studies.file.fuzzy_table import FUZZY_KEYS, read_fuzzy_table
+import clepsydra as cl
+
+#: A whole controller for pump 1 of the quadruple tank.
+(RULES,) = (b.text for b in blocks("docs/fuzzy-files.md", "toml") if b.file == "level-rules.toml")
 
 
-def table(text):
-    return TableReader(parse(text.encode(), "study.toml", "study"), (), FUZZY_KEYS)
-
-
-@pytest.mark.thorough
-def test_the_documents_controller_runs_from_its_file_and_starts_without_a_bump(tmp_path):
-    shutil.copy(RULES, tmp_path / "rules.toml")
-    analysis = analyse(load_process("averaging-tank:all-inputs"))
-    point = analysis.operating_point
-    found = read_fuzzy_table(table('fuzzy = "rules.toml"'), "rules", point.process, Path(tmp_path))
-    controller = found.controller(point)
-    run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
-    assert run.values["inflow"][0] == pytest.approx(0.2, abs=1e-9)
-    assert run.values["inflow"][int(5.0 / point.process.sampling_period)] > 0.3
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("fuzzy = 7", "study.toml, line 1, fuzzy: got 7, expected the name of a file of sets"),
-        ('fuzzy = "no.toml"', "study.toml, line 1, fuzzy: got 'no.toml', expected the name of a f"),
-        ('fuzzy = "."', "study.toml, line 1, fuzzy: got '.', expected the name of a file of sets"),
-        ('fuzzy = "bad.toml"', "{folder}/bad.toml, line 3, inputs.e.of: got 'level', expected a s"),
-    ],
-)
-def test_mistakes(text, message, tmp_path):
-    rules = RULES.read_text(encoding="utf-8")
-    rules = "\n" + rules[rules.index("[inputs.e_C]") :].replace(
-        'of = "concentration"', 'of = "level"'
+def study_of(folder, fuzzy, *, rules=RULES):
+    """Return the path of a study file that names a file of rules beside it."""
+    (folder / "rules.toml").write_text(rules, encoding="utf-8")
+    path = folder / "study.toml"
+    path.write_text(
+        f"""process = "quadruple-tank"
+[scenario]
+duration = "2 min"
+noise = false
+[[scenario.setpoint]]
+signal = "level_1"
+at = "30 s"
+by = "1 V"
+[controllers.rules]
+fuzzy = {fuzzy}
+""",
+        encoding="utf-8",
     )
-    rules = rules.replace("e_C", "e")
-    (tmp_path / "bad.toml").write_text(rules, encoding="utf-8")
-    process = load_process("averaging-tank:all-inputs")
-    with pytest.raises(InputError) as found:
-        read_fuzzy_table(table(text), "rules", process, tmp_path)
-    assert str(found.value).startswith(message.format(folder=tmp_path)), str(found.value)
+    return path
+
+
+def test_a_controller_runs_from_its_file_and_starts_without_a_bump(tmp_path):
+    (candidate,) = cl.study(study_of(tmp_path, '"rules.toml"')).ranking
+    run = candidate.run
+    before, after = run.values["pump_1"][run.time < 30.0], run.values["pump_1"][run.time >= 32.0]
+    assert before == pytest.approx(run.process.signal("pump_1").initial, abs=1e-9)
+    assert after[0] > before[0] + 0.01
+    assert candidate.controller.name == "rules"
+
+
+@pytest.mark.parametrize(("fuzzy", "value"), [("7", 7), ('"no.toml"', "no.toml"), ('"."', ".")])
+def test_what_is_no_file_of_rules_is_refused_with_its_line(fuzzy, value, tmp_path):
+    place = f"{tmp_path}/study.toml, line 10, controllers.rules.fuzzy"
+    with refused(place=place, value=value, expected="the name of a file of sets"):
+        cl.study(study_of(tmp_path, fuzzy))
+
+
+def test_a_mistake_in_the_rules_is_told_with_the_line_of_their_file(tmp_path):
+    """The error of a tank that has no setpoint."""
+    rules = RULES.replace('of = "level_1"', 'of = "level_3"', 1)
+    line = rules[: rules.index('"level_3"')].count("\n") + 1
+    place = f"{tmp_path}/rules.toml, line {line}, inputs.e.of"
+    with refused(place=place, value="level_3", expected="a controlled"):
+        cl.study(study_of(tmp_path, '"rules.toml"', rules=rules))

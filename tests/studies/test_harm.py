@@ -5,14 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
-from clepsydra.loop.loop import Loop
-from clepsydra.loop.scenario import Scenario
-from clepsydra.process.reader import load_process
-from clepsydra.studies.ranking import Trial, rank
+import clepsydra as cl
 from clepsydra.studies.result import Standing
-from clepsydra.studies.warnings.after import run_warnings
 
 # With its least signal the pump takes 40 l/min out of a drum that 100 l/min run into.
 DRUM = """
@@ -50,21 +44,19 @@ TRIP = 'trip_below = {{ drum = "{}" }}\nhysteresis = "1 cm"'
 
 @pytest.fixture
 def candidate(tmp_path):
-    """Return a function that ranks SIMC's PI in a drum whose feed and demand [l/min] step."""
+    """Return a function that studies SIMC's PI in a drum whose feed and demand [l/min] step."""
 
-    def make(feed, demand=0.0, samples=2000, **lines):
+    def make(feed=None, demand=None, minutes=60, **lines):
         path = tmp_path / "drum.toml"
         path.write_text(DRUM.format(**{"trip": "", "weir": ""} | lines))
-        analysis = analyse(load_process(path))
-        model = analysis.model
-        controller = design_simc(model, analysis.pairing)
-        disturbances = np.tile([feed, demand], (samples, 1)) / 60e3
-        disturbances[:10] = model.point.disturbances
-        setpoints, noise = np.full((samples, 1), 0.5), np.zeros((samples, 1))
-        scenario = Scenario(2.0, setpoints, disturbances, noise, (), seed=1)
-        run = Loop(controller, model).run(scenario)
-        scores = {"iae[level]": 1.0, "total_variation[transfer]": 1.0}
-        return rank([Trial(controller, run, scores, 1.2, run_warnings(run))])[0]
+        plant = cl.load(path)
+        events = [
+            cl.step(name, to=f"{flow} l/min", at="20 s")
+            for name, flow in (("feed", feed), ("demand", demand))
+            if flow is not None
+        ]
+        controllers = [cl.design.simc(plant)]
+        return cl.study(plant, controllers, events, duration=f"{minutes} min").best
 
     return make
 
@@ -76,7 +68,7 @@ def candidate(tmp_path):
         ({"feed": 10.0}, "transfer.runs_dry", "transfer runs dry at"),
         ({"feed": 100.0, "demand": 90.0}, "demand.runs_dry", "demand runs dry at"),
         (
-            {"feed": 10.0, "samples": 1500, "trip": TRIP.format("10 cm")},
+            {"feed": 10.0, "minutes": 50, "trip": TRIP.format("10 cm")},
             "transfer.trips_drum_below",
             "transfer trips at",
         ),
@@ -101,6 +93,6 @@ def test_whatever_harms_the_plant_is_unsafe_counted_and_dated(candidate, given, 
 
 
 def test_a_drum_that_is_left_alone_is_not_unsafe(candidate):
-    found = candidate(100.0)
+    found = candidate()
     assert found.standing is Standing.ROBUST
     assert not [words for words in found.warnings if "drum" in words]

@@ -10,15 +10,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from clepsydra.controllers.controller import Controller
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
-from clepsydra.linear.operating_point import OperatingPoint
+import clepsydra as cl
 from clepsydra.loop.motion_block import recorded_signals
-from clepsydra.loop.run import Run
-from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
-from clepsydra.process.reader import load_process
 from clepsydra.studies.ranking import RULE, Standing, Trial, rank, verdict
 from clepsydra.studies.warnings.after import run_warnings
 from clepsydra.studies.warnings.harm import harms
@@ -27,40 +21,37 @@ SAMPLES = 100
 
 
 @pytest.fixture(scope="module")
-def process() -> Process:
-    return load_process("quadruple-tank")
+def plant() -> cl.Plant:
+    return cl.load("quadruple-tank")
 
 
 @pytest.fixture(scope="module")
-def point(process) -> OperatingPoint:
-    return analyse(process).operating_point
+def process(plant) -> Process:
+    return plant.process
 
 
 @pytest.fixture(scope="module")
-def controller(process) -> Controller:
-    analysis = analyse(process)
-    return design_simc(analysis.model, analysis.pairing)
+def controller(plant) -> cl.Controller:
+    return cl.design.simc(plant)
 
 
 @pytest.fixture(scope="module")
-def resting(process, point, controller) -> Run:
-    """A run in which nothing moves."""
-    at = point.as_dict()
-    signals = (*process.state, *process.inputs)
-    nothing = np.zeros((SAMPLES, 2))
-    return Run(
-        process=process,
-        controller=controller,
-        scenario=Scenario(1.0, nothing, nothing, np.zeros((SAMPLES, 4)), (), 1),
-        time=np.arange(SAMPLES, dtype=float),
-        signals=signals,
-        values={signal.name: np.full(SAMPLES, at[signal.name]) for signal in signals},
-        error_estimate=1e-9,
-        substeps=1,
-    )
+def resting(plant, controller) -> cl.Run:
+    """A run in which nothing moves, not even by rounding."""
+    run = cl.simulate(plant, controller, [], duration=SAMPLES)
+    return still(run, plant)
 
 
-def changed(run: Run, name: str, value: float, samples: slice = slice(50, 60)) -> Run:
+def still(run: cl.Run, plant: cl.Plant) -> cl.Run:
+    """Return a run with the states and inputs of a plant at rest in place of its own."""
+    at, process = plant.point.as_dict(), plant.process
+    signals = (*process.state, *process.inputs, *recorded_signals(process))
+    rest = {signal.name: at.get(signal.name, signal.initial) for signal in signals}
+    values = {name: np.full(SAMPLES, value) for name, value in rest.items()}
+    return replace(run, process=process, signals=signals, values=values)
+
+
+def changed(run: cl.Run, name: str, value: float, samples: slice = slice(50, 60)) -> cl.Run:
     values = {key: column.copy() for key, column in run.values.items()}
     values[name][samples] = value
     return replace(run, values=values)
@@ -330,12 +321,10 @@ def test_the_rule_says_what_decides():
 @pytest.fixture(scope="module")
 def averaging(resting):
     """Return a function that makes a trial of the equalisation tank from its scores."""
-    basin = load_process("equalisation-tank")
-    signals = (*basin.state, *basin.inputs, *recorded_signals(basin))
-    values = {signal.name: np.full(SAMPLES, signal.initial) for signal in signals}
+    at_rest = still(resting, cl.load("equalisation-tank"))
 
     def make(name, rate, ratio, error=1.0, **changes):
-        run = replace(resting, process=basin, values=values)
+        run = at_rest
         for signal, value in changes.items():
             run = changed(run, signal.replace("__", "."), value)
         scores = {
@@ -382,13 +371,7 @@ def test_a_pump_that_trips_is_unsafe(tmp_path, resting, controller):
     )
     path = tmp_path / "wet-well.toml"
     path.write_text(text, encoding="utf-8")
-    well = load_process(path)
-    signals = (*well.state, *well.inputs, *recorded_signals(well))
-    run = replace(
-        resting,
-        process=well,
-        values={signal.name: np.full(SAMPLES, signal.initial) for signal in signals},
-    )
+    run = still(resting, cl.load(path))
     quiet = Trial(controller, run, {}, 1.2, ())
     assert quiet.standing is Standing.ROBUST
     tripped = changed(run, "duty.trips_well_below.count", 1.0, slice(50, None))

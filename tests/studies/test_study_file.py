@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 from refusals import refused
 
+import clepsydra as cl
 from clepsydra import NotApplicable
-from clepsydra.designs.lambda_tuning import design_lambda
-from clepsydra.designs.pole_placement import design_pole_placement
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import NOISE_SHARE, default_scenario
 from clepsydra.process.catalogue_names import catalogue_file
@@ -41,7 +38,7 @@ def made(request, number=0):
 
 def test_a_process_alone_is_a_study_with_the_usual_scenario_and_every_design(study):
     found = study(QUADRUPLE)
-    usual = default_scenario(analyse(load_process("quadruple-tank")).model, seed=1)
+    usual = default_scenario(cl.load("quadruple-tank").linear, seed=1)
     assert (found.controllers, found.scores, found.seed) == ((), (), 1)
     assert found.title == found.process.title
     assert found.scenario.segments == usual.segments
@@ -146,7 +143,6 @@ def test_scores(study):
 
 
 def test_a_design_gets_what_its_function_would_get(study):
-    analysis = analyse(load_process("quadruple-tank"))
     found = study(
         QUADRUPLE
         + """
@@ -159,8 +155,8 @@ anti_windup = "clamping"
     )
     (request,) = found.controllers
     controller = made(found)
-    direct = design_lambda(
-        analysis.model,
+    direct = cl.design.lambda_(
+        cl.load("quadruple-tank"),
         [("level_2", "pump_2"), ("level_1", "pump_1")],
         closed_loop_time_constant=120.0,
     )
@@ -180,7 +176,7 @@ def test_a_form_is_taken_from_its_own_keys(study):
     controller = made(found)
     assert controller.family == "multiloop PID"
     # A series form: the ISA form has Ti ≥ 4 Td, this one need not.
-    isa = design_simc(analyse(load_process("three-tanks")).model, [("level_3", "feed")])
+    isa = cl.design.simc(cl.load("three-tanks"), [("level_3", "feed")])
     assert controller.values["derivative_time_1"] > 0.0
     assert set(isa.values) < set(controller.values)
 
@@ -196,7 +192,11 @@ def test_every_argument_of_every_design_can_be_written(name):
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     "name",
-    [name for name, design in DESIGN_NAMES.items() if "pairing" in design_keys(design.load())],
+    [
+        pytest.param(name, marks=pytest.mark.thorough) if "scheduled" in name else name
+        for name, design in DESIGN_NAMES.items()
+        if "pairing" in design_keys(design.load())
+    ],
 )
 def test_a_pairing_that_is_left_out_is_that_of_the_relative_gains(name, tmp_path):
     """Of the quadruple tank in its minimum-phase setting: each pump with the level below it."""
@@ -256,11 +256,12 @@ def test_poles_are_read_as_complex_numbers(study):
         'process = "three-tanks"\n[controllers.a]\ndesign = "pole_placement"\n'
         'poles = [0.97, "0.95+0.01j", "0.95 - 0.01j"]\n'
     )
-    direct = design_pole_placement(found.analysis.model, poles=[0.97, 0.95 + 0.01j, 0.95 - 0.01j])
+    direct = cl.design.pole_placement(
+        cl.load("three-tanks"), poles=[0.97, 0.95 + 0.01j, 0.95 - 0.01j]
+    )
     assert made(found).values == direct.values
 
 
-@pytest.mark.thorough
 def test_starts_an_hour_may_have_a_unit(study):
     text = 'process = "wet-well:start-stop"\n[controllers.a]\ndesign = "start_stop_levels"\n'
     bare, hours, minutes = (

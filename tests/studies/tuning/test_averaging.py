@@ -6,31 +6,32 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from clepsydra.designs.arrest_time import design_arrest_time
-from clepsydra.linear.analysis import analyse
+import clepsydra as cl
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
-from clepsydra.process.reader import load_process
-from clepsydra.studies.study import run_study
 from clepsydra.studies.trial import scores_of
 from clepsydra.studies.tuning.batch import BatchEvaluation
 from clepsydra.studies.tuning.objective import Limits, minimax
 from clepsydra.studies.tuning.parameters import TunedParameter
 from clepsydra.studies.tuning.tune import tune
 
-pytestmark = pytest.mark.thorough
-
 SCORES = ("outflow_rate[level]", "variance_ratio[level]")
 
 
 @pytest.fixture(scope="module")
-def study():
-    return run_study("equalisation-tank")
+def basin():
+    return cl.load("equalisation-tank")
 
 
-def test_a_study_tunes_a_basin_for_the_scores_that_rank_it(study):
-    by_name = {candidate.controller.name: candidate for candidate in study.ranking}
-    start, tuned = by_name["PI, arrest time"], by_name["PI, arrest time, tuned"]
+@pytest.fixture(scope="module")
+def controller(basin):
+    return cl.design.arrest_time(basin)
+
+
+@pytest.mark.thorough
+def test_a_study_tunes_a_basin_for_the_scores_that_rank_it():
+    study = cl.study("equalisation-tank", only="PI, arrest time, tuned")
+    start, tuned = study["PI, arrest time"], study["PI, arrest time, tuned"]
     assert tuned.standing is start.standing and tuned.rank < start.rank
     ratios = [tuned.scores[name] / start.scores[name] for name in SCORES]
     assert tuned.tuning.objective == pytest.approx(sum(ratios), rel=1e-9)
@@ -43,33 +44,29 @@ def test_a_study_tunes_a_basin_for_the_scores_that_rank_it(study):
     assert "basin.level at most 4.47 m" in tuned.tuning.binding
 
 
-def test_over_several_scenarios_the_largest_outflow_change_counts():
-    analysis = analyse(load_process("equalisation-tank"))
-    controller = design_arrest_time(analysis.model, analysis.pairing)
-    one = default_scenario(analysis.model, seed=1)
+def test_over_several_scenarios_the_largest_outflow_change_counts(basin, controller):
+    one = default_scenario(basin.linear, seed=1)
     loads = one.disturbances.copy()
     rest = loads[0]
     other = dataclasses.replace(one, disturbances=rest + 0.5 * (loads - rest))
-    both = BatchEvaluation(controller, analysis.model, [one, other], SCORES).run({}).scores
-    alone = [scores_of(Loop(controller, analysis.model).run(scenario)) for scenario in (one, other)]
+    both = BatchEvaluation(controller, basin.linear, [one, other], SCORES).run({}).scores
+    alone = [scores_of(Loop(controller, basin.linear).run(scenario)) for scenario in (one, other)]
     assert alone[0][SCORES[0]] > 1.5 * alone[1][SCORES[0]] > 0.0
     assert both[SCORES[0]][0] == pytest.approx(alone[0][SCORES[0]], rel=1e-9)
 
 
-def test_a_limit_of_a_level_binds_where_the_level_stands_on_it():
-    analysis = analyse(load_process("equalisation-tank"))
-    controller = design_arrest_time(analysis.model, analysis.pairing)
-    scenario = default_scenario(analysis.model)
+def test_a_limit_of_a_level_binds_where_the_level_stands_on_it(basin, controller):
+    scenario = default_scenario(basin.linear)
     gain = controller.values["proportional_gain_1"]
     bounds = [TunedParameter("proportional_gain_1", 10.0 * gain, 0.1 * gain)]
     free, kept = (
         tune(
-            controller, analysis.model, scenario, bounds, minimax(SCORES[1]),
+            controller, basin.linear, scenario, bounds, minimax(SCORES[1]),
             limits=limits, generations=8,
         )
         for limits in (Limits(), Limits(levels={"basin.level": (0.5, 4.3)}))
     )  # fmt: skip
-    run = Loop(kept.controller, analysis.model).run(scenario)
+    run = Loop(kept.controller, basin.linear).run(scenario)
     assert run.values["basin.level"].max() == pytest.approx(4.3, rel=1e-5)
     assert kept.binding == ("basin.level at most 4.3 m",)
     assert free.objective < kept.objective

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
+import clepsydra as cl
 from clepsydra import InputError, NotApplicable
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
-from clepsydra.process.reader import load_process
 from clepsydra.studies.tuning.design_space import DesignSpace
 from clepsydra.studies.tuning.lqi_weights import LqiWeights, WeightWords
 from clepsydra.studies.tuning.objective import minimax
@@ -36,9 +34,8 @@ class Squared:
 
 @pytest.fixture(scope="module")
 def setting():
-    analysis = analyse(load_process("equalisation-tank"))
-    start = design_simc(analysis.model, analysis.pairing)
-    return start, analysis.model, default_scenario(analysis.model)
+    basin = cl.load("equalisation-tank")
+    return cl.design.simc(basin), basin.linear, default_scenario(basin.linear)
 
 
 def space_of(start) -> DesignSpace:
@@ -85,7 +82,7 @@ def test_the_numbers_of_the_space_are_checked(setting):
 
 
 def test_gains_of_weights_change_smoothly_by_the_steps_that_a_search_takes():
-    design = LqiWeights(lqi_by_bryson(analyse(load_process("three-tanks")).model))
+    design = LqiWeights(lqi_by_bryson(cl.load("three-tanks").linear))
     weight = design.numbers["inputs.feed"]
     gains = [
         design.values({**design.numbers, "inputs.feed": weight * (1.0 + 1e-6 * i)})

@@ -5,12 +5,10 @@ from pathlib import Path
 import pytest
 from refusals import refused
 
+import clepsydra as cl
 from clepsydra import InputError
 from clepsydra.linear.linearise import linearise
 from clepsydra.studies.file.reader import read_study
-from clepsydra.studies.study import run_study
-
-pytestmark = pytest.mark.thorough
 
 VESSEL = Path(__file__).with_name("vessel.toml")
 HEAD = """process = "{vessel}"
@@ -50,15 +48,16 @@ def test_a_study_file_tunes_weights_between_its_bounds(tmp_path):
 inputs.feed = [1e6, 1e8]
 """
     path = written(tmp_path, tail)
-    (candidate,) = run_study(read_study(path)).ranking
+    (candidate,) = cl.study(path).ranking
     assert candidate.controller.name == "tuned"
     # Cheaper moves lower ISE: the lowest weight is the best.
     assert candidate.tuning.tuned == {"inputs.feed": pytest.approx(1e6)}
     assert candidate.tuning.objective < 1.0
 
 
+@pytest.mark.thorough
 def test_of_lqi_all_weights_are_tuned_with_at_most_twice_the_moves(tmp_path):
-    (candidate,) = run_study(read_study(written(tmp_path, "", "lqi", ""))).ranking
+    (candidate,) = cl.study(written(tmp_path, "", "lqi", "")).ranking
     found = candidate.tuning
     assert list(found.tuned) == ["states.vessel.level", "inputs.feed"]
     wear = "total_variation[feed]"
@@ -66,11 +65,12 @@ def test_of_lqi_all_weights_are_tuned_with_at_most_twice_the_moves(tmp_path):
     assert found.objective < 1.0 and candidate.maximum_sensitivity < 2.0
 
 
+@pytest.mark.thorough
 def test_parameters_of_the_law_can_still_be_tuned(tmp_path):
     tail = """[controllers.tuned.tune.parameters]
 integral_gain_1_1 = ["1e-7 m^3/(s^2 m)", "0.1 m^3/(s^2 m)"]
 """
-    (candidate,) = run_study(read_study(written(tmp_path, tail))).ranking
+    (candidate,) = cl.study(written(tmp_path, tail)).ranking
     assert list(candidate.tuning.tuned) == ["integral_gain_1_1"]
 
 
@@ -103,6 +103,7 @@ def test_scores_of_averaging_are_refused_where_nothing_averages(tmp_path):
         read_study(path)
 
 
+@pytest.mark.thorough
 def test_a_study_file_tunes_for_scores_of_averaging(tmp_path):
     path = tmp_path / "study.toml"
     path.write_text(
@@ -121,6 +122,6 @@ objective = { outflow_rate = 1.0, variance_ratio = 0.5 }
 """,
         encoding="utf-8",
     )
-    (candidate,) = run_study(read_study(path)).ranking
+    (candidate,) = cl.study(path).ranking
     assert set(candidate.tuning.scores) == {"outflow_rate[level]", "variance_ratio[level]"}
     assert candidate.tuning.objective < 0.5 * candidate.tuning.start_objective

@@ -1,19 +1,19 @@
 """Loops whose warnings have closed forms: an integrating tank, and models written by hand."""
 
+import functools
+
 import casadi as ca
 import numpy as np
 import pytest
 
+import clepsydra as cl
 from clepsydra import LinearModel, PidForm, Signal
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import family, multiloop_pid_law
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.process import Process
-from clepsydra.process.reader import load_process
 
 # Its level in volts changes by 1e-4 / 1e-2 * 20 = 0.2 V/s for each volt of the pump.
 TANK = """
@@ -46,16 +46,17 @@ level = "{rest}"
 VOLTS = 'gain = "0.2 V/cm"\nrange = ["0 V", "10 V"]'
 
 
-@pytest.fixture
-def tank(tmp_path):
+@pytest.fixture(scope="module")
+def tank(tmp_path_factory):
     """Return a function that analyses the tank with some of its lines changed."""
 
+    @functools.cache
     def make(**changed):
         lines = {"period": 1, "destination": "tank", "trip": "", "demand": 500}
         lines |= {"sensor": VOLTS, "rest": "5 V", "more": ""}
-        path = tmp_path / "buffer.toml"
+        path = tmp_path_factory.mktemp("tank") / "buffer.toml"
         path.write_text(TANK.format(**lines | changed))
-        return analyse(load_process(path))
+        return cl.load(path).analysis
 
     return make
 
@@ -122,16 +123,19 @@ def stepped():
     return steps_of
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def quadruple():
-    analysis = analyse(load_process("quadruple-tank"))
-    return analysis, design_simc(analysis.model, analysis.pairing)
+    return with_pi("quadruple-tank")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def nonminimum():
-    analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
-    return analysis, design_simc(analysis.model, analysis.pairing)
+    return with_pi("quadruple-tank-nonminimum-phase")
+
+
+def with_pi(name):
+    plant = cl.load(name)
+    return plant.analysis, cl.design.simc(plant)
 
 
 @pytest.fixture

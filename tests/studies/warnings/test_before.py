@@ -8,16 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import clepsydra as cl
 from clepsydra import NotApplicable, PidForm, Signal
 from clepsydra.controllers.controller import Controller
-from clepsydra.designs.bryson import design_lqi
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.scenario import Segment
 from clepsydra.process.catalogue_names import catalogue_names
-from clepsydra.process.reader import load_process
 from clepsydra.program.step_law import Equations, step_law
 from clepsydra.studies.warnings.bandwidth import bandwidth_warnings, blocking_zeros
 from clepsydra.studies.warnings.before import warnings_before
@@ -52,17 +49,14 @@ def number_in(words, pattern):
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", catalogue_names())
 def test_the_designs_of_the_catalogue_raise_no_false_alarm(name):
-    analysis = analyse(load_process(name))
-    scenario = default_scenario(analysis.model)
-    for design in (
-        lambda: design_simc(analysis.model, analysis.pairing),
-        lambda: design_lqi(analysis.model),
-    ):
+    plant = cl.load(name)
+    scenario = default_scenario(plant.linear)
+    for design in (cl.design.simc, cl.design.lqi):
         try:
-            controller = design()
+            controller = design(plant)
         except NotApplicable:
             continue
-        assert told(analysis, controller, scenario) == ()
+        assert told(plant.analysis, controller, scenario) == (), controller.name
 
 
 def test_all_warnings_of_a_controller_take_less_than_a_tenth_of_a_second(quadruple):
@@ -362,8 +356,8 @@ def test_nothing_winds_up_without_an_integral(tank, pid, quadruple):
     assert winds_up(pid(model, PidForm("P", anti_windup="none")), model.point.process) == ()
     velocity = pid(model, PidForm("PI", algorithm="velocity"), integral_time_1=20.0)
     assert winds_up(velocity, model.point.process) == ()
-    analysis, _ = quadruple
-    assert winds_up(design_lqi(analysis.model), analysis.operating_point.process) == ()
+    plant = quadruple[1].plant
+    assert winds_up(cl.design.lqi(plant), plant.process) == ()
 
 
 def test_wind_up_is_foreseen_where_a_step_asks_for_too_much(tank, pid, stepped):
@@ -486,15 +480,19 @@ def test_a_setpoint_outside_of_tank_or_sensor_is_told(tank, proportional, steppe
     assert all(what in w for what, w in zip(said, words, strict=True))
 
 
-@pytest.mark.sampled
+@pytest.fixture(scope="module")
+def well():
+    plant = cl.load("wet-well")
+    return plant.analysis, cl.design.simc(plant)
+
+
 @pytest.mark.parametrize(
     ("level", "said"),
     [(1.5, None), (0.45, "stops duty"), (2.6, "starts standby"), (1.1, None)],
 )
-def test_a_setpoint_beyond_a_level_switch_is_told(stepped, level, said):
+def test_a_setpoint_beyond_a_level_switch_is_told(well, stepped, level, said):
     """4 mA/m from 4 mA; the duty pump stops below 0.5 m, the standby pump starts above 2.5 m."""
-    analysis = analyse(load_process("wet-well"))
-    controller = design_simc(analysis.model, analysis.pairing)
+    analysis, controller = well
     words = told(analysis, controller, stepped(analysis.model, 0.004 * (level - 1.5)))
     about = [w for w in words if "level switch" in w]
     assert len(about) == (said is not None) and all(said in w for w in about)
@@ -502,8 +500,8 @@ def test_a_setpoint_beyond_a_level_switch_is_told(stepped, level, said):
 
 def test_a_tank_that_is_not_controlled_is_watched_too(stepped):
     """Tank 4 of the laboratory stands in the way of tank 1: both pumps trip at 27.5 cm."""
-    analysis = analyse(load_process("laboratory-four-tanks"))
-    controller = design_simc(analysis.model, analysis.pairing)
+    laboratory = cl.load("laboratory-four-tanks")
+    analysis, controller = laboratory.analysis, cl.design.simc(laboratory)
 
     def words(step):
         scenario = stepped(analysis.model, step, "level_1")

@@ -5,11 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from clepsydra import LinearModel, PidForm
-from clepsydra.linear.disk_margin import disk_margin
+from clepsydra import PidForm
 from clepsydra.linear.linearise import linearise
-from clepsydra.linear.loop_margins import loop_margins
-from clepsydra.linear.structured_norm import structured_norm
 from clepsydra.studies.file.reader import read_study
 from clepsydra.studies.warnings.bandwidth import bandwidth_in, largest_bandwidth
 from clepsydra.studies.warnings.channel import Channel
@@ -63,21 +60,24 @@ def test_the_sensitivity_is_that_of_the_state_space_loop(request, case):
 
 
 def test_sampled_fast_the_margins_are_those_of_continuous_time(tank, pid):
-    """K (1 + 1/(Ti s)) 0.2/s against the margins of `linear`, at 1000 samples a time constant."""
+    """L = 0.2 (s + 1/2)/s², at 1000 samples a second, against its closed form.
+
+    |L| = 1 at ωc² = (0.04 + √(0.04² + 0.04))/2 with a phase of atan(2 ωc) above -180°, and the
+    disk margin is the least distance 1/|S - 1/2| = 2 |1 + L|/|1 - L|.
+    """
     model = tank(period=0.001).model
     form = PidForm(anti_windup="none")
     controller = pid(model, form, proportional_gain_1=1.0, integral_time_1=2.0)
-    channel = loop_response(controller, model).channels["level"]
-    A, B = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[RATE], [RATE / 2.0]])
-    loop = LinearModel(
-        A, B, B[:, :0], np.array([[1.0, 0.0]]), np.zeros((1, 1)), ("a", "b"), ("e",), (), ("y",)
-    )
-    continuous = loop_margins(loop)
-    assert channel.phase_margin.value == pytest.approx(continuous.phase_margin, rel=2e-3)
-    assert channel.crossovers == pytest.approx([continuous.phase_crossings[0].frequency], rel=2e-3)
     response = loop_response(controller, model)
-    sizes = structured_norm(response.at_output - 0.5)
-    assert 1.0 / sizes.max() == pytest.approx(disk_margin(loop).size, rel=2e-3)
+    channel = response.channels["level"]
+    crossover = math.sqrt((RATE**2 + math.sqrt(RATE**4 + RATE**2)) / 2.0)
+    assert channel.crossovers == pytest.approx([crossover], rel=2e-3)
+    assert channel.phase_margin.value == pytest.approx(math.atan(2.0 * crossover), rel=2e-3)
+    s = 1j * np.geomspace(1e-3, 1e2, 20_001)
+    loop = RATE * (s + 0.5) / s**2
+    nearest = np.min(2.0 * np.abs((1.0 + loop) / (1.0 - loop)))
+    sizes = np.abs(response.at_output[:, 0, 0] - 0.5)
+    assert 1.0 / sizes.max() == pytest.approx(nearest, rel=2e-3)
 
 
 def test_a_long_dead_time_takes_the_sparse_way_to_the_same_response(tank, proportional):
