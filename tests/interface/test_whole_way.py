@@ -1,7 +1,5 @@
 """From a process of the catalogue to proven code, as a user of other libraries would write it."""
 
-import pytest
-
 import clepsydra as cl
 
 
@@ -29,7 +27,8 @@ def test_the_whole_way(tmp_path):
     assert (tmp_path / "out.html").stat().st_size > 10_000
     best = cl.tune(
         pi, plant, goal="iae", limits={"overshoot": "10 %", "max|S|": 1.6},
-        parameters={"level_1": {"K": (1, 9)}}, events=events[:1], duration="3 min",
+        parameters={name: {"K": (1, 9)} for name in ("level_1", "level_2")},
+        events=events[:1], duration="3 min",
     )  # fmt: skip
     assert best.tuning.objective < 1.0 and best.tuning.maximum_sensitivity < 1.6 + 1e-5
     record = cl.simulate(plant, None, [cl.step("pump_1", "+0.5 V", at="1 min")])
@@ -38,10 +37,3 @@ def test_the_whole_way(tmp_path):
     assert model.best.name in repr(model)
     written = cl.export(bold, plant, tmp_path / "out", to="st")
     assert any(path.suffix == ".st" for path in written.files)
-
-
-@pytest.mark.thorough
-def test_the_proof():
-    plant = cl.load("quadruple-tank")
-    proof = cl.verify(cl.design.simc(plant), plant)
-    assert proof.holds, repr(proof)
