@@ -113,6 +113,11 @@ def single_tank():
 
 
 @pytest.fixture(scope="session")
+def linear_law():
+    return derivatives_at_rest
+
+
+@pytest.fixture(scope="session")
 def sampled_at():
     return with_sampling_period
 
@@ -151,3 +156,34 @@ def one_input_one_output(A, B, C, *, low=0.0, high=10.0, at=5.0, period=1.0, spa
         A, B, np.zeros((n, 0)), C, np.zeros((1, 1)), states, ("pump",), (), ("level",), point
     )
     return model
+
+
+def derivatives_at_rest(controller, point):
+    """Return A, B, C and D of the step law at rest, in automatic: x⁺ = A x + B w, u = C x + D w.
+
+    w are the setpoints, then the measurements. States that keep their value are left out.
+    """
+    law, at = controller.law, point.as_dict()
+    inputs = {signal.name: 1.0 for signal in law.inputs}  # automatic, and every sensor is sound
+    inputs["time_step"] = point.process.sampling_period
+    inputs |= {f"setpoint_{j}": at[name] for j, name in enumerate(controller.setpoints, 1)}
+    inputs |= {f"measurement_{j}": at[name] for j, name in enumerate(controller.measurements, 1)}
+    x, w, p = (ca.SX.sym(name, law.function.numel_in(k)) for k, name in enumerate("xwp"))
+    after, outputs, _ = law.function(x, w, p)
+    moved = [k for k, signal in enumerate(law.outputs) if signal.name.startswith("manipulated_")]
+    results = [ca.jacobian(y, v) for y in (after, outputs[moved]) for v in (x, w)]
+    A, B, C, D = (
+        np.array(matrix)
+        for matrix in ca.Function("derivatives", [x, w, p], results)(
+            [controller.initial_state[entry.name] for entry in law.state],
+            [inputs[signal.name] for signal in law.inputs],
+            [controller.values[signal.name] for signal in law.parameters],
+        )
+    )
+    names = [signal.name for signal in law.inputs]
+    wanted = [f"setpoint_{j}" for j in range(1, len(controller.setpoints) + 1)]
+    wanted += [f"measurement_{j}" for j in range(1, len(controller.measurements) + 1)]
+    columns = [names.index(name) for name in wanted]
+    B, D = B[:, columns], D[:, columns]
+    moves = np.any(np.hstack([A - np.eye(len(A)), B]) != 0.0, axis=1)
+    return A[np.ix_(moves, moves)], B[moves], C[:, moves], D

@@ -9,7 +9,6 @@ from refusals import refused
 from scipy.optimize import linear_sum_assignment
 
 from clepsydra import InputError, NotApplicable
-from clepsydra.controllers.linear_step_law import StepLawDerivatives
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.linear_quadratic_regulator import design_lqr
 from clepsydra.designs.lqi_by_weights import design_lqi_by_weights
@@ -132,7 +131,7 @@ def test_the_loop_has_the_poles_of_regulator_and_observer(name, measurements, de
         assert distance(found, wanted) < 1e-8
 
 
-def static_loop(controller, model, loads):
+def static_loop(law, controller, model, loads):
     """Return what setpoints and loads make of the controlled outputs at rest.
 
     The law's derivatives in automatic, joined with x(k+1) = Φ x + Γ u + (loads held).
@@ -148,37 +147,33 @@ def static_loop(controller, model, loads):
     )
     held, moved = sampled_process(both, period)
     m = len(whole.inputs)
-    at = model.point.as_dict()
-    given = {
-        name: at[wire.removesuffix(".setpoint")]
-        for name, wire in controller.input_wires.items()
-        if wire.removesuffix(".setpoint") in at
-    } | {"time_step": period}
-    law = StepLawDerivatives(controller.law).at(controller.values, controller.initial_state, given)
+    q = len(controller.setpoints)
+    law_A, law_B, law_C, law_D = law(controller, model.point)
     C = whole.C
     A = np.block(
         [
-            [held + moved[:, :m] @ law.D_measurement @ C, moved[:, :m] @ law.C],
-            [law.B_measurement @ C, law.A],
+            [held + moved[:, :m] @ law_D[:, q:] @ C, moved[:, :m] @ law_C],
+            [law_B[:, q:] @ C, law_A],
         ]
     )
-    by_setpoint = np.vstack([moved[:, :m] @ law.D_setpoint, law.B_setpoint])
-    by_load = np.vstack([moved[:, m:], np.zeros((len(law.A), len(loads)))])
+    by_setpoint = np.vstack([moved[:, :m] @ law_D[:, :q], law_B[:, :q]])
+    by_load = np.vstack([moved[:, m:], np.zeros((len(law_A), len(loads)))])
     rows = [controller.measurements.index(name) for name in controller.setpoints]
-    shown = np.hstack([C[rows], np.zeros((len(rows), len(law.A)))])
+    shown = np.hstack([C[rows], np.zeros((q, len(law_A)))])
     rest = np.linalg.solve(np.eye(len(A)) - A, np.hstack([by_setpoint, by_load]))
-    q = len(rows)
     return (shown @ rest)[:, :q], (shown @ rest)[:, q:]
 
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("design", list(OBSERVED))
 @pytest.mark.parametrize("name", ["eight-tanks", "wet-well", "quadruple-tank", "three-tanks"])
-def test_setpoints_are_reached_and_an_observer_leaves_no_offset_under_load(name, design):
+def test_setpoints_are_reached_and_an_observer_leaves_no_offset_under_load(
+    name, design, linear_law
+):
     model = model_of(name)
     controller = OBSERVED[design](model, measurements=list(model.outputs))
     loads = [k for k, load in enumerate(model.disturbances) if "inflow" in load]
-    follows, offset = static_loop(controller, model, loads)
+    follows, offset = static_loop(linear_law, controller, model, loads)
     assert follows == pytest.approx(np.eye(len(follows)), abs=1e-8)
     open_loop = np.abs(model.C @ np.linalg.solve(model.A, model.E[:, loads]))
     assert np.abs(offset).max() < 1e-6 * open_loop.max()
@@ -186,11 +181,13 @@ def test_setpoints_are_reached_and_an_observer_leaves_no_offset_under_load(name,
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("design", [design_pole_placement, design_lqr])
-def test_without_an_observer_the_precompensator_is_exact_and_a_load_leaves_an_offset(design):
+def test_without_an_observer_the_precompensator_is_exact_and_a_load_leaves_an_offset(
+    design, linear_law
+):
     model = model_of("quadruple-tank")
     controller = design(model)
     assert len(controller.measurements) == 4
-    follows, offset = static_loop(controller, model, [0, 1])
+    follows, offset = static_loop(linear_law, controller, model, [0, 1])
     assert follows == pytest.approx(np.eye(2), abs=1e-9)
     assert np.abs(offset).max() > 1e3  # [V/(m³/s)]
     assert any("offset that stays" in note for note in controller.notes)
@@ -410,11 +407,11 @@ def test_lqi_by_weights_needs_those_of_the_integrals(minimum_phase):
         design_lqr(model, weights=QuadraticWeights(np.eye(3), np.eye(2)))
 
 
-def test_extra_inputs_share_by_their_room():
+def test_extra_inputs_share_by_their_room(linear_law):
     """Three inputs for two outputs: the smallest N, each input in its largest move."""
     model = model_of("averaging-tank:all-inputs")
     controller = design_lqr(model)
-    follows, _ = static_loop(controller, model, [])
+    follows, _ = static_loop(linear_law, controller, model, [])
     assert follows == pytest.approx(np.eye(2), abs=1e-9)
 
 

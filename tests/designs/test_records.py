@@ -1,6 +1,7 @@
 """Models read off recorded runs: the parameters that made the record come back."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,6 @@ from clepsydra.designs.integrating_delay import integrating_delay
 from clepsydra.designs.models.step_record import step_record
 from clepsydra.designs.relay_autotune import ultimate_point_of_relay
 from clepsydra.designs.two_point_fopdt import SHARES, two_point_fopdt
-from clepsydra.loop.relay_experiment import RelayRecord
 
 TIME = np.arange(0.0, 400.0, 1.0)
 
@@ -158,7 +158,7 @@ def test_a_sine_gives_the_describing_function(hysteresis, sign):
 
 def test_a_record_is_taken_as_the_experiment_returns_it():
     time, moved, output = swing(0.5, 40.0, hysteresis=0.2)
-    record = RelayRecord(time, moved, output, amplitude=2.0, hysteresis=0.2, bias=0.0)
+    record = SimpleNamespace(time=time, manipulated=moved, measured=output, hysteresis=0.2)
     by_hand = ultimate_point_of_relay(time, moved, output, hysteresis=0.2)
     assert ultimate_point_of_relay(record) == by_hand
     # Its own hysteresis counts where none is given.

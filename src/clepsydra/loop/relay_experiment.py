@@ -154,7 +154,7 @@ def relay_experiment(
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
     >>> record = relay_experiment(analysis.model, "level_1", "pump_2")
-    >>> found = ultimate_point_of_relay(record.time, record.manipulated, record.measured)
+    >>> found = ultimate_point_of_relay(record)
     >>> element = transfer_element(analysis.model, "level_1", "pump_2")
     >>> exact = ultimate_point(element, 0.5, method="by hand")
     >>> bool(abs(found.period / exact.period - 1.0) < 0.15)
