@@ -1,37 +1,107 @@
 """Polynomial controllers and Smith predictors for models and for every catalogue process."""
 
-import dataclasses
+import functools
 
 import numpy as np
 import pytest
 from refusals import refused
 
+import clepsydra as cl
 from clepsydra import InputError, NotApplicable
 from clepsydra.designs.polynomial.polynomial_control import design_polynomial
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.smith_predictor import design_smith_predictor
 from clepsydra.linear.analysis import analyse
-from clepsydra.linear.internal_delays import InternalDelays
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.process.reader import load_process
 
 PAIR = (("level", "pump"),)
 
 
-def with_input_delay(model, time):
-    """The same model, its input late by a dead time [s]."""
-    n = len(model.A)
-    late = InternalDelays(
-        times=np.array([time]),
-        to_states=np.array(model.B),
-        to_outputs=np.zeros((1, 1)),
-        from_states=np.zeros((1, n)),
-        from_inputs=np.ones((1, 1)),
-        through=np.zeros((1, 1)),
-        from_disturbances=np.zeros((1, 0)),
-    )
-    return dataclasses.replace(model, B=np.zeros_like(model.B), delays=late)
+# A tank of 5 m² that stands at 5 m, where as much flows out as in. Its outlet may let more out or
+# less the higher it stands, so that it settles, integrates or runs away.
+TANK = """
+name = "tank"
+sampling_period = "1 s"
+controlled = ["level"]
+manipulated = ["pump"]
+elements = "elements.py"
+[reservoirs.basin]
+[tanks.tank_1]
+area = "5 m^2"
+height = "20 m"
+[lines.outlet]
+source = "tank_1"
+destination = "basin"
+slope = "SLOPE m^2/s"
+[flows.pump]
+destination = "pipe"
+range = ["0 m^3/s", "10 m^3/s"]
+nominal = "5 m^3/s"
+[delays.pipe]
+destination = "tank_1"
+time = "DELAY s"
+[operating_point]
+level = "5 m"
+[sensors.level]
+tank = "SHOWN"
+range = ["0 m", "10 m"]
+"""
+#: A second tank, into which 1 m³/s flows for each metre of the first, and 5 m³/s out of it.
+SECOND = """
+[tanks.tank_2]
+area = "5 m^2"
+height = "20 m"
+[followers.follower]
+destination = "tank_2"
+[lines.outlet_2]
+source = "tank_2"
+destination = "basin"
+slope = "0 m^2/s"
+"""
+ELEMENTS = """
+from dataclasses import dataclass
+from clepsydra import Connection, Element, Flow, Outlet
+
+class Line(Outlet):
+    kind, table, quantities = "line", "lines", {"slope": "m^2/s"}
+
+    def flow(self, level, gravity, slope):
+        return 5.0 + slope * (level - 5.0)
+
+@dataclass(frozen=True)
+class Follower(Element):
+    kind, table, keys = "follower", "followers", ("destination",)
+    destination: str
+
+    @classmethod
+    def read(cls, name, table):
+        return cls(name, table.name("destination", "the name of a tank"))
+
+    def connections(self):
+        return [Connection(("destination",), self.destination, "tank")]
+
+    def flows(self, symbols, received):
+        return [Flow("basin", self.destination, 1.0, symbols["tank_1.level"])]
+"""
+
+
+@pytest.fixture(scope="module")
+def late_tank(tmp_path_factory):
+    """Return the linear model of the tank with a pole [1/s] and a dead time of its input [s]."""
+    folder = tmp_path_factory.mktemp("tank")
+    (folder / "elements.py").write_text(ELEMENTS)
+
+    @functools.cache
+    def model(pole, delay, twice=False):
+        text = TANK.replace("SLOPE", str(-5.0 * pole)).replace("DELAY", str(delay))
+        text = text.replace("SHOWN", "tank_2" if twice else "tank_1")
+        path = folder / f"tank_{pole}_{delay}_{twice}.toml"
+        path.write_text(text + SECOND if twice else text)
+        return cl.load(path).linear
+
+    return model
 
 
 def eigenvalues(controller, model):
@@ -45,11 +115,11 @@ def near(found, expected, tolerance=1e-6):
 
 @pytest.mark.parametrize("delay", [0.0, 4.0, 4.5])
 @pytest.mark.parametrize("pole", [-0.1, 0.0, 0.05])
-def test_the_loop_has_the_poles_of_the_spectral_factor_and_those_assigned(single_tank, delay, pole):
+def test_the_loop_has_the_poles_of_the_spectral_factor_and_those_assigned(
+    single_tank, late_tank, delay, pole
+):
     """Stable, integrating and unstable tanks, with dead time: the exact sampled loop tells."""
-    model = single_tank([[pole]], [0.2], [1.0])
-    if delay:
-        model = with_input_delay(model, delay)
+    model = late_tank(pole, delay) if delay else single_tank([[pole]], [0.2], [1.0])
     penalty, assigned = 3.0, (0.6, 0.3)
     controller = design_polynomial(model, PAIR, penalty=penalty, assigned_poles=assigned)
     found = eigenvalues(controller, model)
@@ -75,16 +145,13 @@ def test_the_loop_has_the_poles_of_the_spectral_factor_and_those_assigned(single
     assert np.max(np.abs(others), initial=0.0) < 3.0 * 1e-15 ** (1.0 / max(len(others), 1))
 
 
-def test_unstable_and_twice_integrating_processes_are_refused_by_the_predictor(single_tank):
-    unstable = with_input_delay(single_tank([[0.05]], [0.2], [1.0]), 4.0)
+def test_unstable_and_twice_integrating_processes_are_refused_by_the_predictor(late_tank):
+    unstable = late_tank(0.05, 4.0)
     with pytest.raises(NotApplicable, match=r"unstable without control.*can hold it"):
         design_smith_predictor(unstable, PAIR)
     with pytest.raises(NotApplicable, match="integrates twice"):
-        design_smith_predictor(
-            with_input_delay(single_tank([[0.0, 1.0], [0.0, 0.0]], [0.0, 0.2], [1.0, 0.0]), 4.0),
-            PAIR,
-        )
-    tank = with_input_delay(single_tank([[-0.1]], [0.2], [1.0]), 4.0)
+        design_smith_predictor(late_tank(0.0, 4.0, twice=True), PAIR)
+    tank = late_tank(-0.1, 4.0)
     for denominator in ((-1.1,), (-2.0, 1.0)):
         with refused(expected="stable model"):
             design_smith_predictor(tank, PAIR, models=[SampledModel((0.2,), denominator, 4, 1.0)])
@@ -93,18 +160,18 @@ def test_unstable_and_twice_integrating_processes_are_refused_by_the_predictor(s
 
 @pytest.mark.parametrize("primary", ["polynomial", "PI"])
 @pytest.mark.parametrize("pole", [-0.1, 0.0])
-def test_predictors_are_robust_by_default(single_tank, primary, pole):
-    model = with_input_delay(single_tank([[pole]], [0.2], [1.0]), 6.0)
+def test_predictors_are_robust_by_default(late_tank, primary, pole):
+    model = late_tank(pole, 6.0)
     controller = design_smith_predictor(model, PAIR, primary=primary)
     assert sampled_loop(controller, model).maximum_sensitivity <= 2.0 + 1e-9
     assert ("error_feedback_1" in controller.values) == (pole == 0.0)
 
 
 @pytest.mark.thorough
-def test_error_feedback_is_the_rule_of_matausek_and_micic(single_tank):
+def test_error_feedback_is_the_rule_of_matausek_and_micic(late_tank):
     """κ = 1/(2 k L) for k e^(−sL)/s: sampled so fast that holding it hardly counts."""
     slope, delay = 0.2, 40.0
-    model = with_input_delay(single_tank([[0.0]], [slope], [1.0]), delay)
+    model = late_tank(0.0, delay)
     asked = {"penalty": 1e4, "assigned_poles": [0.99]}
     controller = design_smith_predictor(model, PAIR, **asked)
     assert controller.values["error_feedback_1"] == pytest.approx(
@@ -112,9 +179,9 @@ def test_error_feedback_is_the_rule_of_matausek_and_micic(single_tank):
     )
 
 
-def test_a_predictor_is_the_polynomial_controller_where_b_is_one_coefficient(single_tank):
+def test_a_predictor_is_the_polynomial_controller_where_b_is_one_coefficient(late_tank):
     """B(1) z^-1 = B: both loops have the same poles, but for those of the model."""
-    model = with_input_delay(single_tank([[-0.1]], [0.2], [1.0]), 5.0)
+    model = late_tank(-0.1, 5.0)
     asked = {"penalty": 2.0, "assigned_poles": (0.7,)}
     predictor = eigenvalues(design_smith_predictor(model, PAIR, **asked), model)
     direct = eigenvalues(design_polynomial(model, PAIR, **asked), model)
@@ -122,8 +189,8 @@ def test_a_predictor_is_the_polynomial_controller_where_b_is_one_coefficient(sin
     assert len(main) == 2 and near(predictor, main)
 
 
-def test_what_is_asked_for_wrongly(single_tank):
-    model = with_input_delay(single_tank([[-0.1]], [0.2], [1.0]), 5.0)
+def test_what_is_asked_for_wrongly(late_tank):
+    model = late_tank(-0.1, 5.0)
     for design, wrong, words in (
         (design_polynomial, {"penalty": 0.0}, "above 0"),
         (design_polynomial, {"penalty": "much"}, "above 0"),
@@ -154,11 +221,11 @@ def test_what_is_asked_for_wrongly(single_tank):
             design(model, PAIR, **wrong)
 
 
-def test_what_has_no_such_controller(single_tank):
+def test_what_has_no_such_controller(single_tank, late_tank):
     near_tank = single_tank([[-0.1]], [0.2], [1.0])
     with pytest.raises(NotApplicable, match="nothing to predict"):
         design_smith_predictor(near_tank, PAIR)
-    far = with_input_delay(near_tank, 30.0)
+    far = late_tank(-0.1, 30.0)
     with pytest.raises(NotApplicable, match=r"30 samples.*ring"):
         design_polynomial(far, PAIR)
     assert design_smith_predictor(far, PAIR).law.state[1].length == 30
