@@ -3,11 +3,12 @@
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[1] / "program"))
+
+from law_function import function_of
 
 
 class Driven:
@@ -18,14 +19,13 @@ class Driven:
 
     def scan(self, **inputs):
         law = self.law
-        next_state, outputs, _ = law.function(
+        next_state, outputs, _ = function_of(law)(
             [self.state[signal.name] for signal in law.state],
             [inputs[signal.name] for signal in law.inputs],
             [self.values[signal.name] for signal in law.parameters],
         )
-        numbers = np.array(next_state).ravel().tolist(), np.array(outputs).ravel().tolist()
-        self.state = dict(zip([signal.name for signal in law.state], numbers[0], strict=True))
-        return dict(zip([signal.name for signal in law.outputs], numbers[1], strict=True))
+        self.state = dict(zip([signal.name for signal in law.state], next_state, strict=True))
+        return dict(zip([signal.name for signal in law.outputs], outputs, strict=True))
 
 
 @pytest.fixture

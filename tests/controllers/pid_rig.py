@@ -3,7 +3,7 @@
 import copy
 from functools import cache
 
-import numpy as np
+from law_function import function_of
 
 from clepsydra import PidForm
 from clepsydra.controllers.at_rest import state_at_rest
@@ -93,12 +93,11 @@ class Scans:
     def scan(self, **inputs):
         """Run one sample and return the outputs by name."""
         self.give(inputs)
-        next_state, outputs, _ = self.law.function(
+        next_state, outputs, _ = function_of(self.law)(
             list(self.state.values()), list(self.inputs.values()), list(self.values.values())
         )
-        self.state = dict(zip(self.state, np.array(next_state).ravel().tolist(), strict=True))
-        names = [signal.name for signal in self.law.outputs]
-        return dict(zip(names, np.array(outputs).ravel().tolist(), strict=True))
+        self.state = dict(zip(self.state, next_state, strict=True))
+        return dict(zip([signal.name for signal in self.law.outputs], outputs, strict=True))
 
     def moved(self, **inputs):
         """Run one sample and return the first manipulated variable."""

@@ -4,6 +4,7 @@ from collections import deque
 from typing import NamedTuple
 
 import numpy as np
+from law_function import function_of
 from scipy.linalg import convolution_matrix
 
 from clepsydra.program.delay_ring import DelayRing
@@ -89,19 +90,19 @@ class Rig:
         if self.model is not None:
             self.given["measurement_1"] = 5.0 + self.deviation()
         now = {**self.state, **{name: ring[0] for name, ring in self.rings.items()}}
-        following, outputs, _ = self.law.function(
+        following, outputs, _ = function_of(self.law)(
             [now[entry.name] for entry in self.law.state],
             [self.given[signal.name] for signal in self.law.inputs],
             [self.values[signal.name] for signal in self.law.parameters],
         )
-        for entry, value in zip(self.law.state, following.elements(), strict=True):
+        for entry, value in zip(self.law.state, following, strict=True):
             if entry.name in self.rings:
                 self.rings[entry.name].popleft()
-                self.rings[entry.name].append(float(value))
+                self.rings[entry.name].append(value)
             else:
-                self.state[entry.name] = float(value)
+                self.state[entry.name] = value
         self.y.append(self.given["measurement_1"])
-        self.u.append(float(outputs[0]))
+        self.u.append(outputs[0])
         self.status = int(outputs[1])
         return self.u[-1]
 

@@ -3,7 +3,7 @@
 from collections import deque
 from functools import cache
 
-import numpy as np
+from law_function import function_of
 
 import clepsydra as cl
 from clepsydra.program.delay_ring import DelayRing
@@ -39,14 +39,14 @@ class ScannedLaw:
         assert set(inputs) <= set(self.inputs), sorted(set(inputs) - set(self.inputs))
         self.inputs |= inputs
         self.state |= {name: ring[0] for name, ring in self.rings.items()}
-        results = self.law.function(
+        results = function_of(self.law)(
             [self.state[entry.name] for entry in self.law.state],
             [self.inputs[signal.name] for signal in self.law.inputs],
             [self.values[signal.name] for signal in self.law.parameters],
         )
         groups = self.law.state, self.law.outputs, self.law.intermediates
         following, outputs, self.named = (
-            dict(zip((e.name for e in group), np.array(values).ravel().tolist(), strict=True))
+            dict(zip((entry.name for entry in group), values, strict=True))
             for group, values in zip(groups, results, strict=True)
         )
         for name, ring in self.rings.items():

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from law_function import function_of
 from refusals import refused
 
 import clepsydra as cl
@@ -27,13 +28,13 @@ class Rig:
 
     def scan(self, **given):
         inputs = {s.name: s.initial for s in self.law.inputs} | {"time_step": 1.0} | given
-        following, outputs, _ = self.law.function(
+        following, outputs, _ = function_of(self.law)(
             self.state,
             [inputs[s.name] for s in self.law.inputs],
             [self.values[s.name] for s in self.law.parameters],
         )
-        self.state = np.array(following).ravel()
-        return dict(zip((s.name for s in self.law.outputs), np.array(outputs).ravel(), strict=True))
+        self.state = np.array(following)
+        return dict(zip((s.name for s in self.law.outputs), outputs, strict=True))
 
     def kept(self, name):
         return self.state[[s.name for s in self.law.state].index(name)]

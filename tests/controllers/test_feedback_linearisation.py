@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from refusals import refused
+from scan_rig import ScannedLaw, at_rest
 
 import clepsydra as cl
 from clepsydra.controllers.virtual_input import ANTI_WINDUPS
@@ -53,33 +54,16 @@ def full(anti_windup="variable_structure", alpha_on="virtual"):
     return replace(controller, values=values, initial_state=state)
 
 
-class Rig:
-    """A controller scanned by names, in automatic at rest unless told otherwise."""
+class Rig(ScannedLaw):
+    """In automatic at rest unless told otherwise; a scan returns what moves the process."""
 
     def __init__(self, controller):
-        self.law, self.values = controller.law, dict(controller.values)
-        self.state = {x.name: controller.initial_state[x.name] for x in self.law.state}
-        at = controller.plant.point.as_dict()
-        self.inputs = {signal.name: signal.initial for signal in self.law.inputs}
-        for k, name in enumerate(controller.measurements, start=1):
-            self.inputs |= {f"measurement_{k}": at[name], f"sensor_{k}": 1.0}
-        for j, name in enumerate(controller.setpoints, start=1):
-            self.inputs[f"setpoint_{j}"] = at[name]
-        for i, name in enumerate(controller.manipulated, start=1):
-            self.inputs |= {f"mode_{i}": 1.0, f"manual_{i}": at[name], f"tracking_{i}": at[name]}
-        self.count = len(controller.manipulated)
+        super().__init__(controller, 1.0, **at_rest(controller, controller.plant))
 
     def scan(self, **inputs):
-        self.inputs |= inputs
-        function = self.law.function
-        found = function(
-            list(self.state.values()), list(self.inputs.values()),
-            [self.values[p.name] for p in self.law.parameters],
-        )  # fmt: skip
-        self.state = dict(zip(self.state, np.array(found[0]).ravel().tolist(), strict=True))
-        names = [signal.name for signal in self.law.outputs]
-        self.outputs = dict(zip(names, np.array(found[1]).ravel().tolist(), strict=True))
-        return np.array([self.outputs[f"manipulated_{i + 1}"] for i in range(self.count)])
+        outputs = super().scan(**inputs)
+        count = len(self.controller.manipulated)
+        return np.array([outputs[f"manipulated_{i}"] for i in range(1, count + 1)])
 
 
 @cache

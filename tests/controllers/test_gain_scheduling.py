@@ -3,6 +3,7 @@
 import casadi as ca
 import numpy as np
 import pytest
+from law_function import function_of
 from refusals import refused
 from scan_rig import ScannedLaw, at_rest
 
@@ -88,15 +89,13 @@ def test_scheduled_gains_move_no_output_by_themselves(form):
     inputs = {s.name: s.initial for s in law.inputs} | {"setpoint_1": 8.5, "measurement_1": 8.5}
     gains, outputs = [], []
     for _ in range(200):
-        found = law.function(
+        following, (output, *_), _ = function_of(law)(
             [state[e.name] for e in law.state],
             [inputs[s.name] for s in law.inputs],
             [values[p.name] for p in law.parameters],
         )
-        state = dict(
-            zip((e.name for e in law.state), np.array(found[0]).ravel().tolist(), strict=True)
-        )
-        outputs.append(float(found[1][0]))
+        state = dict(zip((entry.name for entry in law.state), following, strict=True))
+        outputs.append(output)
         gains.append(state["last_proportional_gain_1"])
     assert max(gains) > 10.0 and gains[-1] < 6.0
     assert max(outputs) - min(outputs) < 1e-9 * PUMP.span
