@@ -135,6 +135,7 @@ def test_a_gain_that_changes_in_every_sample_leaves_control_alive(form):
     assert scheduled == pytest.approx(expected, abs=1e-3)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("mode", [MANUAL, TRACKING], ids=["manual", "tracking"])
 @every_winding_form
 def test_automatic_goes_on_from_the_other_mode(form, mode):
@@ -237,6 +238,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
 @every_winding_form
 def test_after_a_fault_it_goes_on_as_if_the_fault_had_not_been(form, fault):
@@ -266,6 +268,7 @@ def test_a_repair_by_hand_and_back_to_automatic(form):
     assert abs(law.moved(mode_1=AUTOMATIC) - 35.0) <= allowed + BUMP
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("ramp", [False, True], ids=["", "ramp"])
 @every_winding_form
 def test_the_source_of_the_setpoint_changes_without_a_bump(form, ramp):

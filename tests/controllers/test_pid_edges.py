@@ -44,6 +44,7 @@ def trajectory(law, samples, start=0):
     ]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("gain", [3.0, -3.0])
 @pytest.mark.parametrize("weight", [1.0, 0.3])
 @every_form
@@ -182,6 +183,7 @@ def test_without_a_filter_the_derivative_is_the_difference_quotient(algorithm):
     assert law.moved() - 50.0 == pytest.approx(3.0 * 0.25, abs=BUMP)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("time_step", [0.0, -1.0, math.nan, math.inf])
 @every_form
 def test_without_a_time_step_everything_is_held_and_told(form, time_step):
@@ -194,6 +196,7 @@ def test_without_a_time_step_everything_is_held_and_told(form, time_step):
     assert law.state == state
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("time_step", [1e9, 1e300])
 @every_winding_form
 def test_a_huge_time_step_leaves_numbers_within_the_limits(form, time_step):

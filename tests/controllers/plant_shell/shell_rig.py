@@ -36,6 +36,12 @@ def one_loop(form=None, level=LEVEL, rate_limited=False, **values):
 AT_REST = {"setpoint_1": 5.0, "measurement_1": 5.0, "manual_1": 3.0, "tracking_1": 3.0}
 
 
+_shelled = {}
+
+
 def shelled_loop(period, settings=None, **options):
     """That loop behind a shell, scan by scan, at rest."""
-    return ScannedLaw(with_plant_shell(one_loop(**options), period, settings), period, **AT_REST)
+    key = repr((period, settings, sorted(options.items())))
+    if key not in _shelled:
+        _shelled[key] = with_plant_shell(one_loop(**options), period, settings)
+    return ScannedLaw(_shelled[key], period, **AT_REST)

@@ -1,5 +1,6 @@
 """Every change of who moves an output, and every way back, without a bump."""
 
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -31,19 +32,27 @@ IN_TIME = [
 BUMP = 1e-9
 
 
+@cache
+def shelled(name, process):
+    """The controller and behind a shell that fails safe at 40 % of its range, and its plant."""
+    controller, plant = designed(name, process)
+    (signal,) = (s for s in controller.law.outputs if s.name == "manipulated_1")
+    safe = dict.fromkeys(controller.manipulated, signal.low + 0.4 * signal.span)
+    shell = PlantShell(fail_safe=safe)
+    return controller, with_plant_shell(controller, plant.process.sampling_period, shell), plant
+
+
 class Rig:
     def __init__(self, name, process):
-        self.controller, plant = designed(name, process)
+        self.controller, behind_shell, plant = shelled(name, process)
         self.period = plant.process.sampling_period
         signals = {s.name: s for s in self.controller.law.outputs}
         self.span = signals["manipulated_1"].span
         low = signals["manipulated_1"].low
         self.numbers = range(1, len(self.controller.manipulated) + 1)
-        safe = dict.fromkeys(self.controller.manipulated, low + 0.4 * self.span)
         self.safe = low + 0.4 * self.span
         self.moved = low + 0.55 * self.span
-        shelled = with_plant_shell(self.controller, self.period, PlantShell(fail_safe=safe))
-        self.loop = ScannedLaw(shelled, self.period, **at_rest(shelled, plant))
+        self.loop = ScannedLaw(behind_shell, self.period, **at_rest(behind_shell, plant))
         self.loop.scans(20)
 
     def all(self, what, value):

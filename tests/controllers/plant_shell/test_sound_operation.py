@@ -46,7 +46,7 @@ def test_a_loop_with_the_shell_is_the_loop_without_it(name, process):
     assert any(len(np.unique(column)) > 1 for column in moved)
 
 
-@pytest.mark.sampled
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "process"), FAMILIES)
 def test_the_shell_adds_only_what_every_target_computes_alike(name, process, tmp_path):
     controller, plant = designed(name, process)
