@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from refusals import refused
 from scipy.optimize import least_squares
+from scipy.signal import lsim
 
 from clepsydra import InputError
-from clepsydra.designs.polynomial.element_sampling import sampled_transfer
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.identification.arx import fit_arx
 from clepsydra.identification.delay_choice import choose_delay
@@ -45,16 +45,11 @@ def test_delays_that_are_none(delays, words):
         choose_delay(u, y, order=1, delays=delays, period=1.0)
 
 
-def chain():
-    below = np.ones(1)
-    for _ in range(8):
-        below = np.polymul(below, [2.0, 1.0])
-    return sampled_transfer([3.08], below, 0.0, 1.0)
-
-
 def step_record(minutes=80):
+    """Return a step of the inflow of eight tanks in series, 3.08/(2 s + 1)^8, held each minute."""
     u = np.concatenate([np.zeros(1), np.full(minutes, 0.04)])
-    return u, chain().output(u)
+    chain = ([3.08], np.poly(np.full(8, -0.5)) * 2.0**8)
+    return u, lsim(chain, u, np.arange(len(u)), interp=False)[1]
 
 
 def test_the_simplex_finds_what_gradients_find():

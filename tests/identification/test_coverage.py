@@ -1,4 +1,4 @@
-"""Of 400 records, the 95 % intervals hold the truth as often as 95 % intervals do."""
+"""Of 200 records, the 95 % intervals hold the truth as often as 95 % intervals do."""
 
 import functools
 from dataclasses import replace
@@ -9,26 +9,25 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import binom
 
+import clepsydra as cl
 from clepsydra.identification.arx_with_rest import arx_with_rest, fit_arx_with_rest
 from clepsydra.identification.output_error import fit_output_error
 from clepsydra.identification.process_batch import ProcessBatch
-from clepsydra.identification.process_fit import fit_process
 from clepsydra.identification.record import Record
 from clepsydra.identification.residual_tests import residual_tests
 from clepsydra.identification.structures import FOPDT, IPDT, SOPDT
 from clepsydra.identification.uncertainty import uncertainty
-from clepsydra.process.reader import load_process
 
 pytestmark = pytest.mark.thorough
 
-SEEDS = 400
+SEEDS = 200
 FEWEST, MOST = (int(binom.ppf(p, SEEDS, 0.95)) for p in (0.005, 0.995))
 PERIOD = 2.0
 ONE_TANK = Path(__file__).parents[1] / "one-tank.toml"
 
 
 def test_the_bounds_are_those_of_the_binomial_distribution():
-    assert (FEWEST, MOST) == (368, 390)
+    assert (FEWEST, MOST) == (181, 197)
     assert binom.cdf(FEWEST - 1, SEEDS, 0.95) <= 0.005 < binom.cdf(FEWEST, SEEDS, 0.95)
     assert binom.sf(MOST, SEEDS, 0.95) <= 0.005 < binom.sf(MOST - 1, SEEDS, 0.95)
 
@@ -120,7 +119,7 @@ def test_arx():
 
 @functools.cache
 def tank():
-    return replace(load_process(ONE_TANK), sampling_period=5.0)
+    return replace(cl.load(ONE_TANK).process, sampling_period=5.0)
 
 
 def test_hole_and_pump_of_a_tank():
@@ -130,15 +129,14 @@ def test_hole_and_pump_of_a_tank():
     signals = (process.inputs[0], process.measurements[0])
     truth = [*(process.signal(name).initial for name in names), 0.05]
     # The search begins elsewhere than at the truth.
-    wrong = tuple(
-        replace(p, initial=1.2 * p.initial) if p.name in names else p for p in process.parameters
+    began = cl.Plant(process).with_values(
+        {p.name: f"{1.2 * p.initial} {p.unit}" for p in process.parameters if p.name in names}
     )
-    began = replace(process, parameters=wrong)
     told = np.zeros(3, int)
     for seed in range(SEEDS):
         noise = np.random.default_rng(seed).normal(0.0, 0.001, len(u))
         record = Record("tank", signals, {"pump_1": u, "level_1": clean + noise}, 5.0)
-        fit = fit_process(began, record, names)
+        fit = cl.identify(record, plant=began, parameters=names)
         found = [*fit.estimates, *fit.start]
         told += [each.low <= true <= each.high for each, true in zip(found, truth, strict=True)]
     assert np.all((told >= FEWEST) & (told <= MOST)), told

@@ -8,13 +8,12 @@ import pytest
 from refusals import refused
 from scipy.signal import lfilter
 
+import clepsydra as cl
 from clepsydra import InputError, Signal
 from clepsydra.identification.held_response import HeldResponse
-from clepsydra.identification.identification import identify_model
 from clepsydra.identification.record import Record
 from clepsydra.identification.simulated_record import record_of
 from clepsydra.identification.structures import FOPDT, IPDT, SOPDT
-from clepsydra.loop.simulation import simulate
 
 PUMP, LEVEL = Signal("pump", "V"), Signal("level", "m", display_unit="cm")
 PERIOD = 2.0
@@ -45,7 +44,7 @@ def record(structure, gain, lags, delay, *, noise=0.0005, seed=1, colour=0.0, u=
     ids=["FOPDT", "SOPDT", "IPDT"],
 )
 def test_the_right_structure_comes_first(structure, gain, lags):
-    found = identify_model(record(structure, gain, lags, 5.3))
+    found = cl.identify(record(structure, gain, lags, 5.3))
     best = found.best
     assert best.name == structure.name and best.validated > 90.0
     assert best.tests.white and best.tests.independent
@@ -61,7 +60,7 @@ def test_two_equal_lags_are_told():
     """The search ends at equal lags for some of such records; their intervals stay narrow."""
     equal = 0
     for seed in range(8):
-        found = identify_model(record(SOPDT, 0.04, [25.0, 25.0], 5.3, seed=seed))
+        found = cl.identify(record(SOPDT, 0.04, [25.0, 25.0], 5.3, seed=seed))
         model = next(model for model in found.models if model.name == "SOPDT")
         one, two = model.estimates[1:3]
         if one.value < 1.02 * two.value:
@@ -77,7 +76,7 @@ def test_no_fit_sees_the_held_back_third():
     spoilt = one.values["level"].copy()
     spoilt[one.held_back :] += 0.01 * np.sin(np.arange(100.0))
     other = replace(one, values={**one.values, "level": spoilt})
-    first, second = identify_model(one), identify_model(other)
+    first, second = cl.identify(one), cl.identify(other)
     by_name = {model.name: model for model in second.models}
     for model in first.models:
         assert [e.value for e in model.estimates] == [
@@ -89,7 +88,7 @@ def test_no_fit_sees_the_held_back_third():
 
 
 def test_the_fit_is_one_less_the_share_of_the_error():
-    found = identify_model(record(FOPDT, 0.04, [25.0], 5.3))
+    found = cl.identify(record(FOPDT, 0.04, [25.0], 5.3))
     y, count = found.record.values["level"], found.record.held_back
     for model in found.models:
         error = np.sqrt(np.sum((y[count:] - model.simulated[count:]) ** 2))
@@ -100,7 +99,7 @@ def test_the_fit_is_one_less_the_share_of_the_error():
 @pytest.mark.thorough
 def test_within_a_point_the_model_with_fewer_parameters_comes_first():
     for seed in range(6):
-        found = identify_model(record(FOPDT, 0.04, [25.0], 5.3, seed=seed, noise=0.002))
+        found = cl.identify(record(FOPDT, 0.04, [25.0], 5.3, seed=seed, noise=0.002))
         told = [m for m in found.models if m.is_told]
         top = max(model.validated for model in told)
         equal = [m for m in told if m.validated >= top - 1.0]
@@ -109,7 +108,7 @@ def test_within_a_point_the_model_with_fewer_parameters_comes_first():
 
 def test_settings_are_those_of_simc():
     """K = 1/(k' (τc + θ)), Ti = min(τ, 4 (τc + θ)); by hand from the printed estimates."""
-    found = identify_model(record(FOPDT, 0.04, [25.0], 5.3))
+    found = cl.identify(record(FOPDT, 0.04, [25.0], 5.3))
     gain, lag, dead_time = (estimate.value for estimate in found.best.estimates)
     theta = dead_time + 0.5 * PERIOD
     settings = found.for_control.settings
@@ -123,7 +122,7 @@ def test_settings_are_those_of_simc():
 
 
 def test_coloured_noise_is_said_and_widens():
-    found = identify_model(record(FOPDT, 0.04, [25.0], 5.3, noise=0.001, colour=0.8))
+    found = cl.identify(record(FOPDT, 0.04, [25.0], 5.3, noise=0.001, colour=0.8))
     fopdt = next(model for model in found.models if model.name == "FOPDT")
     assert not fopdt.tests.white and fopdt.widening > 1.5
     arx = next(model for model in found.models if model.name == "ARX")
@@ -134,19 +133,18 @@ def noise_alone(seeds):
     for seed in seeds:
         level = np.random.default_rng(seed).normal(0.12, 0.01, 300)
         values = {"pump": input_of(), "level": level}
-        found = identify_model(Record("noise.csv", (PUMP, LEVEL), values, PERIOD))
+        found = cl.identify(Record("noise.csv", (PUMP, LEVEL), values, PERIOD))
         assert found.verdict.startswith("Use none of these models")
         assert found.for_control is None
 
 
-@pytest.mark.thorough
 def test_noise_alone_is_not_modelled():
-    noise_alone(range(2))
+    noise_alone(range(1))
 
 
 @pytest.mark.thorough
-def test_of_twenty_records_of_noise_none_gets_a_model():
-    noise_alone(range(2, 22))
+def test_of_ten_records_of_noise_none_gets_a_model():
+    noise_alone(range(1, 11))
 
 
 @pytest.mark.thorough
@@ -154,19 +152,19 @@ def test_of_twenty_records_of_noise_none_gets_a_model():
 def test_chance_is_seldom_taken_for_an_effect(colour):
     """A ramp with noise, or a level that wanders, beside a pump that has nothing to do with it."""
     taken = 0
-    for seed in range(60):
+    for seed in range(30):
         white = np.random.default_rng(seed).normal(0.0, 0.001, 180)
         level = 0.12 + 1e-4 * np.arange(180.0) + lfilter([1.0], [1.0, -colour], white)
         u = 3.0 + np.repeat(np.random.default_rng(seed + 1000).choice([-1.0, 1.0], 12), 15)
-        found = identify_model(Record("a.csv", (PUMP, LEVEL), {"pump": u, "level": level}, PERIOD))
+        found = cl.identify(Record("a.csv", (PUMP, LEVEL), {"pump": u, "level": level}, PERIOD))
         taken += found.best.doubt is None
     # Binomial 99.9 % bounds of 1 %, and of one in six: a level that wanders follows any input for
     # a while, and nothing tells.
-    assert taken <= (4 if colour < 1.0 else 20), taken
+    assert taken <= (3 if colour < 1.0 else 12), taken
 
 
 def test_a_reverse_acting_process_gets_a_negative_gain():
-    found = identify_model(record(FOPDT, -0.04, [25.0], 5.3))
+    found = cl.identify(record(FOPDT, -0.04, [25.0], 5.3))
     assert found.best.estimates[0].value == pytest.approx(-0.04, rel=0.05)
     assert found.for_control.settings.settings.gain < 0.0
 
@@ -174,23 +172,33 @@ def test_a_reverse_acting_process_gets_a_negative_gain():
 def test_a_still_held_back_third_is_watched():
     u = input_of()
     u[180:] = 3.5
-    found = identify_model(record(FOPDT, 0.04, [25.0], 5.3, u=u))
+    found = cl.identify(record(FOPDT, 0.04, [25.0], 5.3, u=u))
     assert any("does not move in the held-back third" in words for words in found.warnings)
 
 
-def test_another_input_that_moved_is_watched():
-    run = simulate(
-        "quadruple-tank",
-        {"pump_1": ["3.4 V @ 60 s", "2.8 V @ 400 s", "3.2 V @ 700 s"], "pump_2": "3.3 V @ 250 s"},
-        duration="16 min",
-    )
-    found = identify_model(record_of(run, {"level_1": 0.01}), "pump_1", "level_1")
+PUMP_1 = [
+    cl.step("pump_1", to="3.4 V", at="60 s"),
+    cl.step("pump_1", to="2.8 V", at="400 s"),
+    cl.step("pump_1", to="3.2 V", at="700 s"),
+]
+
+
+@pytest.fixture(scope="module")
+def both_pumps():
+    """The record of a level while both pumps move."""
+    other = cl.step("pump_2", to="3.3 V", at="250 s")
+    run = cl.simulate(cl.load("quadruple-tank"), None, [*PUMP_1, other], duration="16 min")
+    return record_of(run, {"level_1": 0.01})
+
+
+def test_another_input_that_moved_is_watched(both_pumps):
+    found = cl.identify(both_pumps, "pump_1", "level_1")
     assert any(words.startswith("pump_2 moved in steps") for words in found.warnings)
     assert not any("level_2" in words for words in found.warnings)
 
 
 def test_json_has_every_number():
-    found = identify_model(record(FOPDT, 0.04, [25.0], 5.3)).as_dict()
+    found = cl.identify(record(FOPDT, 0.04, [25.0], 5.3)).as_dict()
     assert found["use"] == found["models"][0]["name"] == "FOPDT"
     assert {"name", "what", "value", "low", "high", "unit"} == set(
         found["models"][0]["estimates"][0]
@@ -211,14 +219,14 @@ def test_what_cannot_be_identified_is_refused(case):
     values, names, message = REFUSED[case]
     good = record(FOPDT, 0.04, [25.0], 5.3)
     with pytest.raises(InputError, match=message):
-        identify_model(replace(good, values={**good.values, **values}), **names)
+        cl.identify(replace(good, values={**good.values, **values}), **names)
 
 
 def test_an_input_that_moves_only_when_nobody_fits_is_refused():
     u = np.full(300, 3.0)
     u[250:] = 4.0
     with refused(expected="first two thirds"):
-        identify_model(record(FOPDT, 0.04, [25.0], 5.3, u=u))
+        cl.identify(record(FOPDT, 0.04, [25.0], 5.3, u=u))
 
 
 def by_itself(level, *, u=None, noise=0.0, seed=1):
@@ -242,7 +250,7 @@ BY_ITSELF = {
 @pytest.mark.parametrize("case", BY_ITSELF)
 def test_a_level_that_moves_by_itself_tells_nothing_of_the_pump(case):
     """On some processors: IPDT, slope 1.49e-13, pump that holds level -3.37e+14 V."""
-    found = identify_model(BY_ITSELF[case])
+    found = cl.identify(BY_ITSELF[case])
     assert found.verdict.startswith(
         "Use none of these models: the record does not tell what pump does to level"
     )
@@ -254,7 +262,7 @@ def test_a_level_that_moves_by_itself_tells_nothing_of_the_pump(case):
 def test_a_ramp_that_the_pump_bends_tells_what_the_pump_does():
     ramp = record(IPDT, 0.0005, [], 5.3)
     level = ramp.values["level"] + 0.001 * np.arange(300.0)
-    found = identify_model(replace(ramp, values={**ramp.values, "level": level}))
+    found = cl.identify(replace(ramp, values={**ramp.values, "level": level}))
     slope, _, balance = found.best.estimates
     assert found.best.name == "IPDT" and slope.low < 0.0005 < slope.high
     # 1 mm in 2 s by itself; the pump takes it out at 0.5 mm/(s V): 1 V less.
@@ -265,7 +273,7 @@ def test_what_outweighs_the_pump_ten_times_leaves_no_model():
     """The pump would have to stand at −97 V: its effect is told, but it controls nothing."""
     ramp = record(IPDT, 0.0005, [], 5.3)
     level = ramp.values["level"] + 0.1 * np.arange(300.0)
-    found = identify_model(replace(ramp, values={**ramp.values, "level": level}))
+    found = cl.identify(replace(ramp, values={**ramp.values, "level": level}))
     assert found.verdict.endswith(
         "something else is more than ten times as strong as all that the input did."
     )
@@ -274,7 +282,7 @@ def test_what_outweighs_the_pump_ten_times_leaves_no_model():
 
 def test_a_simpler_model_whose_residuals_fail_is_not_the_verdict():
     """FOPDT is within a point of the fit, and its residuals show the second lag."""
-    found = identify_model(record(SOPDT, 0.04, [40.0, 2.0], 5.3, noise=0.0003))
+    found = cl.identify(record(SOPDT, 0.04, [40.0, 2.0], 5.3, noise=0.0003))
     models = {model.name: model for model in found.models}
     fopdt, sopdt = models["FOPDT"], models["SOPDT"]
     assert sopdt.validated - fopdt.validated < 1.0
@@ -286,7 +294,7 @@ def test_a_simpler_model_whose_residuals_fail_is_not_the_verdict():
 def test_of_models_whose_residuals_pass_the_simplest_comes_first():
     both = 0
     for seed in range(3):
-        found = identify_model(record(FOPDT, 0.04, [25.0], 5.3, seed=seed))
+        found = cl.identify(record(FOPDT, 0.04, [25.0], 5.3, seed=seed))
         passing = {m.name for m in found.models if m.tests.white and m.tests.independent}
         both += passing >= {"FOPDT", "SOPDT"}
         assert found.best.name == "FOPDT"
@@ -297,7 +305,7 @@ def test_a_wrong_sign_and_the_worst_fit_come_last():
     """A step that is soon over: an integrator explains the rest that follows by a falling level."""
     u = input_of()
     u[:15], u[15:] = 3.0, 3.5
-    found = identify_model(record(FOPDT, 0.04, [25.0], 5.3, u=u, noise=0.0001))
+    found = cl.identify(record(FOPDT, 0.04, [25.0], 5.3, u=u, noise=0.0001))
     models = {model.name: model for model in found.models}
     assert models["IPDT"].estimates[0].high < 0.0 < models["FOPDT"].estimates[0].low
     assert models["IPDT"].is_told
@@ -307,20 +315,14 @@ def test_a_wrong_sign_and_the_worst_fit_come_last():
 
 def test_what_fails_the_residual_tests_says_so_in_the_verdict():
     """Outflow by the root of the level is no linear lag, and without noise that shows."""
-    steps = ["3.4 V @ 60 s", "2.8 V @ 400 s", "3.2 V @ 700 s"]
-    run = simulate("quadruple-tank", {"pump_1": steps}, duration="16 min")
-    found = identify_model(record_of(run), "pump_1", "level_1")
+    run = cl.simulate(cl.load("quadruple-tank"), None, PUMP_1, duration="16 min")
+    found = cl.identify(record_of(run), "pump_1", "level_1")
     assert found.best.name == "FOPDT" and not found.best.tests.independent
     assert "Its residuals are still correlated with the input" in found.verdict
     assert "Take them with care: its residuals are still correlated" in found.control_words
 
 
-def test_a_second_lag_without_a_trace_is_not_the_verdict():
+def test_a_second_lag_without_a_trace_is_not_the_verdict(both_pumps):
     """Its residuals pass at p 0.16, those of the single lag fail at 0.006: that is chance."""
-    run = simulate(
-        "quadruple-tank",
-        {"pump_1": ["3.4 V @ 60 s", "2.8 V @ 400 s", "3.2 V @ 700 s"], "pump_2": "3.3 V @ 250 s"},
-        duration="16 min",
-    )
-    found = identify_model(record_of(run, {"level_1": 0.01}), "pump_1", "level_1")
+    found = cl.identify(both_pumps, "pump_1", "level_1")
     assert found.best.name != "SOPDT" and found.for_control.name == "FOPDT"

@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import clepsydra as cl
 from clepsydra import InputError
 from clepsydra.identification.hole_areas import hole_areas_at_rest
-from clepsydra.identification.process_fit import fit_process
 from clepsydra.identification.simulated_record import record_of
-from clepsydra.loop.simulation import simulate
-from clepsydra.process.reader import load_process
 
 HOLES = [f"outlet_{number}.area" for number in (1, 2, 3, 4)]
 GAINS = ["pump_1.gain", "pump_2.gain"]
@@ -22,30 +20,26 @@ PLUGGED = dict.fromkeys(HOLES, 0.0)
 @pytest.fixture(scope="module")
 def laboratory():
     """Return the plant in volts, sampled each second as a logger does."""
-    process = load_process("laboratory-four-tanks:fitted,volts")
-    return replace(process, sampling_period=1.0)
+    process = cl.load("laboratory-four-tanks:fitted,volts").process
+    return cl.Plant(replace(process, sampling_period=1.0))
 
 
-def changed(process, values):
-    return replace(
-        process,
-        parameters=tuple(
-            replace(p, initial=values.get(p.name, p.initial)) for p in process.parameters
-        ),
+def begun(plant, names, factor=1.2):
+    """Return the plant as a file has it before anything was identified."""
+    own = (plant.process.signal(name) for name in names)
+    return plant.with_values(
+        {p.name: f"{factor * p.initial} {p.unit}".removesuffix(" 1") for p in own}
     )
 
 
-def begun(process, names, factor=1.2):
-    """Return the process as a file has it before anything was identified."""
-    return changed(process, {name: factor * process.signal(name).initial for name in names})
-
-
-def fitted(process, names, inputs, *, noise=0.01, **run):
+def fitted(plant, names, volts=None, *, noise=0.01, **run):
     """Return the fit to a record of constant inputs with noise of half a millimetre."""
+    pumps = ("pump_1", "pump_2") if volts is not None else ()
+    events = [cl.step(pump, to=volts, at=0.0) for pump in pumps]
     record = record_of(
-        simulate(process, inputs, **run), {f"level_{k}": noise for k in (1, 2, 3, 4)}
+        cl.simulate(plant, None, events, **run), {f"level_{k}": noise for k in (1, 2, 3, 4)}
     )
-    return fit_process(begun(process, names), record, names)
+    return cl.identify(record, plant=begun(plant, names), parameters=names)
 
 
 def check(fit, names, truth):
@@ -60,46 +54,44 @@ def check(fit, names, truth):
 
 @pytest.mark.thorough  # a fast one is in tests/cli/test_identify.py
 def test_filling_from_empty_at_constant_input_tells_the_holes(laboratory):
-    fit = fitted(
-        laboratory, HOLES, {"pump_1": "6 V", "pump_2": "6 V"}, start="empty", duration="8 min"
-    )
+    fit = fitted(laboratory, HOLES, 6.0, start="empty", duration="8 min")
     check(fit, HOLES, AREAS)
     assert any("no input moved" in note for note in fit.notes)
 
 
 @pytest.mark.thorough
 def test_draining_tells_the_holes(laboratory):
-    fit = fitted(laboratory, HOLES, {"pump_1": "0 V", "pump_2": "0 V"}, duration="90 s")
+    fit = fitted(laboratory, HOLES, 0.0, duration="90 s")
     check(fit, HOLES, AREAS)
 
 
 def test_rest_at_constant_input_tells_the_holes(laboratory):
     """Nothing moves but the noise: where it rests tells the holes by what the pumps bring."""
-    fit = fitted(laboratory, HOLES, {}, duration="3 min")
+    fit = fitted(laboratory, HOLES, duration="3 min")
     check(fit, HOLES, AREAS)
 
 
 @pytest.mark.thorough  # a fast one is in tests/cli/test_identify.py
 def test_plugged_outlets_tell_the_pumps(laboratory):
     """Exercise 2.1.7: with every outlet closed, A dh/dt is what the pump brings."""
-    plugged = changed(laboratory, PLUGGED)
-    fit = fitted(plugged, GAINS, {"pump_1": "3 V", "pump_2": "3 V"}, start="empty", duration="40 s")
+    plugged = laboratory.with_values(PLUGGED)
+    fit = fitted(plugged, GAINS, 3.0, start="empty", duration="40 s")
     check(fit, GAINS, PUMPS)
 
 
 def test_a_plugged_outlet_is_no_parameter_to_fit(laboratory):
-    record = record_of(simulate(laboratory, duration="40 s"))
+    record = record_of(cl.simulate(laboratory, duration="40 s"))
     with pytest.raises(InputError) as refusal:
-        fit_process(changed(laboratory, PLUGGED), record, ["outlet_1.area"])
+        cl.identify(record, plant=laboratory.with_values(PLUGGED), parameters=["outlet_1.area"])
     assert refusal.value.place == "parameters, outlet_1.area" and refusal.value.value == "0 cm^2"
 
 
 def test_a_sensor_at_the_end_of_its_range_is_noted(laboratory):
-    record = record_of(simulate(laboratory, duration="40 s"))
+    record = record_of(cl.simulate(laboratory, duration="40 s"))
     high = laboratory.signal("level_4").high
     values = {**record.values, "level_4": np.linspace(4.9, 1.1, record.samples).clip(None, high)}
     values["level_4"][:5] = high
-    fit = fit_process(laboratory, replace(record, values=values), HOLES[:1])
+    fit = cl.identify(replace(record, values=values), plant=laboratory, parameters=HOLES[:1])
     assert any(
         note.startswith("level_4 stands at the end of its range in 5 rows") for note in fit.notes
     )
@@ -107,9 +99,9 @@ def test_a_sensor_at_the_end_of_its_range_is_noted(laboratory):
 
 def test_levels_at_rest_by_the_balance_agree_with_the_fit(laboratory):
     """Two routes: the balance of Table 1's kind, and the simulation of a record at rest."""
-    run = simulate(laboratory, duration="3 min")
+    run = cl.simulate(laboratory, duration="3 min")
     rest = {s.name: float(run.values[s.name][-1]) for s in run.signals}
-    found = hole_areas_at_rest(laboratory, [rest])
-    fit = fit_process(begun(laboratory, HOLES), record_of(run), HOLES)
+    found = hole_areas_at_rest(laboratory.process, [rest])
+    fit = cl.identify(record_of(run), plant=begun(laboratory, HOLES), parameters=HOLES)
     for name, value in fit.values.items():
         assert value == pytest.approx(found[name.removesuffix(".area")], rel=1e-3)

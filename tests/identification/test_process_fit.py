@@ -6,59 +6,71 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import clepsydra as cl
 from clepsydra import InputError
 from clepsydra.identification.process_batch import ProcessBatch
-from clepsydra.identification.process_fit import fit_process
 from clepsydra.identification.record import Record
 from clepsydra.identification.simulated_record import record_of
-from clepsydra.loop.simulation import simulate
-from clepsydra.process.reader import load_process
 
 TESTS = Path(__file__).parents[1]
 STEPS = {
-    "pump_1": ["3.6 V @ 60 s", "2.6 V @ 300 s", "3.3 V @ 560 s", "2.8 V @ 800 s"],
-    "pump_2": ["2.6 V @ 150 s", "3.4 V @ 430 s", "2.7 V @ 700 s"],
+    "pump_1": {"60 s": "3.6 V", "300 s": "2.6 V", "560 s": "3.3 V", "800 s": "2.8 V"},
+    "pump_2": {"150 s": "2.6 V", "430 s": "3.4 V", "700 s": "2.7 V"},
 }
 
 
-def scaled(process, names, factor):
-    """Return a process whose file would have other numbers than the plant."""
-    return replace(
-        process,
-        parameters=tuple(
-            replace(p, initial=factor * p.initial) if p.name in names else p
-            for p in process.parameters
-        ),
+def simulated(plant, steps, **run):
+    """Simulate a plant whose inputs step to each of some values at a time."""
+    events = [
+        cl.step(name, to=to, at=at) for name, values in steps.items() for at, to in values.items()
+    ]
+    return cl.simulate(plant, None, events, **run)
+
+
+def scaled(plant, names, factor):
+    """Return a plant whose file would have other numbers."""
+    own = (plant.process.signal(name) for name in names)
+    return plant.with_values(
+        {p.name: f"{factor * p.initial} {p.unit}".removesuffix(" 1") for p in own}
     )
 
 
+def fitted(plant, record, names):
+    return cl.identify(record, plant=plant, parameters=names)
+
+
 @pytest.fixture(scope="module")
-def four_tanks():
-    return simulate("quadruple-tank", STEPS, duration="16 min", state={"tank_1.level": "9 cm"})
+def plant():
+    return cl.load("quadruple-tank")
+
+
+@pytest.fixture(scope="module")
+def four_tanks(plant):
+    return simulated(plant, STEPS, duration="16 min", state={"tank_1.level": "9 cm"})
 
 
 NAMES = ["outlet_1.area", "outlet_2.area", "outlet_3.area", "pump_1.gain", "splitter_1.tank_1"]
 
 
-def test_without_noise_the_truth_is_found(four_tanks):
+def test_without_noise_the_truth_is_found(plant, four_tanks):
     """Five parameters of four tanks, and a start that is not at rest."""
-    began = scaled(four_tanks.process, NAMES, 1.15)
-    fit = fit_process(began, record_of(four_tanks), NAMES)
+    began = scaled(plant, NAMES, 1.15)
+    fit = fitted(began, record_of(four_tanks), NAMES)
     for name in NAMES:
-        assert fit.values[name] == pytest.approx(four_tanks.process.signal(name).initial, rel=1e-6)
+        assert fit.values[name] == pytest.approx(plant.process.signal(name).initial, rel=1e-6)
     assert fit.start[0].value == pytest.approx(0.09, rel=1e-6)
     assert all(output.validated > 99.99 for output in fit.outputs)
     assert [p.initial for p in fit.process.parameters] == pytest.approx(
-        [p.initial for p in four_tanks.process.parameters], rel=1e-6
+        [p.initial for p in plant.process.parameters], rel=1e-6
     )
 
 
-def test_measurements_are_weighed_by_their_noise(four_tanks):
+def test_measurements_are_weighed_by_their_noise(plant, four_tanks):
     """A sensor that is a hundred times as noisy as another spoils nothing."""
     noise = {"level_1": 0.005, "level_2": 0.5, "level_3": 0.005, "level_4": 0.005}
-    fit = fit_process(four_tanks.process, record_of(four_tanks, noise), NAMES)
+    fit = fitted(plant, record_of(four_tanks, noise), NAMES)
     for estimate in fit.estimates:
-        truth = four_tanks.process.signal(estimate.signal.name).initial
+        truth = plant.process.signal(estimate.signal.name).initial
         assert abs(estimate.value - truth) < estimate.high - estimate.low  # four deviations
     area = fit.estimates[0]
     assert (area.high - area.low) / area.value < 0.02
@@ -66,11 +78,11 @@ def test_measurements_are_weighed_by_their_noise(four_tanks):
     assert rms == pytest.approx(list(noise.values()), rel=0.1)
 
 
-def test_unmeasured_tanks_start_where_the_record_says(four_tanks):
+def test_unmeasured_tanks_start_where_the_record_says(plant, four_tanks):
     whole = record_of(four_tanks, {"level_1": 0.002, "level_2": 0.002})
     kept = [s for s in whole.signals if s.name in ("pump_1", "pump_2", "level_1", "level_2")]
     record = replace(whole, signals=tuple(kept))
-    fit = fit_process(four_tanks.process, record, ["outlet_1.area", "outlet_3.area"])
+    fit = fitted(plant, record, ["outlet_1.area", "outlet_3.area"])
     start = {estimate.signal.name: estimate for estimate in fit.start}
     for name in ("tank_1.level", "tank_2.level", "tank_3.level", "tank_4.level"):
         truth = four_tanks.values[name][0]
@@ -78,8 +90,8 @@ def test_unmeasured_tanks_start_where_the_record_says(four_tanks):
         assert abs(start[name].value - truth) < 2.0 * margin < 0.02
 
 
-def test_a_batch_is_the_simulation_lane_by_lane(four_tanks):
-    process = four_tanks.process
+def test_a_batch_is_the_simulation_lane_by_lane(plant, four_tanks):
+    process = plant.process
     given = {name: four_tanks.values[name][:-1] for name in ("pump_1", "pump_2")}
     start = np.array([four_tanks.values[s.name][0] for s in process.state])
     batch = ProcessBatch(process, given)
@@ -87,67 +99,62 @@ def test_a_batch_is_the_simulation_lane_by_lane(four_tanks):
     found = batch.measured({"outlet_1.area": areas}, np.tile(start[:, None], (1, 3)))
     assert found[0, 0] == pytest.approx(four_tanks.values["level_1"][:-1], abs=1e-7)
     for lane, area in enumerate(areas):
-        other = replace(process, parameters=tuple(
-            replace(p, initial=area) if p.name == "outlet_1.area" else p
-            for p in process.parameters
-        ))  # fmt: skip
-        alone = simulate(other, STEPS, duration="16 min", state={"tank_1.level": "9 cm"})
+        other = plant.with_values({"outlet_1.area": f"{area} m^2"})
+        alone = simulated(other, STEPS, duration="16 min", state={"tank_1.level": "9 cm"})
         assert found[lane, 0] == pytest.approx(alone.values["level_1"][:-1], abs=1e-6)
 
 
-@pytest.mark.thorough
 def test_a_channel_with_dead_time_and_another_sampling_period():
     """The record has a row each 4 s, the file a sampling period of 2 s, the channel 5 s."""
-    process = load_process(TESTS / "dead-time.toml")
-    feed = ["4 l/min @ 100 s", "2.2 l/min @ 900 s", "3.4 l/min @ 1900 s", "2.6 l/min @ 2600 s"]
-    run = simulate(process, {"feed": feed}, duration="60 min")
+    channel = cl.load(TESTS / "dead-time.toml")
+    feed = {"100 s": "4 l/min", "900 s": "2.2 l/min", "1900 s": "3.4 l/min", "2600 s": "2.6 l/min"}
+    run = simulated(channel, {"feed": feed}, duration="60 min")
     whole = record_of(run)
     every = {name: values[::2] for name, values in whole.values.items()}
     record = Record("channel", whole.signals, every, 4.0)
     names = ["outlet_1.area", "outlet_2.area"]
-    fit = fit_process(scaled(process, names, 0.9), record, names)
+    fit = fitted(scaled(channel, names, 0.9), record, names)
     assert [fit.values[name] for name in names] == pytest.approx([3e-5, 2.5e-5], rel=1e-4)
 
 
-def test_parameters_that_act_alike_are_named(four_tanks):
+def test_parameters_that_act_alike_are_named(plant, four_tanks):
     with pytest.raises(InputError) as refusal:
-        fit_process(
-            four_tanks.process, record_of(four_tanks), ["outlet_1.area", "outlet_1.discharge"]
-        )
+        fitted(plant, record_of(four_tanks), ["outlet_1.area", "outlet_1.discharge"])
     message = str(refusal.value)
     assert "outlet_1.area and outlet_1.discharge, which move the measurements alike" in message
 
 
 def test_gain_hole_and_area_of_one_tank_act_alike():
     """All flows and the cross-section of a tank by one factor: its level stays the same."""
-    run = simulate(load_process(TESTS / "one-tank.toml"), {"pump_1": "1.8 V @ 30 s"})
+    tank = cl.load(TESTS / "one-tank.toml")
+    run = simulated(tank, {"pump_1": {"30 s": "1.8 V"}})
     names = ["tank_1.area", "outlet_1.area", "pump_1.gain"]
     with pytest.raises(InputError, match="which move the measurements alike"):
-        fit_process(run.process, record_of(run), names)
+        fitted(tank, record_of(run), names)
 
 
-def test_a_parameter_without_a_trace_is_named(four_tanks):
+def test_a_parameter_without_a_trace_is_named(plant, four_tanks):
     whole = record_of(four_tanks)
     kept = [s for s in whole.signals if s.name in ("pump_1", "pump_2", "level_3")]
     record = replace(whole, signals=tuple(kept))
     with pytest.raises(InputError, match=r"parameters, outlet_1\.area: got 'no trace"):
-        fit_process(four_tanks.process, record, ["outlet_3.area", "outlet_1.area"])
+        fitted(plant, record, ["outlet_3.area", "outlet_1.area"])
 
 
-def test_a_plant_that_does_more_than_the_file_is_told(four_tanks):
+def test_a_plant_that_does_more_than_the_file_is_told(plant, four_tanks):
     """The record's upper tank has a smaller hole than the file, and nobody fits it."""
-    began = scaled(four_tanks.process, ["outlet_4.area"], 1.4)
+    began = scaled(plant, ["outlet_4.area"], 1.4)
     noise = {f"level_{k}": 0.01 for k in (1, 2, 3, 4)}
-    fit = fit_process(began, record_of(four_tanks, noise), ["outlet_1.area"])
+    fit = fitted(began, record_of(four_tanks, noise), ["outlet_1.area"])
     words = fit.verdict
     assert "level_4" in words
     assert "the plant does more than the file says" in words or "Do not use this fit" in words
 
 
-def test_a_still_measurement_with_noise_spoils_no_verdict(four_tanks):
-    run = simulate("quadruple-tank", {"pump_1": STEPS["pump_1"]}, duration="16 min")
+def test_a_still_measurement_with_noise_spoils_no_verdict(plant, four_tanks):
+    run = simulated(plant, {"pump_1": STEPS["pump_1"]}, duration="16 min")
     noise = {f"level_{k}": 0.01 for k in (1, 2, 3, 4)}
-    fit = fit_process(run.process, record_of(run, noise), ["outlet_1.area"])
+    fit = fitted(plant, record_of(run, noise), ["outlet_1.area"])
     still = fit.outputs[2]
     assert still.signal.name == "level_3" and still.validated < 10.0 and still.is_still
     assert fit.verdict.startswith("With these parameters quadruple-tank explains 9")
@@ -163,11 +170,11 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_cannot_be_fitted_is_refused(case, four_tanks):
+def test_what_cannot_be_fitted_is_refused(case, plant, four_tanks):
     names, columns, message = REFUSED[case]
     record = record_of(four_tanks)
     if columns:
         kept = tuple(s for s in record.signals if s.name in columns)
         record = replace(record, signals=kept)
     with pytest.raises(InputError, match=message):
-        fit_process(four_tanks.process, record, names)
+        fitted(plant, record, names)

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 from refusals import refused
 
+import clepsydra as cl
 from clepsydra import InputError
 from clepsydra.identification.record_csv import read_record
-from clepsydra.loop.simulation import simulate
-from clepsydra.loop.trajectory_file import write_trajectories
-from clepsydra.process.reader import load_process
 
 HEAD = "time [s],pump_1 [V],level_1 [cm]\n"
 ROWS = [f"{2 * k},{3 + k % 2},{12.5 + k}" for k in range(40)]
@@ -48,15 +46,15 @@ def test_semicolons_minutes_and_a_mark_of_byte_order(tmp_path):
 
 def test_names_of_a_process_have_its_units(tmp_path):
     content = text(head="time [s],pump_1 [mV],level_1 [V]\n")
-    record = read_record(written(tmp_path, content), load_process("quadruple-tank"))
+    record = read_record(written(tmp_path, content), cl.load("quadruple-tank").process)
     assert record.values["pump_1"][0] == pytest.approx(0.003)
     assert record.signals[1].high == 10.0
 
 
-@pytest.mark.thorough
 def test_what_simulate_writes_is_read_number_by_number(tmp_path):
-    run = simulate("laboratory-four-tanks", {"pump_1": "50 % @ 2 s"}, duration="10 s")
-    write_trajectories(run, tmp_path / "run.csv")
+    plant = cl.load("laboratory-four-tanks")
+    run = cl.simulate(plant, None, [cl.step("pump_1", to="50 %", at="2 s")], duration="10 s")
+    run.save(tmp_path / "run.csv")
     for process in (None, run.process):
         record = read_record(tmp_path / "run.csv", process)
         assert record.period == pytest.approx(0.05, rel=1e-12)
@@ -123,7 +121,7 @@ def test_bad_files_are_refused_with_their_place(case, tmp_path):
 
 def test_a_unit_of_another_kind_than_the_process_has(tmp_path):
     with refused(place="column 'level_1'", remedy="measures something else"):
-        read_record(written(tmp_path, text()), load_process("quadruple-tank"))
+        read_record(written(tmp_path, text()), cl.load("quadruple-tank").process)
 
 
 def test_parquet_and_missing_files_are_refused(tmp_path):

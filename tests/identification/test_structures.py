@@ -38,7 +38,6 @@ def test_slopes_by_the_lags_are_those_of_finite_differences(structure, lags, sys
         assert found.free_slopes[:, :, place] == pytest.approx(by_free, abs=1e-8)
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("lags", [[7.0, 3.0], [7.0, 7.0]])
 def test_free_responses_solve_the_differential_equation(lags):
     """τ1 τ2 y'' + (τ1 + τ2) y' + y is constant for each of them, and two of them decay."""
@@ -47,7 +46,7 @@ def test_free_responses_solve_the_differential_equation(lags):
     first = np.gradient(free, time, axis=0)
     second = np.gradient(first, time, axis=0)
     left = lags[0] * lags[1] * second + sum(lags) * first + free
-    assert left[5:-5] == pytest.approx(np.tile([1.0, 0.0, 0.0], (len(time) - 10, 1)), abs=2e-5)
+    assert np.max(np.abs(left[5:-5] - [1.0, 0.0, 0.0])) <= 2e-5
     assert np.linalg.matrix_rank(free) == 3
 
 

@@ -40,6 +40,16 @@ def test_a_controller_runs_from_its_file_and_starts_without_a_bump(tmp_path):
     assert candidate.controller.name == "rules"
 
 
+def test_a_position_begins_at_rest_and_fades_to_what_the_rules_say(tmp_path):
+    """At rest the rules say 0 V and the pump stands at 3 V, a tenth of which goes in a sample."""
+    rules = RULES.replace('action = "increment"\nunit = "V/min"', 'action = "position"\nunit = "V"')
+    path = study_of(tmp_path, '"rules.toml"', rules=rules)
+    (candidate,) = cl.study(path).ranking
+    pump = candidate.run.values["pump_1"]
+    assert pump[0] == pytest.approx(3.0, abs=1e-9)
+    assert pump[1] == pytest.approx(2.7, abs=0.05)
+
+
 @pytest.mark.parametrize(("fuzzy", "value"), [("7", 7), ('"no.toml"', "no.toml"), ('"."', ".")])
 def test_what_is_no_file_of_rules_is_refused_with_its_line(fuzzy, value, tmp_path):
     place = f"{tmp_path}/study.toml, line 10, controllers.rules.fuzzy"

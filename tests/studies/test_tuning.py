@@ -252,7 +252,7 @@ def same(one: TuningResult, other: TuningResult) -> bool:
 @pytest.mark.parametrize("share", [0.15, 0.4, 0.6, 0.8])
 def test_a_resumed_tuning_ends_as_one_without_a_break(model, tmp_path, share):
     options = {
-        "limits": Limits(1.5), "generations": 25, "front": (1.2,), "seed": 4,
+        "limits": Limits(1.5), "generations": 10, "front": (1.2,), "seed": 4,
     }  # fmt: skip
     count = Stop(10**9)
     whole = tuned(model, minimax("ise[volume]"), **options, progress=count)
