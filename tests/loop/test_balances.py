@@ -69,7 +69,6 @@ range = ["0 m", "1.5 m"]
 """
 
 
-@pytest.mark.thorough
 def test_balances_close_over_spilling_evaporation_delays_and_switches(start):
     """Everything at once for an hour and a half: nothing is lost but to rounding."""
     state = {
@@ -136,8 +135,7 @@ def test_what_stays_dissolved_in_an_emptied_tank_is_counted(start, solver):
     assert salt.error < (1e-12 if solver == "kernel" else 1e-9)
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("plants", [1, pytest.param(60, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("plants", [1, pytest.param(20, marks=pytest.mark.thorough)])
 def test_balances_close_in_plants_drawn_at_random(plants):
     """Of every element that a file may have, started anywhere, with inputs that jump."""
 

@@ -1,16 +1,17 @@
 """The error estimate by step halving: never below the true error, and not far above it."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from random_plants import random_plant
 
-from clepsydra import ClepsydraError
-from clepsydra.loop import simulation
+import clepsydra as cl
 from clepsydra.loop.open_loop import Simulation, simulate
 from clepsydra.loop.open_loop_plan import plan_simulation
+from clepsydra.loop.profile import Change
 from clepsydra.loop.refinement import refined
 from clepsydra.loop.solver import Solver
 from clepsydra.loop.step_size import MOST_SUBSTEPS
@@ -31,24 +32,19 @@ def furthest(process: Process, one: Simulation, other: Simulation) -> float:
     )
 
 
-def drawn_run(folder: Path, seed: int) -> Simulation | None:
+def drawn_run(folder: Path, seed: int) -> Simulation:
     """Return the checked run of a random plant that begins empty, whose pumps jump at random."""
     path = folder / f"plant-{seed}.toml"
     path.write_text(random_plant(seed))
     process, random = load_process(path), np.random.default_rng(1_000_000 + seed)
-    times = [f" @ {k * HOLD * process.sampling_period:.9g} s" for k in range(SAMPLES // HOLD)]
-    words = {
-        signal.name: [
-            f"{random.choice([0.0, 100.0, *random.uniform(0.0, 100.0, 2)]):.6g} %{at}"
-            for at in ["", *times[1:]]
-        ]
+    times = [k * HOLD * process.sampling_period for k in range(SAMPLES // HOLD)]
+    jumps = [
+        Change(signal.name, random.choice([0.0, 1.0, *random.uniform(0.0, 1.0, 2)]), time, time)
         for signal in process.inputs
-    }
-    duration = f"{SAMPLES * process.sampling_period:.9g} s"
-    try:
-        return simulation.simulate(process, words, duration=duration, start="empty")
-    except ClepsydraError:  # no linear model with half-full tanks, from which the step comes
-        return None
+        for time in times
+    ]
+    duration = SAMPLES * process.sampling_period
+    return cl.simulate(cl.Plant(process), None, jumps, duration=duration, start="empty")
 
 
 def again(run: Simulation, substeps: int, solver: Solver = "kernel") -> Simulation:
@@ -66,39 +62,51 @@ def truth(run: Simulation) -> Simulation:
     return again(run, min(8, MOST_SUBSTEPS // run.substeps) * run.substeps)
 
 
-def ratio(run: Simulation) -> float:
+def ratio(run: Simulation, true: Simulation) -> float:
     """Return estimate / true error."""
-    error = furthest(run.process, run, truth(run))
+    error = furthest(run.process, run, true)
     return run.error_estimate / error if error > ROUNDING else np.inf
 
 
-@pytest.mark.thorough
-def test_the_estimate_covers_the_true_error_of_random_plants_with_corners(tmp_path):
-    runs = (drawn_run(tmp_path, seed) for seed in range(255))
-    ratios = [ratio(run) for run in runs if run is not None]
-    assert len(ratios) >= 200
-    assert min(ratios) > 1.0
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    """Return a function: seed → the checked run of a random plant, and the truth."""
+
+    @cache
+    def runs(seed: int) -> tuple[Simulation, Simulation]:
+        run = drawn_run(tmp_path_factory.mktemp("plants"), seed)
+        return run, truth(run)
+
+    return runs
 
 
+#: Of one to five tanks; an estimate of the second difference alone is below the true error of some,
+#: one that takes every misfit for a higher power of the step, and one of order four for all.
+DRAWN = (1, 2, 3, 4, 5, 7, 10, 13, 16, 17, 18, 19, 21, 22, 23)
 #: Of one or two tanks, with a weir, an outlet above the floor, a curve, a rate or a trip each.
 SMALL = (11, 14, 30, 35, 48, 118, 120, 121, 142, 157)
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize("seed", DRAWN)
+def test_the_estimate_covers_the_true_error_of_random_plants_with_corners(drawn, seed):
+    assert ratio(*drawn(seed)) > 1.0
+
+
+@pytest.mark.sampled
 @pytest.mark.parametrize("seed", SMALL)
-def test_the_estimate_covers_the_true_error_of_a_few(tmp_path, seed):
-    run = drawn_run(tmp_path, seed)
-    assert run is not None and ratio(run) > 1.0
+def test_the_estimate_covers_the_true_error_of_a_few(drawn, seed):
+    assert ratio(*drawn(seed)) > 1.0
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", SMALL)
-def test_the_truth_is_that_of_the_reference_solver(tmp_path, seed):
-    run = drawn_run(tmp_path, seed)
+@pytest.mark.parametrize("seed", [seed for seed in SMALL if seed != 14])  # a slow one
+def test_the_truth_is_that_of_the_reference_solver(drawn, seed):
+    run, true = drawn(seed)
     reference = again(run, run.substeps, "reference")
     error = furthest(run.process, run, reference)
     assert error < run.error_estimate
-    assert furthest(run.process, truth(run), reference) < 1e-9 + error / 4.0
+    assert furthest(run.process, true, reference) < 1e-9 + error / 4.0
 
 
 class Samples:
@@ -125,8 +133,10 @@ def test_the_estimate_of_an_error_of_known_order(order, above):
 @pytest.mark.parametrize("name", ["quadruple-tank", "three-tanks"])
 def test_the_estimate_of_a_smooth_run_is_at_most_thirty_times_its_error(name):
     process = load_process(name)
-    words = {signal.name: f"{1.1 * signal.initial:.9g} {signal.unit}" for signal in process.inputs}
-    period = 20.0 * process.sampling_period
-    slow = replace(process, sampling_period=period)
-    run = simulation.simulate(slow, words, duration=f"{60 * period:g} s")
-    assert 10.0 < ratio(run) < 30.0
+    steps = [
+        cl.step(signal.name, to=f"{1.1 * signal.initial:.9g} {signal.unit}", at=0.0)
+        for signal in process.inputs
+    ]
+    slow = replace(process, sampling_period=20.0 * process.sampling_period)
+    run = cl.simulate(cl.Plant(slow), None, steps, duration=60 * slow.sampling_period)
+    assert 10.0 < ratio(run, truth(run)) < 30.0

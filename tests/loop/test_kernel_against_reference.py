@@ -15,8 +15,6 @@ from clepsydra.loop.open_loop import simulate
 from clepsydra.process.catalogue_names import catalogue_names
 from clepsydra.process.reader import load_process
 
-pytestmark = pytest.mark.thorough
-
 VARIANTS = (
     "averaging-tank:inflow-constant",
     "averaging-tank:all-inputs",
@@ -58,11 +56,12 @@ def furthest(one, other, signals=None):
     )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", [*catalogue_names(), *VARIANTS])
 def test_kernel_and_reference_agree_in_the_default_scenario(name):
     """With its noise: a smooth run between the samples, so to a millionth of the range."""
     analysis = analyse(load_process(name))
-    scenario = beginnings(default_scenario(analysis.model), 100)
+    scenario = beginnings(default_scenario(analysis.model), 60)
     assert np.ptp(scenario.noise) > 0
     loop = Loop(design_simc(analysis.model, analysis.pairing), analysis.model)
     kernel = loop.run_checked(scenario)
@@ -109,6 +108,7 @@ def compare(point, profiles, substeps, state=None, reference_steps=None):
     return kernel
 
 
+@pytest.mark.thorough
 def test_a_station_that_starts_stops_and_spills():
     """The wet well in a storm, with its duty pump at standstill, and the dry hours after it."""
     point = find_equilibrium(load_process("wet-well"))
@@ -119,6 +119,7 @@ def test_a_station_that_starts_stops_and_spills():
     assert happened >= {"standby.starts", "standby.stops", "duty.stops"}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("variant", ["fitted", "report"])
 def test_a_laboratory_whose_pumps_trip(variant):
     """Both pumps at full voltage until the upper tanks are nearly full, again and again."""
@@ -194,6 +195,7 @@ range = ["0 cm", "60 cm"]
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("friction", ['backlash = "6 %"', 'stiction = "5 %"\nslip_jump = "3 %"'])
 def test_a_rig_with_every_switch(tmp_path, friction):
     """Trips, level switches, a delay, weirs that spill, an emptied tank, a valve that sticks."""
@@ -216,7 +218,7 @@ def test_a_rig_with_every_switch(tmp_path, friction):
         "throttle": 0.7 + 0.25 * np.sin(2 * np.pi * samples / 60),
         "taken": np.where((samples >= 290) & (samples < 330), 1.5e-3, 0.0),
     }
-    kernel = compare(point, profiles, 24)
+    kernel = compare(point, profiles, 18)
     happened = {happening.event for happening in kernel.happenings}
     assert happened >= {
         "feed.trips_lower_above", "feed.is_released", "sump.starts", "sump.stops",
