@@ -2,34 +2,31 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 from refusals import refused
 
-from clepsydra import InputError, LinearModel
-from clepsydra.designs.bryson import design_lqi
-from clepsydra.designs.phase_margin import design_phase_margin
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
+import clepsydra as cl
+from clepsydra import LinearModel
 from clepsydra.loop import loop as loop_module
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.step_size import MOST_SUBSTEPS, substeps_for
 from clepsydra.process.reader import load_process
-from clepsydra.studies.study import run_study
 
 NAMES = ["quadruple-tank", "quadruple-tank-nonminimum-phase"]
 DESIGNS = {
-    "simc": design_simc,
-    "phase margin": design_phase_margin,
-    "lqi": lambda model, pairing: design_lqi(model),
+    "simc": cl.design.simc,
+    "phase margin": cl.design.phase_margin,
+    "lqi": cl.design.lqi,
 }
 
 
-def analysed(name: str, period: float):
-    process = replace(load_process(name), sampling_period=period)
-    return analyse(process)
+@cache
+def sampled(name: str, period: float) -> cl.Plant:
+    return cl.Plant(replace(load_process(name), sampling_period=period))
 
 
 @pytest.mark.sampled
@@ -37,10 +34,9 @@ def analysed(name: str, period: float):
 @pytest.mark.parametrize(("period", "rest"), [(30.0, 0.01), (60.0, 0.01), (1000.0, 0.1)])
 @pytest.mark.parametrize("design", list(DESIGNS))
 def test_levels_come_to_rest_at_their_setpoints(name, period, rest, design):
-    analysis = analysed(name, period)
-    controller = DESIGNS[design](analysis.model, analysis.pairing)
-    scenario = default_scenario(analysis.model)
-    run = Loop(controller, analysis.model).run(scenario)
+    plant = sampled(name, period)
+    scenario = default_scenario(plant.linear)
+    run = Loop(DESIGNS[design](plant), plant.linear).run(scenario)
     for segment in scenario.segments:
         if segment.kind == "noise":
             continue
@@ -60,27 +56,27 @@ def fast_mode(model: LinearModel) -> float:
 
 @pytest.mark.parametrize("period", [1e9, 1e300])
 def test_a_period_without_end_is_refused_before_anything_is_computed(period):
-    analysis = analysed(NAMES[0], period)
-    with pytest.raises(InputError, match=r"quadruple-tank, sampling_period: got '1e\+") as refusal:
-        run_study(replace(load_process(NAMES[0]), sampling_period=period))
-    assert f"fastest time constant of {1 / fast_mode(analysis.model):.3g} s" in str(refusal.value)
+    plant, usual = sampled(NAMES[0], period), sampled(NAMES[0], 1.0)
+    fastest = f"fastest time constant of {1 / fast_mode(plant.linear):.3g} s"
+    with refused(place="quadruple-tank, sampling_period", expected=fastest) as caught:
+        cl.study(plant)
+    assert str(caught.value.value).startswith("1e+")
     for design in DESIGNS.values():
         with refused(place="sampling_period"):
-            design(analysis.model, analysis.pairing)
-    usual = analysed(NAMES[0], 1.0)
+            design(plant)
     with refused(place="sampling_period"):
-        Loop(design_lqi(usual.model), analysis.model)
+        Loop(cl.design.lqi(usual), plant.linear)
 
 
 @pytest.mark.thorough
 def test_the_step_keeps_its_share_of_the_fastest_time_constant_up_to_the_limit():
-    fastest = fast_mode(analysed(NAMES[0], 1.0).model)
+    fastest = fast_mode(sampled(NAMES[0], 1.0).linear)
     for period in (0.01, 1.0, 8.0, 1000.0 / fastest * 0.999):
-        count = substeps_for(analysed(NAMES[0], period).model)
+        count = substeps_for(sampled(NAMES[0], period).linear)
         assert count == max(1, math.ceil(fastest * period / 0.1))
     assert count == MOST_SUBSTEPS - 10
     with refused(place="sampling_period", expected="fastest time constant"):
-        substeps_for(analysed(NAMES[0], 1000.0 / fastest * 1.001).model)
+        substeps_for(sampled(NAMES[0], 1000.0 / fastest * 1.001).linear)
 
 
 @pytest.mark.thorough
@@ -88,10 +84,10 @@ def test_the_step_keeps_its_share_of_the_fastest_time_constant_up_to_the_limit()
 def test_refinement_ends_at_64_times_the_steps_or_at_the_limit(times, substeps, monkeypatch):
     """With a tolerance that no run can meet."""
     monkeypatch.setattr(loop_module, "TOLERANCE", 0.0)
-    fastest = fast_mode(analysed(NAMES[0], 1.0).model)
-    analysis = analysed(NAMES[0], times / fastest)
-    scenario = default_scenario(analysis.model)
-    run = Loop(design_lqi(analysis.model), analysis.model).run_checked(scenario)
+    fastest = fast_mode(sampled(NAMES[0], 1.0).linear)
+    plant = sampled(NAMES[0], times / fastest)
+    scenario = default_scenario(plant.linear)
+    run = Loop(cl.design.lqi(plant), plant.linear).run_checked(scenario)
     assert run.substeps == pytest.approx(substeps, rel=0.12)
     assert run.substeps <= MOST_SUBSTEPS
     assert 0.0 < run.error_estimate < 1e-6

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import clepsydra as cl
 from clepsydra import Kernel, PidForm, Signal
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
@@ -17,7 +18,6 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.ratio_block import RatioBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
-from clepsydra.designs.start_stop_levels import design_start_stop_levels
 from clepsydra.linear.analysis import analyse
 from clepsydra.loop.closed_loop import closed_loop, controller_name
 from clepsydra.loop.loop import Loop
@@ -147,7 +147,6 @@ def cascade(well, feedforward=False, form=PI):
     return controller(well.model, blocks, settings, measured=measured, free=free)
 
 
-@pytest.mark.thorough
 def test_cascade_rejects_what_happens_inside_the_flow_loop(well):
     """The works raise the end of the main by 2 m: the speed for the same flow is another one."""
     change = {"duty.static_head": 10.0}
@@ -270,7 +269,6 @@ def averaging(basin, form=PI, **more):
     return controller(basin.model, blocks, settings, measured=["level"])
 
 
-@pytest.mark.thorough
 def test_split_range_uses_the_second_outlet_only_beyond_the_first(basin):
     """Ten hours of 0.6 m³/s, more than the pump can lift, then three of the mean."""
     model = model_of("equalisation-tank:relief")
@@ -332,14 +330,19 @@ def long_rain():
     return inflow
 
 
-@pytest.mark.thorough
-def test_override_keeps_the_limit_and_otherwise_leaves_the_averaging_loop_alone(basin):
-    inflow = long_rain()
+@pytest.fixture(scope="module")
+def overridden(basin):
+    """The override in the long rain: what the plant does, and what is inside the law."""
     made = override(basin)
-    found, without = (run(c, basin.model, 3000, inflow=inflow) for c in (made, loose(basin)))
+    found = run(made, basin.model, 3000, inflow=long_rain())
+    return found, scanned(made, basin.model, found)
+
+
+def test_override_keeps_the_limit_and_otherwise_leaves_the_averaging_loop_alone(basin, overridden):
+    found, inner = overridden
+    without = run(loose(basin), basin.model, 3000, inflow=long_rain())
     assert without["level"].max() > 0.9
     assert found["level"].max() < 0.83
-    inner = scanned(made, basin.model, found)
     limits = inner["unlimited_2"] > inner["unlimited_1"]
     assert 200 < limits.sum() < 1500
     assert not limits[:200].any()
@@ -348,11 +351,8 @@ def test_override_keeps_the_limit_and_otherwise_leaves_the_averaging_loop_alone(
     np.testing.assert_allclose(found["outflow"][:200], without["outflow"][:200], rtol=0, atol=1e-12)
 
 
-@pytest.mark.thorough
-def test_override_takes_over_and_gives_back_without_a_bump_or_wind_up(basin):
-    made, inflow = override(basin), long_rain()
-    found = run(made, basin.model, 3000, inflow=inflow)
-    inner = scanned(made, basin.model, found)
+def test_override_takes_over_and_gives_back_without_a_bump_or_wind_up(overridden):
+    found, inner = overridden
     average, limiting = inner["unlimited_1"], inner["unlimited_2"]
     np.testing.assert_array_equal(
         found["outflow"], np.clip(np.maximum(average, limiting), 0.0, 1.0)
@@ -410,8 +410,8 @@ def _check_gentle(basin, made, share):
 # Start and stop levels in the wet well.
 @pytest.fixture(scope="module")
 def station():
-    model = model_of("wet-well:start-stop")
-    return SimpleNamespace(model=model, controller=design_start_stop_levels(model))
+    plant = cl.load("wet-well:start-stop")
+    return SimpleNamespace(model=plant.linear, controller=cl.design.start_stop_levels(plant))
 
 
 PUMPS = "duty", "standby"
