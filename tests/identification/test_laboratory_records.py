@@ -27,9 +27,7 @@ def laboratory():
 def begun(plant, names, factor=1.2):
     """Return the plant as a file has it before anything was identified."""
     own = (plant.process.signal(name) for name in names)
-    return plant.with_values(
-        {p.name: f"{factor * p.initial} {p.unit}".removesuffix(" 1") for p in own}
-    )
+    return plant.with_values({p.name: f"{factor * p.initial} {p.unit}" for p in own})
 
 
 def fitted(plant, names, volts=None, *, noise=0.01, **run):
@@ -88,7 +86,7 @@ def test_a_plugged_outlet_is_no_parameter_to_fit(laboratory):
 
 def test_a_sensor_at_the_end_of_its_range_is_noted(laboratory):
     record = record_of(cl.simulate(laboratory, duration="40 s"))
-    high = laboratory.signal("level_4").high
+    high = laboratory.process.signal("level_4").high
     values = {**record.values, "level_4": np.linspace(4.9, 1.1, record.samples).clip(None, high)}
     values["level_4"][:5] = high
     fit = cl.identify(replace(record, values=values), plant=laboratory, parameters=HOLES[:1])
