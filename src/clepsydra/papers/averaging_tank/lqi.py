@@ -150,8 +150,8 @@ def _unreadable(place: str, matrix: np.ndarray, printed: tuple[str, str, str, st
         "(100b)": "The second row of F is that of R, printed above it, and the cells of that "
         "row of Fi have two points each; 470.3 may be left of 3470.3, as Q3 leaves "
         f"± {open_by:.1f} open.",
-        "(101b)": "F22 and Fi22 are alike, and no cell of the row is a gain by (101a), with Q3 as "
-        "printed or as 10.92.",
+        "(101b)": "F22 and Fi22 print one number where zero is due, and no cell of the row is a "
+        "gain by (101a), with Q3 as printed or as 10.92.",
     }[place]
     rows = []
     for name, text, value in zip(("F21", "F22", "Fi21", "Fi22"), printed, matrix[1], strict=True):
@@ -200,6 +200,8 @@ def _table_7() -> list[Row]:
             name = f"{index} of {output}, {column.title}"
             fitted = column is COLUMNS[3] and output == "C"
             source = f"Q and R of {column.place}{', with Q3 = 10.92' if fitted else ''}."
+            if column is COLUMNS[0] and output == "V":
+                source += " So Fi12 is 3.1623, and not as (97b) prints it."
             if index == "IE":
                 F = gains(column)
                 per_step = (1.0 + F[1, 0]) / F[1, 2] if output == "C" else F[0, 1] / F[0, 3]

@@ -122,7 +122,10 @@ def _linear_model() -> list[Row]:
         ),
     ]  # fmt: skip
     A = Matrix([[-u1 / x2, 0], [0, 0]])
-    why = "Derivatives of (6) at the equilibrium, that of dC/dt by V zero by (14)."
+    why = (
+        "Derivatives of (6) at the equilibrium: that of dC/dt by V is zero by (14), and dV/dt has "
+        "neither C nor V."
+    )
     for name, text, matrix in (
         ("A", "[-u10 0; x20 0; 0 0]", outflow_constant.A),
         ("B", "[u30-x10 u10; x20 x20; 1 0]", outflow_constant.B),
@@ -136,7 +139,10 @@ def _linear_model() -> list[Row]:
         )  # fmt: skip
     rows += matrix_rows("(34)", "A", A, inflow_constant.A, why)
     rows += matrix_rows("(34)", "B", Matrix([[0, u1 / x2], [-1, 0]]), inflow_constant.B, why)
-    why = "(36) with the derivatives of (6), that of dC/dt by V zero by (14)."
+    why = (
+        "(36) with the derivatives of (6): that of dC/dt by V is zero by (14), and dV/dt has only "
+        "the flows."
+    )
     G = Matrix([[(u3 - x1) / (u1 + s * x2), u1 / (u1 + s * x2)], [1 / s, 0]])
     rows += matrix_rows("(45)", "Gp", G, outflow_constant.transfer, why)
     G = Matrix([[0, u1 / (u1 + s * x2)], [-1 / s, 0]])

@@ -56,8 +56,6 @@ _TUNING_PERIOD, _TUNING_HORIZON = 2e-3, 20.0  # [s]
 _DRAWN_PERIOD, _DRAWN = 2e-5, 4.0
 #: IE of V that is called zero: not a billionth of its IAE [m³ s].
 _NO_ERROR = 1e-11
-#: Smaller by less is not smaller: tuning ends within that.
-_SAME = 0.01
 #: An integral time that is as good as none, and a derivative time [s].
 _NO_INTEGRAL, _NO_DERIVATIVE = 1e7, 1e-5
 #: What is tuned [1, 1/s, s], between which bounds.
@@ -283,33 +281,7 @@ def _table_6() -> list[Row]:
                 )
                 for output in ("C", "V")
             ]  # fmt: skip
-    rows.append(_best_values())
     return rows
-
-
-def _best_values() -> Row:
-    """Judge Table 6 as a whole: the larger index of C and V, tuned again for each column."""
-    pairs = []
-    for index in ("IAE", "ISE", "ITAE"):
-        for column, variant in enumerate(_VARIANTS):
-            found = continuous_run(tuned(variant, index), free=True).indices
-            ours = max(found[index, "C"], found[index, "V"])
-            theirs = max(float(TABLE_6[index, output][column]) for output in ("C", "V"))
-            pairs.append((f"{index}, f_{variant[:-4]} constant", ours, theirs))
-    lower = [f"{ours:.2e} against {theirs:.2e} ({name})" for name, ours, theirs in pairs
-             if ours < theirs * (1.0 - _SAME)]  # fmt: skip
-    return claimed(
-        "Table 6", "best values of the indices",
-        "best values of integral indices, with optimal constants",
-        not lower, "; ".join(lower) or "no smaller ones",
-        reason="For steps of 0.25 kmol/m³ and 0.1 m³, as in Table 7 (Table 6 names none), and with "
-        "constants of its own for each row. Larger index of C and V, whose maximum the document's "
-        "search minimises, over 20 s in continuous time, after tuning PI control again at 2 ms "
-        "from several starts, with the flow within 0 to 1 m³/s and C_in free. IE has a row of "
-        f"its own; a column is named where it is lower by {100 * _SAME:g} %. With C_in within "
-        "0 to 25 kmol/m³ too the same columns are lower, for example with T_iC = 0.1 s, "
-        "gains of 2000 and 80 1/s, and no integral of V.",
-    )  # fmt: skip
 
 
 def _claims() -> list[Row]:

@@ -177,8 +177,9 @@ def _robust() -> list[Row]:
         remark(
             "section 7", "robustness beside a plain PID", "no other controller is compared",
             f"PID by AMIGO: {pid.in_words()}",
-            reason="Settings for a first-order model with the delay of the steepest tangent and "
-            "63 % of the step response of (8), sampled as the six are, on the same chain. None of "
+            reason="Settings for a first-order model with the delay of the steepest tangent, half "
+            "a sampling period added, and 63 % of the step response of (8), sampled as the six "
+            "are, on the same chain. None of "
             f"the six is as robust; the best, {best.label}, has {best.in_words()}.",
         ),
     ]  # fmt: skip

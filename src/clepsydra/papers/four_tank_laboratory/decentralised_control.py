@@ -31,7 +31,11 @@ def _claims() -> list[Row]:
     rows = []
     printed = TABLES["decentralised"][1]
     for score, name, claim in (
-        ("rise", "response", "slower in the non-minimum phase, whose rise time is always larger"),
+        (
+            "rise",
+            "response",
+            "lower response reaction in the non-minimum phase, whose rise time is always larger",
+        ),
         ("recovery", "recovery", "slower in the non-minimum phase"),
         ("overshoot", "oscillation", "its amplitude is always larger in the non-minimum phase"),
     ):

@@ -84,8 +84,9 @@ def _table(set_up: SetUp) -> list[Row]:
             _left_open(
                 place, f"h{tank}, simulation", printed, levels,
                 f"At 7.5 V, {_SPREAD}",
-                f"{_held_down(tank) if set_up is MINIMUM else ''}The report itself has "
-                f"{again:g} cm for the same voltages in its Table {1 if set_up is MINIMUM else 2}.",
+                f"{_held_down(tank) if set_up is MINIMUM else _cut_off()}The report itself has "
+                f"{again:g} cm for the same voltages in its Table "
+                f"{1 if set_up is MINIMUM else 2}, from which its hole comes.",
             )
         )  # fmt: skip
     for tank, printed in enumerate(calculated, start=1):
@@ -115,6 +116,18 @@ def _held_down(tank: int) -> str:
     return (
         f"{words}Without that, by (6) any hole that gives 15 cm in exercise 2.2.3 gives "
         f"{15.0 * (now / then) ** 2:.1f} cm here. "
+    )
+
+
+def _cut_off() -> str:
+    """Say for how long the cut-off lowers the levels of the non-minimum phase."""
+    off = [
+        100.0 * by_hand(NON_MINIMUM, NON_MINIMUM.voltages, noise=reading.noise).off
+        for reading in readings_of(NON_MINIMUM)
+    ]
+    return (
+        "The course's simulator stops both pumps while a level is above 27.5 cm, which is not in "
+        f"the report; here that is {' and '.join(f'{each:.1g}' for each in off)} % of the time. "
     )
 
 
@@ -269,8 +282,9 @@ def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> list[Row]:
             + ("fitted holes" if holes == "fitted" else "holes of the report"),
             "15",
             {r: max(each, key=lambda level: abs(level[0] - 15.0)) for r, each in found.items()},
-            f"At {percents[0]:g} % and {percents[1]:g} % of 15 V, as below {figure}, levels 1 and "
-            f"2 are {one:.1f} and {two:.1f} cm; of the one that is farther off, {_SPREAD}",
+            f"At {percents[0]:g} % and {percents[1]:g} % of 15 V, as below {figure} and as 7.5 V "
+            f"are 50 % in exercise 2.2.2, levels 1 and 2 are {one:.1f} and {two:.1f} cm; of the "
+            f"one that is farther off, {_SPREAD}",
         )
         is_fitted = holes == "fitted"
         rows.append(circular(row, "The holes were fitted to these levels.") if is_fitted else row)

@@ -149,7 +149,11 @@ def _shares(pairs: list[tuple[float, float]]) -> list[float]:
 def _beside_minimum() -> list[Row]:
     rows = []
     for score, name, claim in (
-        ("rise", "response", "slower in the non-minimum phase, whose rise time is always larger"),
+        (
+            "rise",
+            "response",
+            "lower response reaction in the non-minimum phase, whose rise time is always larger",
+        ),
         ("recovery", "recovery", "slower in the non-minimum phase"),
         ("overshoot", "overshoot", "much larger in the minimum phase"),
     ):

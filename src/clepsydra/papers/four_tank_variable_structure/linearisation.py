@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import casadi as ca
     from sympy import Expr, Matrix
 
-_BALANCE = "From the process that is simulated: what flows in less what flows out."
+_BALANCE = "Mass balance: what flows in less what flows out."
 _INPUTS = "u is [v1, v2] there."
 
 
@@ -202,7 +202,7 @@ def _decoupling(s: Derived) -> list[Row]:
             rows.append(
                 compared_formula(
                     "section 3", name, printed[j][i], s.E[j, i],
-                    reason="Lie derivatives of the process that is simulated.",
+                    reason="L_g h of (6) with the balances of section 2.",
                 )
             )  # fmt: skip
     determinant = s.E.det()
@@ -290,7 +290,7 @@ def _new_inputs(s: Derived) -> list[Row]:
             "dy/dt for r = 1",
             p[0, 0] * nu[0] - m[0] * y,
             (p * nu - M)[0].subs({s.h[0]: y, second: 0}),
-            reason="(12) with (11) for r = 1.",
+            reason="(12) with M = m0 y of (11) for r = 1, and P = p.",
         )
     )
     K_P, K_I, alpha, excess = symbols("K_P K_I alpha excess", positive=True)

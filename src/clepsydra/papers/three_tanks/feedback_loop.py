@@ -101,8 +101,8 @@ class FeedbackLoop:
             "Where the loop is opened is not said. 20 log10 max|S|, the document's S∞, with the "
             "gains that the exact constants of (2) give is "
             f"{self.vector_gain_margin:.2f} dB at the feed, as here, and {levels} dB at levels 1 "
-            "to 3. By (6), where the phase is -180° at the feed, "
-            f"20 log10|S| is {found} dB."
+            "to 3. By the (6) of the stability analysis, where the phase is -180° at the feed, at "
+            f"two frequencies, 20 log10|S| is {found} dB."
         )
 
     @property

@@ -124,8 +124,8 @@ def _claims() -> list[Row]:
                 for name, found in fast.items()
             ),
             reason="20 log10 max|S| at the feed and at levels 1 to 3: wherever the loop is opened, "
-            "FSFB is below the range, and by (6), which takes |S| where the phase is -180°, both "
-            "are below 0 dB. The printed 8.5 and 7.0 dB are within, and cannot be reproduced.",
+            "FSFB is below the range, and by its (6), which takes |S| where the phase is -180°, "
+            "both are below 0 dB. The printed 8.5 and 7.0 dB are within, and cannot be reproduced.",
         ),
         remark(
             "simulation results", "magnitude plots",

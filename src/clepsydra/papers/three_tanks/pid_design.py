@@ -119,11 +119,13 @@ def _settings() -> list[Row]:
         ),
         compared("Ziegler-Nichols", "τi", "0.017", integral, "s", right_if=[gains_need]),
         compared("Ziegler-Nichols", "Ki", "0.000013", GAIN / integral, "m²/s²",
-                 why="Printed Kc over τi = Pu/2, with Pu of (5): 0.034 is its frequency."),
+                 why="Printed Kc over τi = Pu/2, with Pu of (5): 0.034 is its frequency in "
+                 f"rad/s. With τi as printed Ki would be {GAIN / 0.017:.4f}."),
         compared("Ziegler-Nichols", "τd", "0.00425", derivative, "s", right_if=[gains_need]),
         compared("Ziegler-Nichols", "Kd", "0.028", GAIN * derivative, "m²",
                  why="Printed Kc times τd = Pu/8, with Pu of (5); with Kc before rounding it is "
-                 f"{0.6 * point.gain * derivative:.4f}."),
+                 f"{0.6 * point.gain * derivative:.4f}, and with τd as printed "
+                 f"{GAIN * 0.00425:.1e}."),
         remark(
             "Ziegler-Nichols", "ultimate gain of (3)", "0.0019 from the model (5)",
             f"{process.gain:.4f} m²/s at {process.frequency:.4f} rad/s",
