@@ -42,7 +42,7 @@ def test_every_script_says_what_it_answers_and_is_short():
     for script in scripts:
         first, *rest = script.read_text().splitlines()
         assert first.startswith("# ") and "?" in first
-        assert 5 <= len([line for line in rest if line]) <= 20
+        assert 5 <= len([line for line in rest if line]) <= 15
 
 
 def test_open_loop_step(printed):

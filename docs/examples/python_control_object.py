@@ -1,6 +1,5 @@
 # Does a PI loop closed in python-control overshoot as the simulation says?
 import control as ct
-import numpy as np
 
 import clepsydra as cl
 
@@ -8,12 +7,9 @@ plant = cl.load(cl.new_process("tank"))
 pi = cl.design.simc(plant)
 tank = plant.linear.select(outputs=["level_1"], inputs=["pump_1"]).to_control()  # SI: m by V
 gain, time = pi.values["proportional_gain_1"], pi.values["integral_time_1"]  # SI: V/m and s
-law = gain * ct.tf([time, 1.0], [time, 0.0])
-loop = ct.feedback(ct.ss(law) * tank[0, 0])
+loop = ct.feedback(gain * ct.tf([time, 1.0], [time, 0.0]) * ct.ss2tf(tank))
 run = cl.simulate(plant, pi, [cl.step("level_1", "+1 cm", at="10 s")], duration="3 min")
 level = run.to_pandas()["level_1"]
-print(f"poles {np.round(loop.poles(), 3)} 1/s")
+print("poles", loop.poles().round(3), "1/s")
 print(f"overshoot {ct.step_info(loop)['Overshoot']:.1f} % in python-control")
-print(
-    f"overshoot {100 * (level.max() - level.iloc[0] - 0.01) / 0.01:.1f} % on the real tank, sampled"
-)
+print(f"overshoot {100 * (level.max() - level.iloc[0] - 0.01) / 0.01:.1f} % simulated, sampled")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import Enum
 from pathlib import Path
 from typing import Annotated
 
@@ -17,6 +18,14 @@ from clepsydra.cli.plant_options import (
 from clepsydra.cli.subject import SubjectArgument, name_of
 
 
+class Export(Enum):
+    """What is run."""
+
+    c = "c"
+    st = "st"
+    fmu = "fmu"
+
+
 def verify(
     subject: SubjectArgument,
     controller: Annotated[
@@ -27,6 +36,10 @@ def verify(
             callback=name_of,
             help="One controller; every one if left out.",
         ),
+    ] = None,
+    to: Annotated[
+        list[Export] | None,
+        typer.Option(help="What is run, also repeated; all if left out."),
     ] = None,
     scans: Annotated[
         int, typer.Option(min=10_000, help="Random scans of each controller.")
@@ -57,6 +70,7 @@ def verify(
     from clepsydra.interface.shell import plant_shell
     from clepsydra.interface.study import study as study_of
     from clepsydra.interface.subject import plant_of, read_subject
+    from clepsydra.interface.verify import EXPORTS
     from clepsydra.interface.verify import verify as prove
 
     make_folder(folder)
@@ -83,6 +97,7 @@ def verify(
         proof = prove(
             chosen,
             study.plant,
+            to=[each for each in EXPORTS if to is None or Export(each) in to],
             scans=scans,
             seed=1 if seed is None else seed,
             scenario=study.scenario,

@@ -47,6 +47,21 @@ class ControlSettings:
     closed_loop_time_constant: float
     tightest: ControlSettings | None = None
 
+    def as_values(self) -> dict[str, str]:
+        """Return them as a loop's table takes them, with units: K without its sign, Ti and Td.
+
+        Examples
+        --------
+        >>> ControlSettings(PidSettings(-50.0, 30.0), Signal("gain", "V/m"), 3.5, 3.5).as_values()
+        {'K': '50.0 V/m', 'Ti': '30.0 s'}
+        """
+        gain, integral, derivative = self.settings
+        values = {
+            "K": f"{abs(gain)!r} {self.gain.unit}".removesuffix(" 1"),
+            "Ti": f"{integral!r} s",
+        }
+        return values | ({"Td": f"{derivative!r} s"} if derivative else {})
+
     @property
     def words(self) -> str:
         """The settings in words."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from clepsydra.base.words import time_text
 from clepsydra.identification.control_settings import ControlSettings
 from clepsydra.identification.estimate import Estimate
 from clepsydra.identification.residual_tests import SIGNIFICANT, ResidualTests
@@ -15,7 +16,7 @@ from clepsydra.identification.validation import USEFUL
 OUTWEIGHED = "something else is more than ten times as strong as all that the input did"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FittedModel:
     """A model of one output by one input.
 
@@ -68,6 +69,22 @@ class FittedModel:
     settings: ControlSettings | None
     remarks: tuple[str, ...] = ()
     outweighed: bool = False
+
+    def __repr__(self) -> str:
+        return f"{self.name}: {self.numbers or self.title}; fit {self.validated:.1f} % held back"
+
+    @property
+    def numbers(self) -> str:
+        """What it says of the process, with units."""
+        words = []
+        for estimate in self.estimates:
+            name = estimate.signal.description
+            if estimate.signal.unit == "s":
+                words.append(f"{name} {time_text(estimate.value)}")
+            elif estimate.signal.name in ("gain", "slope", "balance"):
+                shown = f"{estimate.shown[0]:.3g}".replace("-", "−")
+                words.append(f"{name} {shown} {estimate.signal.shown_unit}".removesuffix(" 1"))
+        return ", ".join(words)
 
     @property
     def is_told(self) -> bool:

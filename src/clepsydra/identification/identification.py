@@ -69,7 +69,7 @@ class Identification:
         best = self.best
         if best.doubt is not None:
             return f"Use none of these models: {self._untold()}."
-        told = ": ".join(filter(None, [best.name, _told(best)]))
+        told = ": ".join(filter(None, [best.name, best.numbers]))
         words = f"Use {told}. It explains {best.validated:.1f} % of the "
         words += f"held-back third of {self.output.name}"
         ahead = max(self.models, key=lambda model: model.validated)
@@ -292,15 +292,3 @@ def _against(model: FittedModel, best: FittedModel) -> str:
     return (
         "with more parameters" if model.parameters > best.parameters else "but coloured residuals"
     )
-
-
-def _told(model: FittedModel) -> str:
-    words = []
-    for estimate in model.estimates:
-        if estimate.signal.unit == "s":
-            words.append(f"{estimate.signal.description} {time_text(estimate.value)}")
-        elif estimate.signal.name in ("gain", "slope", "balance"):
-            shown, unit = estimate.shown[0], estimate.signal.shown_unit
-            number = f"{shown:.3g}".replace("-", "−")
-            words.append(f"{estimate.signal.description} {number} {unit}".removesuffix(" 1"))
-    return ", ".join(words)

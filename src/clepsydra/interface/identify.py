@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 from clepsydra.base.errors import InputError
+from clepsydra.designs.applicability import NotApplicable
 from clepsydra.identification import identification as inner
 from clepsydra.identification import process_fit
 from clepsydra.identification.identification import identify_model
@@ -36,6 +37,31 @@ class _Page(Shown):
 
 class Identification(_Page, inner.Identification):
     """The models of a record, the one to use first: `best`, `for_control`, `verdict`, `models`."""
+
+    @property
+    def settings(self) -> dict[str, str]:
+        """The PI or PID settings that follow, by SIMC, as `Controller.with_values` takes a loop's.
+
+        Raises
+        ------
+        NotApplicable
+            No settings follow from these models.
+
+        Examples
+        --------
+        >>> import clepsydra as cl, tempfile
+        >>> plant = cl.load("quadruple-tank")
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     cl.simulate(plant, None, [cl.step("pump_1", "50 mV")]).save(f"{folder}/step.csv")
+        ...     found = identify(f"{folder}/step.csv", "pump_1", "level_1")
+        >>> pi = cl.design.simc(plant).with_values({"level_1": found.settings})
+        >>> round(pi.values["integral_time_1"])  # [s]
+        63
+        """
+        model = self.for_control
+        if model is None or model.settings is None:
+            raise NotApplicable("SIMC", self.verdict)
+        return model.settings.as_values()
 
 
 class FittedPlant(_Page, process_fit.ProcessFit):

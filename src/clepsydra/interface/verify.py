@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +10,7 @@ from clepsydra.controllers import controller as inner
 from clepsydra.deploy.proof import proof as inner_proof
 from clepsydra.deploy.proof.of_study import controller_item, process_item_of
 from clepsydra.deploy.proof.proof import FEWEST, ProofProgress, prove
+from clepsydra.deploy.proof.targets import EXPORTS, Export
 from clepsydra.interface.controller import of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of
@@ -35,6 +36,7 @@ def verify(
     controllers: inner.Controller | Sequence[inner.Controller],
     plant: Plant,
     *,
+    to: Export | Collection[Export] = EXPORTS,
     scans: int = FEWEST,
     seed: int = 1,
     fail_safe: Settings = None,
@@ -52,6 +54,8 @@ def verify(
     ----------
     controllers : Controller or sequence of Controller
     plant : Plant
+    to : {"c", "st", "fmu"} or several, optional
+        What is run, each in all that it has: dialects, versions, precisions; all if left out.
     scans : int
         Random scans of each, at least 10,000.
     seed : int
@@ -75,8 +79,8 @@ def verify(
     Raises
     ------
     InputError
-        There is no compiler, a package of the extra "verify" is missing, or there are too few
-        scans.
+        There is no compiler or no such export, a package of the extra "verify" is missing, or
+        there are too few scans.
 
     Examples
     --------
@@ -91,13 +95,16 @@ def verify(
         rate_limit=rate_limit,
     )
     scenario = scenario or scenario_of(plant)
+    chosen = (to,) if isinstance(to, str) else tuple(to)
+    part = "" if set(chosen) == set(EXPORTS) else f"-{'-'.join(chosen)}"
     items = [controller_item(of_plant(each, plant), plant.point, scenario, shell) for each in many]
     found = prove(
         [*items, process_item_of(plant.point)],
         scans=scans,
         seed=seed,
+        to=chosen,
         progress=progress,
         folder=None if folder is None else Path(folder),
-        stem=f"{stem or plant.file_stem}-proof",
+        stem=f"{stem or plant.file_stem}-proof{part}",
     )
     return lifted(Proof, found)

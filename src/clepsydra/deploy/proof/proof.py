@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,7 +23,7 @@ from clepsydra.deploy.proof.limits import limit_met
 from clepsydra.deploy.proof.memory import read_memory
 from clepsydra.deploy.proof.row import ProofRow
 from clepsydra.deploy.proof.scans import FEWEST
-from clepsydra.deploy.proof.targets import Target, targets_of
+from clepsydra.deploy.proof.targets import EXPORTS, Export, Target, targets_of
 
 
 class ProofProgress(NamedTuple):
@@ -122,6 +122,7 @@ def prove(
     *,
     scans: int = FEWEST,
     seed: int = 1,
+    to: Collection[Export] = EXPORTS,
     progress: Callable[[ProofProgress], None] | None = None,
     folder: Path | None = None,
     stem: str = "proof",
@@ -148,6 +149,8 @@ def prove(
         At least 10,000.
     seed : int
         Of the scans.
+    to : collection of str
+        The exports that are run, of `EXPORTS`.
     progress : callable, optional
         Takes a `ProofProgress` before each row.
     folder : Path, optional
@@ -165,7 +168,8 @@ def prove(
     Raises
     ------
     InputError
-        There is no compiler, a package is missing, too few scans, a negative seed, or the
+        There is no compiler or no such export, a package is missing, too few scans, a negative
+        seed, or the
         folder cannot be written.
 
     Examples
@@ -181,8 +185,14 @@ def prove(
     for what, value, least in (("scans", scans, FEWEST), ("seed", seed, 0)):
         if value < least:
             raise InputError(f"proof, {what}", value, f"at least {least:,}", "choose more")
+    for export in to:
+        if export not in EXPORTS:
+            raise InputError("proof, to", export, f"some of {', '.join(EXPORTS)}", "choose those")
     compiler = find_compiler("proof")
-    jobs = {kind: targets_of(kind, compiler) for kind in ("controller", "process")}
+    jobs = {
+        kind: [target for target in targets_of(kind, compiler) if target.to in to]
+        for kind in ("controller", "process")
+    }
     versions = sorted({target.version for target in (*jobs["controller"], *jobs["process"])})
     work = _Work(items, scans, seed, progress, folder, stem)
     work.versions = (f"clepsydra {__version__}", *versions)

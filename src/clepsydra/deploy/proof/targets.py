@@ -6,7 +6,7 @@ import importlib.metadata
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal, get_args
 
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.c99.printer import CSource
@@ -37,6 +37,9 @@ from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 #: Largest difference of C in floats and Structured Text in REALs where the law uses functions of
 #: a library, as a share of a signal's range: some thousand roundings.
 SINGLE_LIBRARY_BOUND = 1e-4
+#: What can be proved, as `cl.export` names it.
+Export = Literal["c", "st", "fmu"]
+EXPORTS: tuple[Export, ...] = get_args(Export)
 _SINGLE_DIALECT = "codesys"
 #: What a printed text is called among the files of a target.
 _TEXT = "text"
@@ -49,6 +52,8 @@ class Target:
     Parameters
     ----------
     name : str
+    to : {"c", "st", "fmu"}
+        The export that it runs.
     precision : {"double", "single"}
     against : str
         What it is compared with.
@@ -69,6 +74,7 @@ class Target:
     """
 
     name: str
+    to: Export
     precision: Precision
     against: str
     version: str
@@ -111,10 +117,11 @@ def targets_of(kind: str, compiler: Compiler) -> list[Target]:
         A package of the proof is missing.
     """
     grammar, importer = _version("tree-sitter-iec61131-3-st"), _version("FMPy")
-    found = [Target("C", "double", "engine", compiler.version, _c_files, _c)]
+    found = [Target("C", "c", "double", "engine", compiler.version, _c_files, _c)]
     found += [
         Target(
             f"Structured Text, {dialect}",
+            "st",
             "double",
             "engine",
             grammar,
@@ -126,6 +133,7 @@ def targets_of(kind: str, compiler: Compiler) -> list[Target]:
     found += [
         Target(
             f"FMU {version}",
+            "fmu",
             "double",
             "engine",
             importer,
@@ -138,6 +146,7 @@ def targets_of(kind: str, compiler: Compiler) -> list[Target]:
         exchanged = [
             Target(
                 f"FMU {version} exchange",
+                "fmu",
                 "double",
                 "CasADi",
                 importer,
@@ -151,6 +160,7 @@ def targets_of(kind: str, compiler: Compiler) -> list[Target]:
         *found,
         Target(
             "Structured Text",
+            "st",
             "single",
             "C in single",
             grammar,
@@ -159,6 +169,7 @@ def targets_of(kind: str, compiler: Compiler) -> list[Target]:
         ),
         Target(
             "C",
+            "c",
             "single",
             "engine in double",
             compiler.version,
