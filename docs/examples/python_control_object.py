@@ -7,7 +7,7 @@ plant = cl.load(cl.new_process("tank"))
 pi = cl.design.simc(plant)
 tank = plant.linear.select(outputs=["level_1"], inputs=["pump_1"]).to_control()  # SI: m by V
 gain, time = pi.values["proportional_gain_1"], pi.values["integral_time_1"]  # SI: V/m and s
-loop = ct.feedback(gain * ct.tf([time, 1.0], [time, 0.0]) * ct.ss2tf(tank))
+loop = ct.feedback(gain * ct.tf([time, 1.0], [time, 0.0]) * ct.ss2tf(tank)[0, 0])
 run = cl.simulate(plant, pi, [cl.step("level_1", "+1 cm", at="10 s")], duration="3 min")
 level = run.to_pandas()["level_1"]
 print("poles", loop.poles().round(3), "1/s")
