@@ -1,6 +1,7 @@
 """Feedback linearisation: what the loop does against the response designed, and its refusals."""
 
 import dataclasses
+import functools
 import math
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from refusals import refused
 
+import clepsydra as cl
 from clepsydra import InputError, NotApplicable
 from clepsydra.designs.feedback_linearisation import design_feedback_linearisation
 from clepsydra.designs.virtual_settings import VirtualSettings, settings_for, settling_time
@@ -17,6 +19,11 @@ from clepsydra.loop.scenario import Scenario
 from clepsydra.process.reader import load_process
 
 FULL = Path(__file__).parents[1] / "controllers" / "full-effects.toml"
+
+
+@functools.cache
+def analysed(name):
+    return cl.load(name).analysis
 
 
 def fast(name, period):
@@ -36,7 +43,6 @@ def stepped(controller, model, column, size, samples):
     return {name: run.true_measurement(name) - at[name] for name in process.controlled}
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "period", "time", "size"),
     [
@@ -62,7 +68,6 @@ def test_an_output_follows_as_designed_and_the_others_stay(name, period, time, s
                 assert np.max(np.abs(found[other])) < 3.0 * period / time * 0.1 * size
 
 
-@pytest.mark.thorough
 def test_loops_that_interact_are_decoupled_only_by_the_law():
     """The same step under the PI controllers of a multiloop design moves the other level."""
     from clepsydra.designs.simc import design_simc
@@ -76,8 +81,9 @@ def test_loops_that_interact_are_decoupled_only_by_the_law():
     assert np.max(np.abs(found["level_2"])) > 20.0 * np.max(np.abs(decoupled["level_2"]))
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("name", ["quadruple-tank", "wet-well"])
+@pytest.mark.parametrize(
+    "name", ["quadruple-tank", pytest.param("wet-well", marks=pytest.mark.thorough)]
+)
 def test_with_an_observer_the_output_follows_too(name):
     """The observer runs the same equations, so that without a load there is nothing to estimate."""
     process = load_process(name)
@@ -91,20 +97,22 @@ def test_with_an_observer_the_output_follows_too(name):
     assert np.max(found) < 1.02 * size
 
 
-@pytest.mark.thorough
-def test_settling_times_are_those_of_scipy():
-    from scipy.signal import lti, step
-
-    for settings, degree in (
+@pytest.mark.parametrize(
+    ("settings", "degree"),
+    [
         (VirtualSettings(0.125, 0.004), 1),
         (VirtualSettings(0.2, 0.02, 0.3), 1),
         (settings_for(12.0, 3), 3),
-    ):
-        denominator = [1.0, *reversed(settings.damping), settings.gain, settings.integral_gain]
-        numerator = [settings.setpoint_weight * settings.gain, settings.integral_gain]
-        time, response = step(lti(numerator, denominator), T=np.linspace(0.0, 400.0, 40_001))
-        last = time[np.flatnonzero(np.abs(response - 1.0) > 0.02)[-1]]
-        assert settling_time(settings, degree) == pytest.approx(last, abs=0.5)
+    ],
+)
+def test_settling_times_are_those_of_scipy(settings, degree):
+    from scipy.signal import lti, step
+
+    denominator = [1.0, *reversed(settings.damping), settings.gain, settings.integral_gain]
+    numerator = [settings.setpoint_weight * settings.gain, settings.integral_gain]
+    time, response = step(lti(numerator, denominator), T=np.linspace(0.0, 400.0, 4001))
+    last = time[np.flatnonzero(np.abs(response - 1.0) > 0.02)[-1]]
+    assert settling_time(settings, degree) == pytest.approx(last, abs=0.5)
 
 
 def test_settings_put_every_pole_at_one_place():
@@ -114,23 +122,24 @@ def test_settings_put_every_pole_at_one_place():
 
 
 def test_unstable_internal_dynamics_are_refused_and_run_only_when_told_to():
-    model = analyse(load_process("quadruple-tank-nonminimum-phase")).model
+    model = analysed("quadruple-tank-nonminimum-phase").model
     with pytest.raises(NotApplicable, match=r"run away, e times as far every 78\.4 s"):
         design_feedback_linearisation(model)
     controller = design_feedback_linearisation(model, despite_unstable_internal_dynamics=True)
     assert any("Unstable" in note for note in controller.notes)
 
 
-@pytest.mark.thorough
-def test_the_stated_refusals_of_the_catalogue():
-    reasons = {
-        "averaging-tank": "inputs that act linearly",
-        "eight-tanks": "at most 4 differentiations",
-        "laboratory-four-tanks-nonminimum-phase": "run away",
-    }
-    for name, words in reasons.items():
-        with pytest.raises(NotApplicable, match=words):
-            design_feedback_linearisation(analyse(load_process(name)).model)
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("averaging-tank", "inputs that act linearly"),
+        ("eight-tanks", "at most 4 differentiations"),
+        ("laboratory-four-tanks-nonminimum-phase", "run away"),
+    ],
+)
+def test_the_stated_refusals_of_the_catalogue(name, words):
+    with pytest.raises(NotApplicable, match=words):
+        design_feedback_linearisation(analysed(name).model)
 
 
 @pytest.mark.sampled
@@ -142,14 +151,13 @@ def test_the_stated_refusals_of_the_catalogue():
 def test_it_is_robust_where_it_applies(name):
     from clepsydra.designs.states.state_controllers import sensitivity_peak
 
-    model = analyse(load_process(name)).model
+    model = analysed(name).model
     assert sensitivity_peak(design_feedback_linearisation(model), model) <= 2.0
 
 
 PLAIN = [VirtualSettings(0.1, 0.003)] * 2
 
 
-@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -168,13 +176,13 @@ PLAIN = [VirtualSettings(0.1, 0.003)] * 2
     ],
 )  # fmt: skip
 def test_wrong_numbers_are_refused_with_place_and_remedy(options, words):
-    model = analyse(load_process("quadruple-tank")).model
+    model = analysed("quadruple-tank").model
     with pytest.raises(InputError, match=words):
         design_feedback_linearisation(model, **options)
 
 
 def test_alpha_on_the_input_counts_by_the_effect_of_the_input():
-    model = analyse(load_process("quadruple-tank")).model
+    model = analysed("quadruple-tank").model
     of_virtual = design_feedback_linearisation(model, settings=PLAIN)
     of_input = design_feedback_linearisation(model, settings=PLAIN, alpha_on="input")
     # Johansson's γ k/A on sensors of 0.5 V/cm.
@@ -204,13 +212,13 @@ def test_alpha_on_the_input_counts_by_the_effect_of_the_input():
 @pytest.mark.parametrize("alpha_on", ["virtual", "input"])
 @pytest.mark.parametrize("alpha", ["fast", ["fast", 0.1], [0.1], 1e9])
 def test_an_alpha_that_is_no_rate_is_refused_in_words(alpha, alpha_on):
-    model = analyse(load_process("quadruple-tank")).model
+    model = analysed("quadruple-tank").model
     with refused(place="alpha"):
         design_feedback_linearisation(model, settings=PLAIN, alpha=alpha, alpha_on=alpha_on)
 
 
 def test_an_alpha_on_the_input_is_taken_in_its_own_unit():
-    model = analyse(load_process("quadruple-tank")).model
+    model = analysed("quadruple-tank").model
     usual = design_feedback_linearisation(model, settings=PLAIN, alpha_on="input")
     given = [usual.values[f"saturation_feedback_{j}"] for j in (1, 2)]
     again = design_feedback_linearisation(model, settings=PLAIN, alpha_on="input", alpha=given)
@@ -221,6 +229,6 @@ def test_an_alpha_on_the_input_is_taken_in_its_own_unit():
     "settings", [[(0.1, 0.01), (0.1, 0.01)], [VirtualSettings("fast", 0.01)] * 2, 0.1]
 )
 def test_settings_of_another_kind_are_refused_in_words(settings):
-    model = analyse(load_process("quadruple-tank")).model
+    model = analysed("quadruple-tank").model
     with refused(place="settings"):
         design_feedback_linearisation(model, settings=settings)

@@ -1,11 +1,13 @@
 """Fuzzy PI control by the standard table, for every process of the catalogue."""
 
+import functools
 import tomllib
 
 import numpy as np
 import pytest
 from refusals import refused
 
+import clepsydra as cl
 from clepsydra import NotApplicable
 from clepsydra.designs.fuzzy_control import (
     SETS,
@@ -15,11 +17,14 @@ from clepsydra.designs.fuzzy_control import (
 )
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
 from clepsydra.loop.default_scenario import default_scenario
 from clepsydra.loop.loop import Loop
 from clepsydra.process.catalogue_names import catalogue_file, catalogue_names
-from clepsydra.process.reader import load_process
+
+
+@functools.cache
+def analysed(name):
+    return cl.load(name).analysis
 
 
 def every_process():
@@ -41,7 +46,7 @@ def test_the_rule_for_two_sets_is_their_sum():
 @pytest.fixture(scope="module")
 def surface():
     """Return f(errors, changes) as shares, read off the law of one loop: du/dt = g f."""
-    controller = design_fuzzy_pi(analyse(load_process("three-tanks")).model)
+    controller = design_fuzzy_pi(analysed("three-tanks").model)
     law = controller.law
     values = controller.values | {"low_limit_1": -1e6, "high_limit_1": 1e6}
     parameters = [values[parameter.name] for parameter in law.parameters]
@@ -84,7 +89,7 @@ def test_the_slopes_at_rest_are_difference_quotients(surface, way):
 
 def test_at_rest_it_is_the_linear_controller():
     """The sampled loops of both have nearly one sensitivity peak; their gains are the same."""
-    analysis = analyse(load_process("quadruple-tank"))
+    analysis = analysed("quadruple-tank")
     fuzzy = design_fuzzy_pi(analysis.model, analysis.pairing)
     linear = design_simc(analysis.model, analysis.pairing)
     s_e, s_c = slopes_at_rest()
@@ -101,7 +106,7 @@ def test_at_rest_it_is_the_linear_controller():
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", list(every_process()))
 def test_it_holds_every_process_or_says_why_not(name):
-    analysis = analyse(load_process(name))
+    analysis = analysed(name)
     try:
         controller = design_fuzzy_pi(analysis.model, analysis.pairing)
     except NotApplicable as refusal:
@@ -124,6 +129,6 @@ def test_it_holds_every_process_or_says_why_not(name):
 
 
 def test_a_share_that_is_none_is_refused():
-    analysis = analyse(load_process("quadruple-tank"))
+    analysis = analysed("quadruple-tank")
     with refused(place="fuzzy PI, largest_error", value=-1):
         design_fuzzy_pi(analysis.model, analysis.pairing, largest_error=-1)

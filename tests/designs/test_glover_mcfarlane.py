@@ -1,5 +1,6 @@
 """Glover-McFarlane loop shaping against closed forms, continuous Riccati equations and sweeps."""
 
+import functools
 import math
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ from refusals import refused
 from scipy.linalg import solve_continuous_are, solve_discrete_lyapunov
 from scipy.signal import cont2discrete
 
+import clepsydra as cl
 from clepsydra import InputError, NotApplicable, PidForm, Signal, python_law
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.glover_mcfarlane import REDUCTION_COST, design_glover_mcfarlane
@@ -26,20 +28,16 @@ from clepsydra.designs.own_law import own_controller
 from clepsydra.designs.phase_margin import design_phase_margin
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.catalogue_names import catalogue_names
-from clepsydra.process.reader import load_process
 
 ANGLES = np.concatenate([np.geomspace(1e-6, math.pi, 6000), [math.pi]])
-_ANALYSED: dict = {}
 
 
+@functools.cache
 def analysed(name):
-    if name not in _ANALYSED:
-        _ANALYSED[name] = analyse(load_process(name))
-    return _ANALYSED[name]
+    return cl.load(name).analysis
 
 
 def random_plant(seed, n, m, q, radius=1.05):

@@ -1,6 +1,7 @@
 """SIMC and phase margin on tanks, against closed forms and direct frequency responses."""
 
 import dataclasses
+import functools
 import math
 import re
 
@@ -9,6 +10,7 @@ import pytest
 from refusals import refused
 from scipy.signal import cont2discrete
 
+import clepsydra as cl
 from clepsydra import InputError, NotApplicable, PidForm
 from clepsydra.designs.amigo import design_amigo
 from clepsydra.designs.fuzzy_control import design_fuzzy_pi
@@ -25,12 +27,15 @@ from clepsydra.designs.simc import design_simc
 from clepsydra.designs.tyreus_luyben import design_tyreus_luyben
 from clepsydra.designs.variable_structure_pid import design_variable_structure_pid
 from clepsydra.designs.ziegler_nichols import design_ziegler_nichols
-from clepsydra.linear.analysis import analyse
 from clepsydra.linear.response import evaluate_transfer, frequency_response
-from clepsydra.process.reader import load_process
 
 DIRECT = [("level_1", "pump_1"), ("level_2", "pump_2")]
 CROSS = [("level_1", "pump_2"), ("level_2", "pump_1")]
+
+
+@functools.cache
+def analysed(name):
+    return cl.load(name).analysis
 
 
 def settings_of(controller):
@@ -474,7 +479,7 @@ def test_settings_that_no_controller_takes_are_not_applicable(
     ],
 )
 def test_without_a_pairing_it_is_the_one_that_the_relative_gains_suggest(design):
-    analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
+    analysis = analysed("quadruple-tank-nonminimum-phase")
     assert analysis.pairing == (("level_1", "pump_2"), ("level_2", "pump_1"))  # the crossed one
     found = design(analysis.model)
     assert (found.measurements, found.manipulated) == (("level_1", "level_2"), ("pump_2", "pump_1"))
@@ -484,7 +489,7 @@ def test_without_a_pairing_it_is_the_one_that_the_relative_gains_suggest(design)
 
 def test_where_no_pairing_is_suggested_one_is_asked_for():
     """Both inputs do the same: their relative gains do not exist."""
-    model = analyse(load_process("quadruple-tank")).model
+    model = analysed("quadruple-tank").model
     same = dataclasses.replace(model, B=np.repeat(model.B[:, :1], 2, axis=1))
     with refused(expected="a pairing, since the relative gains suggest none"):
         design_simc(same)

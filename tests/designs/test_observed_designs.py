@@ -1,6 +1,7 @@
 """Designs with observers and precompensators on the processes of the catalogue."""
 
 import dataclasses
+import functools
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from refusals import refused
 from scipy.optimize import linear_sum_assignment
 
+import clepsydra as cl
 from clepsydra import InputError, NotApplicable
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.linear_quadratic_regulator import design_lqr
@@ -20,7 +22,6 @@ from clepsydra.designs.states.measured_states import with_outputs
 from clepsydra.designs.states.observed_process import observed_process
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights, diagonal_weights
 from clepsydra.designs.states.relevant_states import without_idle_states
-from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linearise import linearise
 from clepsydra.process.reader import load_process
 
@@ -32,8 +33,14 @@ OBSERVED = {
 }
 
 
+@functools.cache
 def model_of(name):
-    return analyse(load_process(name)).model
+    return cl.load(name).linear
+
+
+@functools.cache
+def observed(name, measurements, design):
+    return OBSERVED[design](model_of(name), measurements=list(measurements))
 
 
 def matrix(controller, prefix, rows, columns):
@@ -88,7 +95,7 @@ def test_the_loop_has_the_poles_of_regulator_and_observer(name, measurements, de
     model = model_of(name)
     if design == "placement" and name == DEAD_TIME:
         pytest.skip("placement refuses dead time")
-    controller = OBSERVED[design](model, measurements=measurements)
+    controller = observed(name, tuple(measurements), design)
     held, moved, shown, correction, feedback = observer_of(controller)
     one = np.eye(len(held))
     errors = np.linalg.eigvals((one - correction @ shown) @ held)
@@ -171,7 +178,7 @@ def test_setpoints_are_reached_and_an_observer_leaves_no_offset_under_load(
     name, design, linear_law
 ):
     model = model_of(name)
-    controller = OBSERVED[design](model, measurements=list(model.outputs))
+    controller = observed(name, model.outputs, design)
     loads = [k for k, load in enumerate(model.disturbances) if "inflow" in load]
     follows, offset = static_loop(linear_law, controller, model, loads)
     assert follows == pytest.approx(np.eye(len(follows)), abs=1e-8)
@@ -179,8 +186,9 @@ def test_setpoints_are_reached_and_an_observer_leaves_no_offset_under_load(
     assert np.abs(offset).max() < 1e-6 * open_loop.max()
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("design", [design_pole_placement, design_lqr])
+@pytest.mark.parametrize(
+    "design", [pytest.param(design_pole_placement, marks=pytest.mark.thorough), design_lqr]
+)
 def test_without_an_observer_the_precompensator_is_exact_and_a_load_leaves_an_offset(
     design, linear_law
 ):
@@ -193,7 +201,6 @@ def test_without_an_observer_the_precompensator_is_exact_and_a_load_leaves_an_of
     assert any("offset that stays" in note for note in controller.notes)
 
 
-@pytest.mark.thorough
 def test_the_sensitivity_is_that_of_a_sweep():
     """|S| of a law with an observer, from transfer functions of its parts."""
     model = model_of("three-tanks")
@@ -202,18 +209,16 @@ def test_the_sensitivity_is_that_of_a_sweep():
     process = sampled_process(model, 1.0)
     one, C = np.eye(3), model.C
     gain = controller.values["integral_gain_1_1"]
-    peaks = []
-    for omega in np.geomspace(1e-5, np.pi, 20001):
-        z = np.exp(1j * omega)
-        plant = (C @ np.linalg.solve(z * one - process.held, process.moved))[0, 0]
-        # x̂c = (1 − M C) x̂ + M y, z x̂ = Φ x̂c + Γ u, u = −F x̂c − Δt G y/(z − 1).
-        kept = one - correction @ shown
-        loop = z * one - (held - moved @ feedback) @ kept
-        by_y = (held - moved @ feedback) @ correction - moved * gain / (z - 1.0)
-        estimate = np.linalg.solve(loop, by_y)
-        law = (-feedback @ (kept @ estimate + correction))[0, 0] - gain / (z - 1.0)
-        peaks.append(1.0 / abs(1.0 - plant * law))
-    assert loop_of(controller, model).maximum_sensitivity == pytest.approx(max(peaks), rel=1e-5)
+    z = np.exp(1j * np.geomspace(1e-5, np.pi, 20001))[:, None, None]
+    plant = (C @ np.linalg.solve(z * one - process.held, process.moved))[:, 0, 0]
+    # x̂c = (1 − M C) x̂ + M y, z x̂ = Φ x̂c + Γ u, u = −F x̂c − Δt G y/(z − 1).
+    kept = one - correction @ shown
+    loop = z * one - (held - moved @ feedback) @ kept
+    by_y = (held - moved @ feedback) @ correction - moved * gain / (z - 1.0)
+    estimate = np.linalg.solve(loop, by_y)
+    law = (-feedback @ (kept @ estimate + correction) - gain / (z - 1.0))[:, 0, 0]
+    peak = np.max(1.0 / np.abs(1.0 - plant * law))
+    assert loop_of(controller, model).maximum_sensitivity == pytest.approx(peak, rel=1e-5)
 
 
 REFUSED = {

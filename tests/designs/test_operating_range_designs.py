@@ -1,12 +1,14 @@
 """Scheduled, recomputed and observed designs on every process of the catalogue, or why not."""
 
 import dataclasses
+import functools
 from importlib import resources
 
 import numpy as np
 import pytest
 from refusals import refused
 
+import clepsydra as cl
 from clepsydra import NotApplicable, PidForm
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.extended_kalman import design_lqi_extended_kalman
@@ -15,10 +17,6 @@ from clepsydra.designs.operating_plan import model_at
 from clepsydra.designs.recomputed_lqi import design_recomputed_lqi
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.states.measured_states import with_outputs
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
-
-pytestmark = pytest.mark.thorough
 
 #: Words of the refusal of each design, in this order; None where it applies.
 MORE = "inputs move"
@@ -45,9 +43,21 @@ DESIGNS = (
 )
 
 
-@pytest.mark.parametrize("name", EXPECTED)
+@functools.cache
+def analysed(name):
+    return cl.load(name).analysis
+
+
+#: Those on which several designs apply, each at several points.
+SLOW = {name for name, words in EXPECTED.items() if words.count(None) > 2}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.thorough if n in SLOW else ()) for n in EXPECTED],
+)
 def test_each_process_is_designed_for_or_refused_in_words(name):
-    analysis = analyse(load_process(name))
+    analysis = analysed(name)
     for design, words in zip(DESIGNS, EXPECTED[name], strict=True):
         if words is None:
             controller = design(analysis)
@@ -64,7 +74,7 @@ def test_dead_time_is_refused_where_the_equations_have_no_state_for_it(tmp_path)
     )
     path = tmp_path / "late.toml"
     path.write_text(text + '\n[delays.pipe]\ndestination = "tank_1"\ntime = "20 s"\n')
-    analysis = analyse(load_process(str(path)))
+    analysis = analysed(str(path))
     for design in DESIGNS[2:]:
         with pytest.raises(NotApplicable, match="dead time"):
             design(analysis)
@@ -78,7 +88,7 @@ def load_process_text(name):
 
 @pytest.fixture(scope="module")
 def quadruple():
-    return analyse(load_process("quadruple-tank-nonminimum-phase"))
+    return analysed("quadruple-tank-nonminimum-phase")
 
 
 def test_every_peak_that_is_told_is_that_of_the_loop(quadruple):
@@ -103,7 +113,7 @@ def test_every_peak_that_is_told_is_that_of_the_loop(quadruple):
 
 def test_a_scheduled_pi_has_the_time_constant_asked_at_every_volume():
     """SIMC of a lag V/f: K = V/(f (τc + θ)) with the gain one of C_in to C."""
-    analysis = analyse(load_process("averaging-tank"))
+    analysis = analysed("averaging-tank")
     controller = design_gain_scheduled_pid(
         analysis.model, analysis.pairing, over="volume", points=[0.5, 1.0, 2.0, 4.0]
     )
@@ -112,15 +122,15 @@ def test_a_scheduled_pi_has_the_time_constant_asked_at_every_volume():
     assert np.array(gains) / gains[2] == pytest.approx(np.array([0.25, 0.5, 1.0, 2.0]), rel=1e-6)
 
 
-def test_recomputed_lqi_starts_with_the_gains_of_lqi():
-    for name in ("averaging-tank", "three-tanks", "quadruple-tank"):
-        model = analyse(load_process(name)).model
-        plain, recomputed = design_lqi(model), design_recomputed_lqi(model)
-        for i in range(1, len(model.inputs) + 1):
-            for j in range(1, len(model.outputs) + 1):
-                gain = f"integral_gain_{i}_{j}"
-                found = recomputed.initial_state[gain]
-                assert found == pytest.approx(plain.values[gain], rel=1e-8, abs=1e-12)
+@pytest.mark.parametrize("name", ["averaging-tank", "three-tanks", "quadruple-tank"])
+def test_recomputed_lqi_starts_with_the_gains_of_lqi(name):
+    model = analysed(name).model
+    plain, recomputed = design_lqi(model), design_recomputed_lqi(model)
+    for i in range(1, len(model.inputs) + 1):
+        for j in range(1, len(model.outputs) + 1):
+            gain = f"integral_gain_{i}_{j}"
+            found = recomputed.initial_state[gain]
+            assert found == pytest.approx(plain.values[gain], rel=1e-8, abs=1e-12), gain
 
 
 def test_wrong_wishes_are_refused(quadruple):

@@ -1,5 +1,6 @@
 """Riccati equations and the gains from them, against closed forms and second routes."""
 
+import functools
 import math
 from types import SimpleNamespace
 
@@ -7,21 +8,25 @@ import numpy as np
 import pytest
 from refusals import refused
 
+import clepsydra as cl
 from clepsydra import InputError, NotApplicable
 from clepsydra.designs.kalman import Noise, kalman_gain, process_noise
 from clepsydra.designs.states.linear_quadratic import bryson_weights, lqr_gains
 from clepsydra.designs.states.observed_process import observed_process
 from clepsydra.designs.states.quadratic_weights import QuadraticWeights, diagonal_weights
 from clepsydra.designs.states.riccati import optimal_regulator, riccati_residual
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 
 CATALOGUE = ["quadruple-tank", "three-tanks", "eight-tanks", "wet-well", "equalisation-tank"]
 
 
+@functools.cache
+def analysed(name):
+    return cl.load(name).analysis
+
+
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_the_residual_of_the_regulator_is_below_1e_9_of_the_largest_term(name):
-    seen = observed_process(analyse(load_process(name)).model, None, "test")
+    seen = observed_process(analysed(name).model, None, "test")
     # Weights by range: levels to a tenth, inputs to a quarter of their ranges.
     spans = np.array([seen.model.point.process.signal(each).span for each in seen.model.inputs])
     Q, R = np.diag((0.1 * seen.sizes) ** -2), np.diag((0.25 * spans) ** -2)
@@ -83,7 +88,7 @@ def test_scalar_kalman_gain_by_hand():
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_kalman_gain_is_where_the_difference_equation_settles(name):
-    seen = observed_process(analyse(load_process(name)).model, None, "test")
+    seen = observed_process(analysed(name).model, None, "test")
     noise = process_noise(seen, 60.0 * seen.period)
     found = kalman_gain(seen.held, seen.shown, noise)
     # Doubling: each step stands for twice as many samples as the last.
@@ -110,12 +115,12 @@ def test_a_random_walk_of_the_noise_moves_as_the_load_does(single_tank):
 
 
 def test_the_noise_that_the_process_gives_is_taken():
-    seen = observed_process(analyse(load_process("wet-well")).model, None, "test")
+    seen = observed_process(analysed("wet-well").model, None, "test")
     assert process_noise(seen, 60.0).measurement[0, 0] == pytest.approx((0.002 * 0.016) ** 2)
 
 
 def test_load_steps_are_noise_of_their_tank():
-    model = analyse(load_process("eight-tanks")).model
+    model = analysed("eight-tanks").model
     seen = observed_process(model, None, "test")
     without = SimpleNamespace(load_steps=dict)
     import dataclasses

@@ -1,30 +1,35 @@
 """The design of variable-structure PID: its rule for α, its settings, and what it refuses."""
 
+import functools
 import math
 
 import numpy as np
 import pytest
 from refusals import refused
 
+import clepsydra as cl
 from clepsydra import InputError, PidForm
 from clepsydra.designs.loops.pid_settings import PidSettings
 from clepsydra.designs.sampled.setpoint_response import settling_times
 from clepsydra.designs.saturation_rate import rate_for, times_faster
 from clepsydra.designs.simc import design_simc
 from clepsydra.designs.variable_structure_pid import design_variable_structure_pid
-from clepsydra.linear.analysis import analyse
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.catalogue_names import catalogue_names
-from clepsydra.process.reader import load_process
 
 JOHANSSON = [PidSettings(3.0, 30.0), PidSettings(2.7, 40.0)]
+
+
+@functools.cache
+def analysed(name):
+    return cl.load(name).analysis
 
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", catalogue_names())
 def test_it_has_a_controller_for_every_process(name):
-    analysis = analyse(load_process(name))
+    analysis = analysed(name)
     controller = design_variable_structure_pid(analysis.model, analysis.pairing)
     plain = design_simc(analysis.model, analysis.pairing, form=PidForm("PI", anti_windup="none"))
     assert controller.initial_state == plain.initial_state
@@ -47,7 +52,7 @@ def test_the_rule_makes_an_excess_settle_so_many_times_sooner():
 @pytest.mark.parametrize("name", ["quadruple-tank", "wet-well", "eight-tanks"])
 def test_settling_times_are_those_of_a_small_step(name):
     """The linear response against a run of the process itself, so small that it is linear."""
-    analysis = analyse(load_process(name))
+    analysis = analysed(name)
     model, point = analysis.model, analysis.operating_point
     process, at = point.process, point.as_dict()
     controller = design_simc(model, analysis.pairing)
@@ -68,7 +73,7 @@ def test_settling_times_are_those_of_a_small_step(name):
 
 
 def test_alpha_of_the_user_is_taken_within_the_rule_and_refused_outside():
-    analysis = analyse(load_process("quadruple-tank"))
+    analysis = analysed("quadruple-tank")
     given = analysis.model, analysis.pairing
     controller = design_variable_structure_pid(*given, settings=JOHANSSON, alpha=[0.2, 0.15])
     assert controller.values["saturation_rate_2"] == 0.15
@@ -86,14 +91,14 @@ def test_alpha_of_the_user_is_taken_within_the_rule_and_refused_outside():
     ],
 )  # fmt: skip
 def test_an_integral_gain_that_is_not_above_zero_is_refused(settings, words):
-    analysis = analyse(load_process("quadruple-tank"))
+    analysis = analysed("quadruple-tank")
     with pytest.raises(InputError, match=words):
         design_variable_structure_pid(analysis.model, analysis.pairing, settings=settings)
 
 
 def test_direct_action_needs_a_negative_gain():
     """The basin's level falls when its pump runs faster."""
-    analysis = analyse(load_process("equalisation-tank"))
+    analysis = analysed("equalisation-tank")
     given = analysis.model, analysis.pairing
     controller = design_variable_structure_pid(*given, settings=[PidSettings(-3.0, 9000.0)])
     assert controller.values["proportional_gain_1"] == -3.0
@@ -102,13 +107,13 @@ def test_direct_action_needs_a_negative_gain():
 
 
 def test_forms_without_an_integral_are_refused():
-    analysis = analyse(load_process("quadruple-tank"))
+    analysis = analysed("quadruple-tank")
     with refused(place="PI"):
         design_variable_structure_pid(analysis.model, analysis.pairing, form=PidForm("P"))
 
 
 @pytest.mark.parametrize("settings", [[(3.0, 30.0), (2.7, 40.0)], 3.0])
 def test_settings_of_another_kind_are_refused_in_words(settings):
-    analysis = analyse(load_process("quadruple-tank"))
+    analysis = analysed("quadruple-tank")
     with refused(place="settings"):
         design_variable_structure_pid(analysis.model, analysis.pairing, settings=settings)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 
@@ -40,10 +42,7 @@ def bessel_poles(order: int, bandwidth: float, period: float) -> np.ndarray:
     >>> round(float(-s[0].real / abs(s[0])), 6)  # the damping √3/2
     0.866025
     """
-    from scipy.signal import besselap
-
-    _, prototype, _ = besselap(order, norm="mag")
-    poles: np.ndarray = np.exp(np.asarray(prototype, complex) * bandwidth * period)
+    poles: np.ndarray = np.exp(np.array(_prototype(order)) * bandwidth * period)
     return poles
 
 
@@ -55,7 +54,12 @@ def bessel_radius(order: int) -> float:
     >>> round(bessel_radius(1), 12)
     1.0
     """
+    return float(np.min(np.abs(_prototype(order))))
+
+
+@cache
+def _prototype(order: int) -> tuple[complex, ...]:
+    """Return the poles for a bandwidth of 1 rad/s; a search asks hundreds of times for few."""
     from scipy.signal import besselap
 
-    _, prototype, _ = besselap(order, norm="mag")
-    return float(np.min(np.abs(prototype)))
+    return tuple(np.asarray(besselap(order, norm="mag")[1], complex).tolist())
