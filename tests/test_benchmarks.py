@@ -54,21 +54,25 @@ def test_the_step_drives_a_pump_into_its_limit_and_the_loop_settles_at_the_setpo
     np.testing.assert_allclose(50.0 * found.recorded[-1, :2], ONE_RUN.setpoints[-1], rtol=1e-6)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("vectors", VECTOR_COUNTS)
 def test_cplusplus_batch_equals_numpy(program: CPlusPlus, vectors: int) -> None:
     assert largest_difference(program.batch(BATCH, vectors), solve(BATCH)) < AGREEMENT
 
 
+@pytest.mark.thorough
 def test_cplusplus_threads_change_no_bit(program: CPlusPlus) -> None:
     one, two = (program.batch(BATCH, 2, threads=threads).final for threads in (1, 2))
     np.testing.assert_array_equal(one, two)
 
 
+@pytest.mark.thorough
 def test_roots_alone_are_roots(program: CPlusPlus) -> None:
     # Every chain goes to the x with x = sqrt(x) + 0.1, that is (x - 0.1)^2 = x.
     np.testing.assert_allclose(program.roots_alone(10_000), 0.6 + np.sqrt(0.35), rtol=1e-14)
 
 
+@pytest.mark.thorough
 def test_cplusplus_single_run_equals_numpy(program: CPlusPlus) -> None:
     found = program.single(ONE_RUN, *recording_arrays(ONE_RUN))
     assert largest_difference(found, solve(ONE_RUN)) < AGREEMENT

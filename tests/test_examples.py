@@ -87,7 +87,6 @@ def test_tune_with_overshoot_limit(printed):
     assert numbers(r"IAE # V s, tuned", text)[0] > numbers(r"tuned # V s", text)[0]
 
 
-@pytest.mark.thorough
 def test_own_plant_to_structured_text(printed):
     """SIMC on a slope k' takes Ti = 4 / (k' K), and k' follows from pump, area and ranges."""
     text = printed("own_plant_to_structured_text")
@@ -96,7 +95,6 @@ def test_own_plant_to_structured_text(printed):
     assert time == pytest.approx(4 / (slope * gain), rel=0.01)
 
 
-@pytest.mark.thorough
 def test_identify_and_retune(printed):
     """The pump has 80 % of what was believed, and Ti is as the inverse of that."""
     text = printed("identify_and_retune")
@@ -105,7 +103,6 @@ def test_identify_and_retune(printed):
     assert believed / found == pytest.approx(0.8, rel=0.01)
 
 
-@pytest.mark.thorough
 def test_robustness_by_hand(printed):
     """A wider tank is slower, so that the same controller crosses over lower."""
     text = printed("robustness_by_hand")
@@ -114,7 +111,6 @@ def test_robustness_by_hand(printed):
     assert errors == sorted(errors)
 
 
-@pytest.mark.thorough
 def test_lqi_with_weights(printed):
     """A dearer error of level_1 becomes smaller, and the cheaper one of level_2 larger."""
     text = printed("lqi_with_weights")
@@ -139,7 +135,6 @@ def test_notebook_with_plots(printed, tmp_path):
     assert all((tmp_path / name).stat().st_size > 5000 for name in ("pi.png", "both.png"))
 
 
-@pytest.mark.thorough
 def test_python_control_object(printed):
     """Its poles are those of s² + (1/T + k K) s + k K / Ti, by hand."""
     text = printed("python_control_object")

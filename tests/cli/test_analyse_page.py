@@ -18,7 +18,6 @@ def run(*arguments):
     return 0
 
 
-@pytest.mark.thorough
 def test_it_writes_a_page_beside_the_table(tmp_path, capsys):
     target = tmp_path / "tank.html"
     assert run("analyse", ONE_TANK, "--output", str(target)) == 0

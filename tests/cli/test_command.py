@@ -189,9 +189,9 @@ def test_a_study_of_a_process_tries_every_design(command, tmp_path):
 
 @pytest.mark.thorough
 def test_the_table_of_every_design_fits_a_terminal(command, tmp_path):
+    out = tmp_path / "out"
     controllers = ("PI, SIMC", "PI, phase margin", "LQI, Bryson")
-    result = command("study", NAMES[1], "-o", str(tmp_path))
-    check_table(result, tmp_path, NAMES[1], controllers)
+    check_table(command("study", str(ONE_TANK), "-o", str(out)), out, "one-tank", controllers)
 
 
 def test_numbers_that_json_has_no_form_for_become_null(capsys):
@@ -287,7 +287,7 @@ BAD_FILES = {
 }
 
 
-@pytest.mark.parametrize("verb", ["study", "analyse"])
+@pytest.mark.parametrize("verb", ["analyse", pytest.param("study", marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("case", BAD_FILES)
 def test_a_bad_file_is_one_message_and_leaves_nothing(command, tmp_path, verb, case):
     path, folder = tmp_path / "bad.toml", tmp_path / "out"
@@ -371,6 +371,7 @@ def test_a_real_process_studies_a_file_of_ones_own(two):
     assert {"poles", "zeros", "rga", "operating_point"} <= one_document(done.stdout).keys()
 
 
+@pytest.mark.thorough
 def test_a_real_process_refuses_a_bad_file(tmp_path):
     (tmp_path / "bad.toml").write_bytes(BAD_FILES["negative area"])
     done = process(COMMAND, "study", "bad.toml", "--json", folder=tmp_path)

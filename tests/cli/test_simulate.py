@@ -19,7 +19,6 @@ def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-@pytest.mark.thorough
 def test_a_step_is_told_and_written(simulated, tmp_path):
     status, output, _ = simulated("quadruple-tank", "--input", "pump_1=3.5V@60s")
     assert status == 0
@@ -37,7 +36,6 @@ def test_a_step_is_told_and_written(simulated, tmp_path):
     assert (table["pump_1"][59], table["pump_1"][60], len(table)) == (3.0, 3.5, 721)
 
 
-@pytest.mark.thorough
 def test_json_is_what_the_function_returns(simulated, tmp_path):
     status, output, _ = simulated(
         "quadruple-tank", "--json", "--input", "pump_1=3.5V@60s",
@@ -65,7 +63,6 @@ def test_json_is_what_the_function_returns(simulated, tmp_path):
     assert names(tmp_path) == ["quadruple-tank-simulation.csv", "quadruple-tank-simulation.html"]
 
 
-@pytest.mark.thorough
 def test_without_input_it_says_that_nothing_moves(simulated):
     status, output, _ = simulated("quadruple-tank")
     assert status == 0

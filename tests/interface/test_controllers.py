@@ -73,7 +73,14 @@ def test_it_is_at_rest_with_other_settings(plant, pi, settings):
     assert at_rest(plant, pi.with_values({"level_1": settings})) < 1e-9
 
 
-@pytest.mark.parametrize("design", [cl.design.simc, cl.design.lqi, cl.design.lqi_kalman])
+@pytest.mark.parametrize(
+    "design",
+    [
+        cl.design.simc,
+        pytest.param(cl.design.lqi, marks=pytest.mark.thorough),
+        cl.design.lqi_kalman,
+    ],
+)
 def test_it_is_at_rest_on_another_plant_with_its_signals(plant, design):
     other = plant.at(outputs={"level_1": "4 V", "level_2": "5 V"})
     wider = plant.with_values({"tank_1.area": "40 cm^2", "outlet_1.area": "0.08 cm^2"})

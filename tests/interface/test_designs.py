@@ -16,7 +16,14 @@ NEEDS = {
         }
     }
 }
-NAMES = [name for name in dir(cl.design) if name not in ("own", "fuzzy")]
+SLOW = pytest.mark.thorough
+#: Those that are designed at many points, or searched for, are seldom tried.
+SEARCHED = ("gain_scheduled_lqi", "gain_scheduled_pid", "glover_mcfarlane", "pole_placement")
+NAMES = [
+    pytest.param(name, marks=SLOW) if name in SEARCHED else name
+    for name in dir(cl.design)
+    if name not in ("own", "fuzzy")
+]
 
 
 @pytest.mark.sampled
@@ -39,9 +46,6 @@ def test_help_speaks_of_the_plant(name):
     assert "plant : Plant" in text and "model : LinearModel" not in text
     for parameter in signature.parameters:
         assert parameter in text
-
-
-SLOW = pytest.mark.thorough
 
 
 @pytest.mark.parametrize(

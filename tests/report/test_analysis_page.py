@@ -37,7 +37,8 @@ def page(late):
     return analysis_page_text(late)
 
 
-def test_a_process_has_a_page(page):
+@pytest.mark.thorough
+def test_a_process_with_dead_time_has_a_page(page):
     check_page(page)
 
 

@@ -118,12 +118,15 @@ def loaded(name, folder):
     return load_process(folder / "plant.toml")
 
 
-#: The largest chains take most of the time, and say no more than those of eight tanks.
-LONG = [pytest.param(name, marks=pytest.mark.thorough) for name in CHAINS if name[0] != "8"]
-SHORT = [name for name in CHAINS if name[0] == "8"]
+#: One of each: what is known from the paper, splitters in a row, a chain, every kind of vessel.
+SHORT = ["quadruple-tank", "splitter behind a splitter", "8 joined", "many-shapes"]
+EVERY = [
+    name if name in SHORT else pytest.param(name, marks=pytest.mark.thorough)
+    for name in (*catalogue_names(), *PLANTS, *CHAINS, *FILES)
+]
 
 
-@pytest.fixture(scope="module", params=[*catalogue_names(), *PLANTS, *SHORT, *LONG, *FILES])
+@pytest.fixture(scope="module", params=EVERY)
 def drawn(request, tmp_path_factory):
     """A process with its routes and its drawing."""
     process = loaded(request.param, tmp_path_factory.mktemp("plant"))
