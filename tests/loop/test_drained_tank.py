@@ -1,5 +1,6 @@
 """A tank that drains through a hole, against Torricelli's closed form and the law of a film."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,33 +8,23 @@ import pytest
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
-from clepsydra import Kernel, Signal
-from clepsydra.engine.runge_kutta import runge_kutta
-from clepsydra.process.reader import load_process
-from clepsydra.program.builder import BlockBuilder
-from clepsydra.program.program import Program
-from clepsydra.program.reader import inline
+import clepsydra as cl
+from clepsydra.loop.open_loop import simulate
 
 AREA, HOLE, HEIGHT, GRAVITY = 28e-4, 0.071e-4, 0.2, 9.81
 LAMINAR = 1e-3
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def drained():
     """Return a function (step [s], samples) → levels, with the pump off, from a full tank."""
-    process = load_process(Path(__file__).parents[1] / "one-tank.toml")
+    plant = cl.load(Path(__file__).parents[1] / "one-tank.toml")
 
     def run(step: float, samples: int) -> np.ndarray:
-        names = [p.name for p in process.parameters]
-        builder = BlockBuilder(1 + len(names))
-        arguments = [builder.constant(step), 0, builder.constant(0.0), *range(1, 1 + len(names))]
-        next_state = inline(builder, runge_kutta(process.dynamics, 1), arguments, fused=True)
-        block = builder.finish([*next_state, 0])
-        program = Program(
-            "drain", process.state, (), process.parameters, (Signal("level", "m"),), block
-        )
-        state = {"tank_1.level": HEIGHT}
-        return Kernel(program).run(samples, state=state).output("level")[0]
+        point = replace(plant.point, process=replace(plant.process, sampling_period=step))
+        shut = {signal.name: np.zeros(samples - 1) for signal in plant.process.inputs}
+        run = simulate(point, shut, substeps=1, state={"tank_1.level": HEIGHT})
+        return run.values["tank_1.level"]
 
     return run
 

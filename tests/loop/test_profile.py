@@ -7,9 +7,8 @@ import pytest
 from refusals import refused
 
 from clepsydra import InputError
-from clepsydra.base.words import time_text, time_unit
 from clepsydra.loop.duration import pretty_duration, samples_before
-from clepsydra.loop.profile import Change, profiles_of, read_assignment, read_change
+from clepsydra.loop.profile import Change, profiles_of, read_assignment
 from clepsydra.loop.profile_csv import read_profile_csv
 from clepsydra.process.reader import load_process
 
@@ -110,12 +109,6 @@ def test_changes_out_of_order_or_too_late_are_refused(process, texts):
         profile(process, *texts)
     assert str(refusal.value).startswith(f"--input {texts[-1]}: got ")
     assert BAD_ORDERS[texts] in str(refusal.value)
-
-
-@pytest.mark.parametrize("words", [3.2, None, True, ["3 V"]])
-def test_a_value_that_is_no_text_is_refused(process, words):
-    with refused(place="inputs, pump_1", expected="a quantity"):
-        read_change("pump_1", words, process, "inputs, pump_1")
 
 
 GOOD_FILES = {
@@ -273,15 +266,6 @@ def test_rows_closer_than_the_samples_are_refused(process, tmp_path):
     changes = read_profile_csv(path, process)
     with refused(place="line 3, column 'pump_1'", expected="at most one value of pump_1"):
         profiles_of(changes, {"pump_1": 3.0}, 1.0, 7)
-
-
-@pytest.mark.parametrize(
-    ("seconds", "unit"),
-    [(1, "s"), (180, "s"), (181, "min"), (10800, "min"), (10801, "h"), (259200, "h"), (3e5, "d")],
-)
-def test_the_unit_of_a_time(seconds, unit):
-    assert time_unit(seconds)[0] == unit
-    assert time_text(seconds).endswith(f" {unit}")
 
 
 def test_a_pretty_duration_is_never_shorter_and_at_most_a_third_longer():
