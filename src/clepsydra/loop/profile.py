@@ -51,41 +51,12 @@ class Change:
 
 
 def read_assignment(text: str, process: Process, place: str) -> Change:
-    """Read a change of a named signal, such as ``pump_1=4V@60s..120s``.
+    """Read what a signal does: "pump_1=3.2V", "pump_1=3.5V@60s" or "pump_1=4V@60s..120s".
 
     Parameters
     ----------
     text : str
-    process : Process
-    place : str
-        Where it stands, for messages.
-
-    Raises
-    ------
-    InputError
-        There is no such signal, or what `read_change` refuses.
-
-    Examples
-    --------
-    >>> from clepsydra.process.reader import load_process
-    >>> change = read_assignment("pump_1=4V@60s..120s", load_process("quadruple-tank"), "--input")
-    >>> change.value, change.start, change.stop
-    (4.0, 60.0, 120.0)
-    """
-    name, equals, words = text.partition("=")
-    if not equals:
-        raise InputError(place, text[:60], "a signal, '=' and its value", _EXAMPLE)
-    return read_change(name.strip(), words, process, place)
-
-
-def read_change(name: str, words: object, process: Process, place: str) -> Change:
-    """Read what a signal does: "3.2 V", "3.5 V @ 60 s" or "4 V @ 60 s..120 s".
-
-    Parameters
-    ----------
-    name : str
-        Input or disturbance.
-    words : object
+        Of an input or a disturbance.
     process : Process
     place : str
         Where it stands, for messages.
@@ -99,15 +70,19 @@ def read_change(name: str, words: object, process: Process, place: str) -> Chang
     Examples
     --------
     >>> from clepsydra.process.reader import load_process
-    >>> read_change("pump_1", "3.2 V", load_process("quadruple-tank"), "inputs").start
-    0.0
+    >>> change = read_assignment("pump_1=4V@60s..120s", load_process("quadruple-tank"), "--input")
+    >>> change.value, change.start, change.stop
+    (4.0, 60.0, 120.0)
     """
-    signal = outside_signal(name, process, place)
-    value_words, at, times = words.partition("@") if isinstance(words, str) else (words, "", "")
+    named, equals, words = text.partition("=")
+    if not equals:
+        raise InputError(place, text[:60], "a signal, '=' and its value", _EXAMPLE)
+    signal = outside_signal(named.strip(), process, place)
+    value_words, at, times = words.partition("@")
     value = to_si(value_words, signal.unit, place)
     check_range(signal, value, place, value_words)
     if not at:
-        return Change(name, value, 0.0, 0.0, place)
+        return Change(signal.name, value, 0.0, 0.0, place)
     parts = times.split("..")
     if len(parts) > 2:
         raise InputError(place, times[:60], "one time, or two with '..' between them", _EXAMPLE)
@@ -118,7 +93,7 @@ def read_change(name: str, words: object, process: Process, place: str) -> Chang
         raise InputError(
             place, times.strip(), "a ramp that ends after it begins", "exchange the two times"
         )
-    return Change(name, value, start, stop, place)
+    return Change(signal.name, value, start, stop, place)
 
 
 def outside_signal(name: str, process: Process, place: str) -> Signal:
