@@ -11,7 +11,7 @@ from scipy.linalg import solve_continuous_are, solve_discrete_lyapunov
 from scipy.signal import cont2discrete
 
 import clepsydra as cl
-from clepsydra import InputError, NotApplicable, PidForm, Signal, python_law
+from clepsydra import NotApplicable, PidForm, Signal, python_law
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.glover_mcfarlane import REDUCTION_COST, design_glover_mcfarlane
 from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors
@@ -426,30 +426,48 @@ def test_saturation_does_not_wind_it_up():
     assert outcome["told"][1] < 0.2 * outcome["untold"][1]
 
 
-def test_refusals():
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        *(("relaxation", value) for value in (1.0, 0.5, math.nan, "1.1")),
+        *(("order", value) for value in (0, 7, 2.0, True)),
+    ],
+)
+def test_a_number_out_of_range_is_refused(option, value):
     analysis = analysed("quadruple-tank")
-    model, pairing = analysis.model, analysis.pairing
-    for relaxation in (1.0, 0.5, math.nan, "1.1"):
-        with refused(place="relaxation"):
-            design_glover_mcfarlane(model, pairing, relaxation=relaxation)
-    for order in (0, 7, 2.0, True):
-        with refused(place="order"):
-            design_glover_mcfarlane(model, pairing, order=order)
-    with refused(expected="Controller or a Precompensator"):
-        design_glover_mcfarlane(model, pairing, precompensator="PI")
-    with refused(expected="that have setpoints alone"):
-        design_glover_mcfarlane(model, pairing, precompensator=design_lqi(model))
-    weighted = design_simc(model, pairing)
-    weighted = replace(
-        weighted, values=weighted.values | {"setpoint_weight_1": 0.5}, initial_state={
-            **weighted.initial_state, "last_setpoint_weight_1": 0.5}
-    )  # fmt: skip
-    with pytest.raises(InputError, match="differently"):
-        design_glover_mcfarlane(model, pairing, precompensator=weighted)
-    three = analysed("three-tanks")
-    on_measurement = design_simc(three.model, three.pairing, form=PidForm("PID"))
-    with pytest.raises(InputError, match="differently"):
-        design_glover_mcfarlane(three.model, three.pairing, precompensator=on_measurement)
+    with refused(place=option):
+        design_glover_mcfarlane(analysis.model, analysis.pairing, **{option: value})
+
+
+def weighted(model, pairing):
+    """Return PI control that answers to setpoint and measurement differently."""
+    simc = design_simc(model, pairing)
+    halved = {"setpoint_weight_1": 0.5}
+    remembered = {"last_setpoint_weight_1": 0.5}
+    return replace(simc, values=simc.values | halved, initial_state=simc.initial_state | remembered)
+
+
+@pytest.mark.parametrize(
+    ("name", "precompensator", "expected"),
+    [
+        ("quadruple-tank", lambda *_: "PI", "Controller or a Precompensator"),
+        ("quadruple-tank", lambda model, _: design_lqi(model), "that have setpoints alone"),
+        ("quadruple-tank", weighted, "of the control errors alone"),
+        (
+            "three-tanks",
+            lambda model, pairing: design_simc(model, pairing, form=PidForm("PID")),
+            "of the control errors alone",
+        ),
+    ],
+    ids=["text", "states", "setpoint weight", "derivative of the measurement"],
+)
+def test_what_is_no_precompensator_is_refused(name, precompensator, expected):
+    given = analysed(name).model, analysed(name).pairing
+    with refused(expected=expected):
+        design_glover_mcfarlane(*given, precompensator=precompensator(*given))
+
+
+def test_a_precompensator_has_as_many_signals_as_names():
     with refused(expected="one for each input and output"):
         Precompensator("P", SampledSystem(*(np.eye(2) for _ in range(4))), ("a",), ("b",))
 

@@ -357,15 +357,18 @@ def test_a_request_that_makes_no_sense_is_refused(options, words):
         design_pole_placement(model_of("three-tanks"), **options)
 
 
-def test_an_output_that_the_inputs_cannot_hold_is_refused(minimum_phase):
-    model = minimum_phase.model
-    for design in (design_pole_placement, design_lqr, design_lqi_kalman):
-        with pytest.raises(NotApplicable, match="1 inputs cannot hold 2 outputs"):
-            design(model.select(inputs=["pump_1"]))
-    twin = dataclasses.replace(model, B=np.column_stack([model.B[:, 0], 2 * model.B[:, 0]]))
-    for design in (design_pole_placement, design_lqr):
-        with pytest.raises(NotApplicable, match="independently"):
-            design(twin)
+@pytest.mark.parametrize("design", [design_pole_placement, design_lqr, design_lqi_kalman])
+def test_an_output_that_the_inputs_cannot_hold_is_refused(minimum_phase, design):
+    with pytest.raises(NotApplicable, match="1 inputs cannot hold 2 outputs"):
+        design(minimum_phase.model.select(inputs=["pump_1"]))
+
+
+@pytest.mark.parametrize("design", [design_pole_placement, design_lqr])
+def test_outputs_that_move_together_are_refused(minimum_phase, design):
+    first = minimum_phase.model.B[:, 0]
+    twin = dataclasses.replace(minimum_phase.model, B=np.column_stack([first, 2 * first]))
+    with pytest.raises(NotApplicable, match="independently"):
+        design(twin)
 
 
 def test_an_uncontrollable_pair_is_refused(single_tank):
@@ -389,10 +392,10 @@ def test_lqi_by_weights_of_bryson_is_lqi_by_bryson(minimum_phase):
 
 
 @pytest.mark.parametrize("weights", [[4.0, 0.2], {"states": {}}, np.eye(4)])
-def test_weights_that_are_none_are_refused(minimum_phase, weights):
-    for design in (design_lqr, design_lqi_by_weights):
-        with refused(expected="QuadraticWeights", remedy="make them by diagonal"):
-            design(minimum_phase.model, weights=weights)
+@pytest.mark.parametrize("design", [design_lqr, design_lqi_by_weights])
+def test_weights_that_are_none_are_refused(minimum_phase, design, weights):
+    with refused(expected="QuadraticWeights", remedy="make them by diagonal"):
+        design(minimum_phase.model, weights=weights)
 
 
 def test_matrices_may_be_lists(minimum_phase):

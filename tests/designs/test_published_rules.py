@@ -326,8 +326,7 @@ def test_wrong_requests_are_refused(single_tank, design, pairing, options, place
     assert (caught.value.place, str(caught.value.value)) == (place, value)
 
 
-def test_reasons_name_the_pair(single_tank):
-    model = single_tank([[0.1]], [0.1], [1.0])
-    for design in DESIGNS.values():
-        with pytest.raises(NotApplicable, match="level by pump: the element is unstable"):
-            design(model, PAIR)
+@pytest.mark.parametrize("name", DESIGNS)
+def test_reasons_name_the_pair(single_tank, name):
+    with pytest.raises(NotApplicable, match="level by pump: the element is unstable"):
+        DESIGNS[name](single_tank([[0.1]], [0.1], [1.0]), PAIR)

@@ -84,17 +84,20 @@ def test_an_integrating_chain_keeps_its_integrator():
     assert complex(reduced.poles[0]).real == pytest.approx(-0.25)
 
 
-def test_what_cannot_be_reduced_is_refused():
-    for element, words in (
+@pytest.mark.parametrize(
+    ("element", "words"),
+    [
         (TransferElement(1.0, (0.1, -1.0, -2.0), (), 0), "unstable"),
         (TransferElement(1.0, (-1.0,), (), 2), "integrates 2 times"),
         (TransferElement(1.0, (-1.0, -1.1, -1.2), (-0.01, -0.02), 0), "outweigh"),
         (TransferElement(1.0, (-1.0,), (), -1), "static gain is zero"),
         (TransferElement(1.0, (-1.0,), (-2.0,), 0), "at once"),
         (TransferElement(1.0, (-1.0,), (), 0, 500.0), "sample more slowly"),
-    ):
-        with pytest.raises(NotApplicable, match=words):
-            sampled_element(element, 1.0, method="test")
+    ],
+)
+def test_what_cannot_be_reduced_is_refused(element, words):
+    with pytest.raises(NotApplicable, match=words):
+        sampled_element(element, 1.0, method="test")
 
 
 def test_responses_and_roots():
