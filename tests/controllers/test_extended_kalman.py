@@ -146,7 +146,6 @@ def test_a_wrong_start_is_forgotten_and_an_empty_tank_does_no_harm(designed):
     assert errors[0, 2] > 0.05 and errors[1100:1200].max() < 5e-3 and errors[1900:].max() < 5e-3
 
 
-@pytest.mark.thorough
 def test_without_measurements_it_goes_on_by_the_equations_and_its_doubt_is_bounded(designed):
     law = ScannedLaw(designed, 1.0)
     level = POINT.state

@@ -101,7 +101,6 @@ def test_scheduled_gains_move_no_output_by_themselves(form):
     assert max(outputs) - min(outputs) < 1e-9 * PUMP.span
 
 
-@pytest.mark.thorough
 def test_scheduled_lqi_moves_no_output_by_its_gains():
     controller = cl.design.gain_scheduled_lqi(
         cl.load("quadruple-tank"), over="level_1", points=[3.0, 6.0, 9.0]
@@ -136,7 +135,6 @@ def test_scheduled_lqi_at_its_operating_point_is_lqi(averaging):
             assert found[1][name] == pytest.approx(value, rel=1e-9, abs=1e-9)
 
 
-@pytest.mark.thorough
 def test_the_linear_model_halfway_is_that_of_the_interpolated_gains(averaging):
     """Whatever the sensors say, the law moves by its gains of the last sample."""
     controller = cl.design.gain_scheduled_pid(

@@ -74,7 +74,7 @@ class Foreman:
         return dict(self.output)
 
 
-@pytest.mark.thorough
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("pumps", "alternation", "rest"), [(1, 1, 0), (2, 1, 0), (3, 0, 4), (4, 1, 3)]
 )

@@ -139,7 +139,6 @@ def test_hand_and_saturation_do_not_mislead_the_observer(driven, name):
     assert not all(modes)
 
 
-@pytest.mark.thorough
 def test_from_hand_to_automatic_there_is_no_bump_and_the_bias_fades(law):
     y, r = REFERENCE + [0.3, -0.2], 6.4
     # At rest under the operator's hand, so that the estimate does not move any more.

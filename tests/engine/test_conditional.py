@@ -33,7 +33,7 @@ def random_program(seed: int, depth: int) -> tuple[Program, Block, np.ndarray]:
     ("seed", "depth"),
     [
         *((seed, 1) for seed in range(3)),
-        *(pytest.param(seed, 2, marks=pytest.mark.thorough) for seed in range(6)),
+        *(pytest.param(seed, 2, marks=pytest.mark.thorough) for seed in range(10)),
     ],
 )
 def test_kernel_and_interpreter_agree_bit_for_bit(seed, depth):

@@ -49,7 +49,7 @@ def agree(monkeypatch, program: Program, largest: int, scenarios: int, **given) 
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(("seed", "largest"), list(enumerate([1, 3, 10, 40] * 2)))
+@pytest.mark.parametrize(("seed", "largest"), list(enumerate([1, 3, 10, 40] * 4)))
 def test_random_programs(seed, largest, monkeypatch):
     """With nested loops and conditionals, which stand between parts where they are larger."""
     _, block = random_block(7000 + seed, 4, 6, nesting=0.15, library=True)

@@ -21,7 +21,7 @@ def count(block: Block) -> int:
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(80))
 def test_folding_changes_no_bit(seed):
     plain, built = random_block(seed, ARGUMENTS, RESULTS)
     assert count(built) < count(plain)
@@ -30,7 +30,7 @@ def test_folding_changes_no_bit(seed):
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(16))
 def test_kernel_and_interpreter_agree_bit_for_bit(seed):
     """One argument is a state and one a parameter, so that some work leaves the time loop."""
     plain, built = random_block(1000 + seed, ARGUMENTS, RESULTS)
