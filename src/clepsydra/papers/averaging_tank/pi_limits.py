@@ -17,6 +17,10 @@ def other_limits(best: Constants, index: str, output: str) -> str:
         words.append(f"and C_in free; with C_in within 0 to 25 kmol/m³ too it is {limited:.3g},")
     same = f"{found:.3g}" == f"{freed:.3g}"
     words.append("and with no limits it is " + ("the same." if same else f"{freed:.3g}."))
+    if best.constant == "outflow" and index == "ITAE":
+        words.append(
+            "C and V print one number here, as constants do that make the larger of both smallest."
+        )
     return (
         "Which constants this row of Table 6 has is not said: those printed for PI, "
         f"{place}, are optimal by IE. With them, a step of {step} as follows from Table 7, and "

@@ -105,6 +105,8 @@ def _trend(
         found.append(f"{measure.what} {shown} {measure.unit}".strip())
     settings = "; ".join(choice.label for choice in choices)
     words = _COUNTED if any("swings" in each.what for each in measures) else ""
+    if _RISE in measures:
+        words = " From the samples, one a minute, joined by lines."
     if _SPEED in measures:
         moves = ", ".join(f"{_largest_move(_run(choice)):.3g}" for choice in choices)
         words = f" The first move is the largest in a minute too, {moves} m³/min/m."

@@ -82,7 +82,7 @@ def _areas(set_up: SetUp) -> list[Row]:
             area, "cm²", tolerance=ratio - 1.0,
             why=f"Balances (6) at the levels of {_TABLES[set_up]} and 7.5 V, with "
             f"{GRAVITY:g} cm/s²; g is not printed, and {OTHER_GRAVITY:g} cm/s² gives "
-            f"{ratio * area:.4f} cm².",
+            f"{ratio * area:.4f} cm², as it gives all eight holes to the digit.",
         )
         for tank, area in enumerate(areas, start=1)
     ]  # fmt: skip
