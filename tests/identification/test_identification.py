@@ -38,6 +38,12 @@ def record(structure, gain, lags, delay, *, noise=0.0005, seed=1, colour=0.0, u=
     )  # fmt: skip
 
 
+@pytest.fixture(scope="module")
+def found():
+    """What is identified from the record of a first-order lag with dead time."""
+    return cl.identify(record(FOPDT, 0.04, [25.0], 5.3))
+
+
 @pytest.mark.parametrize(
     ("structure", "gain", "lags"),
     [(FOPDT, 0.04, [25.0]), (SOPDT, 0.04, [40.0, 25.0]), (IPDT, 0.0005, [])],
@@ -87,8 +93,7 @@ def test_no_fit_sees_the_held_back_third():
         assert model.validated != by_name[model.name].validated
 
 
-def test_the_fit_is_one_less_the_share_of_the_error():
-    found = cl.identify(record(FOPDT, 0.04, [25.0], 5.3))
+def test_the_fit_is_one_less_the_share_of_the_error(found):
     y, count = found.record.values["level"], found.record.held_back
     for model in found.models:
         error = np.sqrt(np.sum((y[count:] - model.simulated[count:]) ** 2))
@@ -106,9 +111,8 @@ def test_within_a_point_the_model_with_fewer_parameters_comes_first():
         assert found.best is min(equal, key=lambda m: (m.parameters, -m.validated))
 
 
-def test_settings_are_those_of_simc():
+def test_settings_are_those_of_simc(found):
     """K = 1/(k' (τc + θ)), Ti = min(τ, 4 (τc + θ)); by hand from the printed estimates."""
-    found = cl.identify(record(FOPDT, 0.04, [25.0], 5.3))
     gain, lag, dead_time = (estimate.value for estimate in found.best.estimates)
     theta = dead_time + 0.5 * PERIOD
     settings = found.for_control.settings
@@ -197,8 +201,8 @@ def test_another_input_that_moved_is_watched(both_pumps):
     assert not any("level_2" in words for words in found.warnings)
 
 
-def test_json_has_every_number():
-    found = cl.identify(record(FOPDT, 0.04, [25.0], 5.3)).as_dict()
+def test_json_has_every_number(found):
+    found = found.as_dict()
     assert found["use"] == found["models"][0]["name"] == "FOPDT"
     assert {"name", "what", "value", "low", "high", "unit"} == set(
         found["models"][0]["estimates"][0]

@@ -78,7 +78,7 @@ def test_a_range_that_is_none_is_refused(limits: tuple[float, float]) -> None:
 signals = arrays(np.float64, 30, elements=st.integers(-50, 50).map(float))
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(signals, st.sampled_from([0.25, 2.0, 1024.0]), st.sampled_from([0.5, 64.0]))
 def test_both_are_free_of_unit_and_travel_falls_with_the_hours(
     signal: np.ndarray, unit: float, slower: float
@@ -90,7 +90,7 @@ def test_both_are_free_of_unit_and_travel_falls_with_the_hours(
     assert reversals(*scaled) == turns
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(signals)
 def test_travel_is_the_total_variation_where_every_move_is_large(signal: np.ndarray) -> None:
     time = np.arange(30.0)
@@ -98,7 +98,7 @@ def test_travel_is_the_total_variation_where_every_move_is_large(signal: np.ndar
     assert travel(time, signal, -64.0, 64.0) == pytest.approx(100 * share * 120.0, rel=1e-12)
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(signals)
 def test_turns_are_the_changes_of_sign_of_the_moves(signal: np.ndarray) -> None:
     signs = [sign for sign in np.sign(np.diff(signal)) if sign]

@@ -64,7 +64,7 @@ signals = arrays(np.float64, 15, elements=st.floats(-100.0, 100.0))
 TIME = np.arange(15.0)
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(signals, st.floats(-1e3, 1e3), st.floats(0.01, 100.0), st.floats(-50.0, 50.0))
 def test_variation_ignores_the_hour_and_the_zero_and_scales_with_the_unit(
     signal: np.ndarray, shift: float, unit: float, zero: float
@@ -73,13 +73,13 @@ def test_variation_ignores_the_hour_and_the_zero_and_scales_with_the_unit(
     assert moved == pytest.approx(unit * total_variation(TIME, signal), rel=1e-9, abs=1e-9)
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(signals)
 def test_variation_is_at_least_the_span(signal: np.ndarray) -> None:
     assert total_variation(TIME, signal) >= (np.max(signal) - np.min(signal)) * (1 - 1e-12)
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(signals, st.floats(1.0, 60.0))
 def test_both_limits_count_alike_and_in_proportion_to_the_period(
     signal: np.ndarray, period: float

@@ -85,7 +85,7 @@ trajectory = arrays(np.float64, 12, elements=values)
 clock = arrays(np.float64, 12, elements=st.floats(0.01, 100.0)).map(np.cumsum)
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(clock, trajectory, trajectory, st.floats(-1e3, 1e3))
 def test_integrals_do_not_depend_on_when_the_run_began(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray, shift: float
@@ -96,7 +96,7 @@ def test_integrals_do_not_depend_on_when_the_run_began(
         )
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(clock, trajectory, trajectory)
 def test_up_and_down_cost_the_same(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray
@@ -105,7 +105,7 @@ def test_up_and_down_cost_the_same(
         assert score(time, -setpoint, -output) == score(time, setpoint, output)
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(clock, trajectory, trajectory, st.floats(0.01, 100.0), st.floats(0.01, 100.0))
 def test_integrals_scale_with_the_units(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray, unit: float, minute: float
@@ -116,7 +116,7 @@ def test_integrals_scale_with_the_units(
         )
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(clock, trajectory, trajectory)
 def test_the_mean_square_is_at_least_the_square_of_the_mean(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray

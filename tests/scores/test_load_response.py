@@ -62,7 +62,7 @@ def test_a_band_without_width_is_refused(band: float) -> None:
         return_time([0, 1], [5.0, 5.0], 5.0, band=band)
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(st.floats(0.01, 100.0), st.floats(-1e3, 1e3), st.booleans())
 def test_scores_scale_with_the_unit_and_ignore_sign_and_place(
     unit: float, setpoint: float, down: bool

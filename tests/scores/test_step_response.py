@@ -121,7 +121,7 @@ def test_unusable_requests_are_refused(change: dict[str, float], message: str) -
     assert str(refusal.value).startswith(message)
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(
     damping=st.floats(0.05, 0.95),
     start=st.floats(-100.0, 100.0),

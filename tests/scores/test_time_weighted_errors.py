@@ -130,7 +130,7 @@ trajectory = arrays(np.float64, 12, elements=values)
 clock = arrays(np.float64, 12, elements=st.floats(0.01, 100.0)).map(np.cumsum)
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(clock, trajectory, trajectory, st.floats(0.01, 100.0), st.floats(0.01, 100.0))
 def test_integrals_scale_with_the_units_of_signal_and_time(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray, unit: float, minute: float
@@ -150,7 +150,7 @@ def test_integrals_scale_with_the_units_of_signal_and_time(
         )
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(clock, trajectory, trajectory)
 def test_up_and_down_cost_the_same(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray
@@ -164,7 +164,7 @@ def test_up_and_down_cost_the_same(
     assert integral_error(time, -setpoint, -output) == -integral_error(time, setpoint, output)
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(clock, trajectory, trajectory)
 def test_the_magnitude_of_the_integral_is_at_most_the_integral_of_the_magnitude(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray

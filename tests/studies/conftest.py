@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pytest
 
+import clepsydra as cl
 from clepsydra import InputError
-from clepsydra.linear.linearise import linearise
-from clepsydra.studies.file.reader import read_study
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -20,10 +19,7 @@ def message(tmp_path, monkeypatch):
     def read(text):
         (tmp_path / "s.toml").write_text(text, encoding="utf-8")
         with pytest.raises(InputError) as caught:
-            request = read_study("s.toml")
-            model = linearise(request.analysis.operating_point)
-            for controller in request.controllers:
-                controller.make(request.analysis, model)
+            cl.study("s.toml")
         return str(caught.value)
 
     return read

@@ -1,6 +1,7 @@
 """Control schemes written out in a study file: wired, in the right units, and at rest."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -66,10 +67,12 @@ setpoint_high = "35 l/s"
 """
 
 
-@pytest.fixture
-def study(tmp_path):
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    path = tmp_path_factory.mktemp("schemes") / "study.toml"
+
+    @cache
     def read(text):
-        path = tmp_path / "study.toml"
         path.write_text(text, encoding="utf-8")
         return read_study(path)
 
@@ -179,7 +182,6 @@ def test_an_output_may_have_limits_and_a_rate_limit(study):
     assert np.abs(moved).max() <= 0.03 * (1 + 1e-12)
 
 
-@pytest.mark.thorough
 def test_a_cascade_rests_and_brings_the_level_to_its_setpoint(study):
     found = study(CASCADE)
     controller, model = made(found)
@@ -352,6 +354,13 @@ def test_a_ratio_may_be_trimmed_by_a_loop(study):
 
 FEEDFORWARD = """
 process = "wet-well:flow-meters"
+[scenario]
+duration = "1 min"
+noise = false
+[[scenario.setpoint]]
+signal = "level"
+at = "30 s"
+by = "5 %"
 [controllers.ahead.loops.level]
 measurement = "level"
 output = "duty"
@@ -368,7 +377,6 @@ lag = "10 s"
 """
 
 
-@pytest.mark.thorough
 def test_feedforward_adds_to_a_loop_from_the_operating_point_on(study):
     found = study(FEEDFORWARD)
     controller, model = made(found)

@@ -329,3 +329,6 @@ def test_a_study_is_no_process_and_a_process_no_study(tmp_path):
     path.write_text('name = "a"\n[tanks.tank_1]\n')
     with refused(value="a process file", remedy="clepsydra new --study"):
         read_study(path)
+    path.write_text("")
+    with refused(value="an empty file", expected="a study", remedy="clepsydra new --study"):
+        read_study(path)
