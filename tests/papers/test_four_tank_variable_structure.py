@@ -36,14 +36,13 @@ def test_its_page_prints_what_the_audit_finds(page_holds):
     assert page_holds("four-tank-variable-structure")
 
 
-#: What the text lacks beside a gap, or has as n for r in a garbled place and 1 for I: not held
-#: against the authors.
+#: What the text lacks beside a gap, or has as n for r in a garbled place: not held against the
+#: authors.
 DAMAGED = {
     ("section 2", "A dh/dt of a tank, read without a sign between its terms"),
     ("section 3", "dy1/dt, read without its second plus sign"),
     ("section 3", "L(x), second entry"),
     ("(11)", "M1 as a sum up to n − 1"),
-    ("(14)", "rate of K_I η while it saturates, with K_1 read as K_P"),
 }
 #: Every sentence of the document that is judged; its conventional PID has no anti-windup.
 HOLDING = {
@@ -92,6 +91,7 @@ def test_what_the_document_does_not_say_is_a_remark(verdicts):
         "decoupling of P+",
         "upper levels of P+",
         "levels that the law (9) needs",
+        "rate of the integral part K_I η",  # K_1 is explained nowhere
         "overshoot of the level, conventional PID",  # 12 % with other gains and limits
         "overshoot, variable-structure PID",  # after decoupling or without
         "energy of a filling",  # no measure is printed, and two readings save next to nothing

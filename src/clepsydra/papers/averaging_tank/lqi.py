@@ -265,6 +265,7 @@ def _squared_slopes() -> list[Row]:
         for column, text in zip(COLUMNS, texts, strict=True):
             smooth = _smooth(column, output)
             is_solved_from = output == "C" and column is COLUMNS[0]
+            weight = " Q3 of (101a) is taken as 10.92." if column is COLUMNS[3] else ""
             where = "this cell" if is_solved_from else "ISEG of C, f_out constant, by hand, alone"
             row = compared(
                 "Table 7", f"ISEG of {output}, {column.title}", text, share + smooth,
@@ -272,7 +273,7 @@ def _squared_slopes() -> list[Row]:
                 why=f"{share:.3f} of it is the derivative of the step itself, taken over "
                 f"{1e4 * time:.4f}e-4 s, which is not printed and was solved from {where}. The "
                 f"control's own part is {smooth:.4f}, {100 * smooth / float(text):.2f} %; 0.01 % "
-                "is left open for the solver, which is not printed.",
+                f"is left open for the solver, which is not printed.{weight}",
             )  # fmt: skip
             rows.append(circular(row, "") if is_solved_from else row)
     return rows

@@ -294,18 +294,16 @@ def _new_inputs(s: Derived) -> list[Row]:
         )
     )
     K_P, K_I, alpha, excess = symbols("K_P K_I alpha excess", positive=True)
-    eta_rate = -alpha * excess / K_I
+    told = "; ".join(f"{K_I * (-alpha * excess / gain)} with {gain}" for gain in (K_I, K_P))
     rows.append(
-        damaged(
-            compared_formula(
-                "(14)",
-                "rate of K_I η while it saturates, with K_1 read as K_P",
-                K_I * (-alpha * excess / K_P),
-                K_I * eta_rate,
-                reason="α is said to be the speed at which u_n converges to its range, "
-                "−α (u_n − u_s): that needs K_I in the place of K_1, and K_I above zero.",
-            ),
-            "The 1 of K_1 may be an I.",
+        remark(
+            "(14)",
+            "rate of the integral part K_I η while it saturates",
+            "K_1 is explained nowhere",
+            told,
+            reason="The excess is u_n − u_s. α is said to be the speed at which u_n converges to "
+            "its range: so it is with K_I in the place of K_1, whose 1 may be an I, and K_I above "
+            "zero; with K_P it is not.",
         )
     )
     return rows
