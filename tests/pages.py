@@ -5,16 +5,25 @@ A comment before a block says what the text around it says to a reader:
 Blocks of a language that nothing here runs (c, iecst, csv, text) are no commands.
 """
 
+import contextlib
 import doctest
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
+from clepsydra.cli import main
+
 ROOT = Path(__file__).parents[1]
+#: Lines that take long, each with the tests that run what it shows.
+ELSEWHERE = {
+    "clepsydra papers": "tests/cli/test_papers.py",
+    "clepsydra verify compare.toml": "tests/cli/test_verify.py",
+}
 PAGES = [
     path.relative_to(ROOT).as_posix()
     for path in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
@@ -92,8 +101,21 @@ def blocks(page: str, *languages: str) -> list[Block]:
     return [block for block in found if not languages or block.language in languages]
 
 
+def lines(text: str) -> list[list[str]]:
+    """Return the commands of a block, each as its words."""
+    whole = re.sub(r"\\\n", " ", text)
+    return [words for line in whole.splitlines() if (words := shlex.split(line, comments=True))]
+
+
 def shell(text: str, folder: Path, place: str) -> None:
-    """Run lines in a shell that stops at the first failure, with our `clepsydra` on its path."""
+    """Run lines up to the first failure: `clepsydra` alone in this process, others in a shell."""
+    commands = lines(text)
+    of_shell = re.search(r"[|<>&;$*`]", re.sub(r"#.*", "", text))
+    if not of_shell and all(program == "clepsydra" for program, *_ in commands):
+        for words in commands:
+            if not " ".join(words).startswith(tuple(ELSEWHERE)):
+                command(words[1:], folder, place)
+        return
     path = os.pathsep.join((str(Path(sys.executable).parent), os.environ["PATH"]))
     done = subprocess.run(
         ["bash", "-euxo", "pipefail", "-c", text],
@@ -101,6 +123,15 @@ def shell(text: str, folder: Path, place: str) -> None:
         capture_output=True, text=True,
     )  # fmt: skip
     assert done.returncode == 0, f"{place}\n{done.stdout[-2000:]}\n{done.stderr}"
+
+
+def command(arguments: list[str], folder: Path, place: str) -> None:
+    """Run the command line as its program would, which loads everything only once."""
+    with contextlib.chdir(folder):
+        try:
+            main(arguments)
+        except SystemExit as ending:
+            assert not ending.code, (place, arguments)
 
 
 def examples(block: Block, names: dict) -> None:

@@ -41,8 +41,8 @@ def test_every_script_says_what_it_answers_and_is_short():
     assert len(scripts) == 12
     for script in scripts:
         first, *rest = script.read_text().splitlines()
-        assert first.startswith("# ") and "?" in first
-        assert 5 <= len([line for line in rest if line]) <= 15
+        assert first.startswith("# ") and "?" in first, script
+        assert 5 <= len([line for line in rest if line]) <= 15, script
 
 
 def test_open_loop_step(printed):

@@ -1,11 +1,10 @@
 """What README and docs print does what they say: each page in its order, in one folder."""
 
 import re
-import shlex
 
 import pytest
 import typer
-from pages import PAGES, ROOT, blocks
+from pages import ELSEWHERE, PAGES, ROOT, blocks, lines
 from PIL import Image
 from tools import need, need_compiler
 
@@ -14,12 +13,6 @@ from clepsydra.cli.application import application
 
 LANGUAGES = {"sh", "python", "pycon", "toml", "c", "iecst", "csv", "text"}
 COMMANDS = [block for page in PAGES for block in blocks(page, "sh")]
-
-
-def lines(text: str) -> list[list[str]]:
-    """Return the commands of a block, each as its words."""
-    whole = re.sub(r"\\\n", " ", text)
-    return [words for line in whole.splitlines() if (words := shlex.split(line, comments=True))]
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -43,13 +36,19 @@ def test_verbs_and_options_are_those_of_the_command_line(block):
     for program, *words in lines(block.text):
         if program == "clepsydra":
             name, verb, rest = group.resolve_command(context, words)
-            assert verb.make_context(name, rest, parent=context).params
+            assert verb.make_context(name, rest, parent=context).params, words
 
 
 @pytest.mark.parametrize("page", PAGES)
 def test_python_is_python(page):
     for block in blocks(page, "python"):
         compile(block.text, block.place, "exec")
+
+
+def test_what_runs_elsewhere_stands_on_a_page():
+    for line, file in ELSEWHERE.items():
+        assert any(line in block.text for block in COMMANDS), line
+        assert (ROOT / file).exists()
 
 
 @pytest.mark.thorough

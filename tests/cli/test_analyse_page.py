@@ -26,8 +26,8 @@ def test_it_writes_a_page_beside_the_table(tmp_path, capsys):
 
 
 @pytest.mark.thorough
-def test_json_names_the_page(tmp_path, capsys):
-    target = tmp_path / "tank.html"
+def test_json_names_the_page_in_a_folder_that_is_made(tmp_path, capsys):
+    target = tmp_path / "a" / "b" / "tank.html"
     assert run("analyse", ONE_TANK, "--json", "-o", str(target)) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["page"] == str(target)

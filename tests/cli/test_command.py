@@ -113,7 +113,7 @@ def test_help_names_the_verbs_and_their_options(command):
     assert status == 0 and "study" in output and "analyse" in output
     for verb, words in OPTIONS.items():
         status, output, _ = command(verb, "--help")
-        assert status == 0
+        assert status == 0, verb
         assert [word for word in words if word not in output] == [], verb
 
 
@@ -296,13 +296,13 @@ def test_a_bad_file_is_one_message_and_leaves_nothing(command, tmp_path, verb, c
     arguments = ["--output", str(folder)] if verb == "study" else []
     for json_option in ([], ["--json"]):
         status, output, errors = command(verb, str(path), *json_option, *arguments)
-        assert (status, output) == (2, "")
-        assert errors.startswith("clepsydra: ")
-        assert errors.count("\n") == 1
-        assert "Traceback" not in errors
+        assert (status, output) == (2, ""), json_option
+        assert errors.startswith("clepsydra: "), json_option
+        assert errors.count("\n") == 1, json_option
+        assert "Traceback" not in errors, json_option
         if case != "no equilibrium":
-            assert "bad.toml" in errors
-        assert names(folder) == [] and names(tmp_path) == ["bad.toml", "out"]
+            assert "bad.toml" in errors, json_option
+        assert names(folder) == [] and names(tmp_path) == ["bad.toml", "out"], json_option
 
 
 def test_a_process_without_a_rest_says_which_level_is_too_high(command, tmp_path):
@@ -349,15 +349,21 @@ def test_an_output_that_cannot_be_written_is_a_message(command, tmp_path, ending
     assert all(not name.endswith(".part") for name in names(tmp_path))
 
 
-def test_an_interrupted_study_ends_with_status_130(command, tmp_path, monkeypatch):
-    def interrupted(*_: object, **__: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("clepsydra.interface.study.run_study", interrupted)
-    status, output, errors = command("study", NAMES[0])
+def test_an_interrupted_study_ends_with_status_130(command, tmp_path):
+    """Control-C comes while a law runs."""
+    (tmp_path / "law.py").write_text(
+        "inputs = ['setpoint_1', 'measurement_1']\noutputs = ['manipulated_1']\n"
+        "def step(state, inputs, parameters, time_step):\n"
+        "    raise KeyboardInterrupt\n"
+    )
+    (tmp_path / "own.toml").write_text(
+        f'process = "{ONE_TANK}"\n[controllers.mine]\nlaw = "law.py"\n'
+        'setpoints = ["level_1"]\nmeasurements = ["level_1"]\nmanipulated = ["pump_1"]\n'
+    )
+    status, output, errors = command("study", "own.toml")
     assert (status, output) == (130, "")
     assert "Traceback" not in errors
-    assert names(tmp_path) == []
+    assert names(tmp_path) == ["law.py", "own.toml"]
 
 
 @pytest.mark.thorough

@@ -113,8 +113,8 @@ def test_help_says_that_studies_are_written(command):
     for arguments in (("--help",), ("new", "--help")):
         status, output, _ = command(*arguments)
         words = " ".join(output.replace("│", " ").split())
-        assert status == 0
-        assert "a commented process file, or with --study a study file" in words
+        assert status == 0, arguments
+        assert "a commented process file, or with --study a study file" in words, arguments
 
 
 def test_nothing_is_ever_written_over(command, tmp_path):

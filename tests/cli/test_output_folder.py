@@ -9,7 +9,6 @@ PI = ("quadruple-tank", "--controller", "PI, SIMC")
 WRITTEN = {
     "simulate": (("simulate", ONE_TANK, "-o", "a/b"), "simulation.html"),
     "draw": (("draw", "quadruple-tank", "-o", "a/b/c.svg"), "c.svg"),
-    "analyse": (("analyse", ONE_TANK, "-o", "a/b/c.html"), "c.html"),
     "export": (("export", *PI, "--to", "tuning", "-o", "a/b"), "_tuning.md"),
 }
 

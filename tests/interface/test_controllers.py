@@ -48,7 +48,7 @@ def test_what_the_table_shows_can_be_given_back(plant, pi):
                     "tracking_time": float(tracking)}}
         )  # fmt: skip
         for key, value in pi.values.items():
-            assert back.values[key] == pytest.approx(value, rel=5e-4)
+            assert back.values[key] == pytest.approx(value, rel=5e-4), (name, key)
     assert len(rows) == 2
 
 

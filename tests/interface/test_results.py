@@ -73,8 +73,9 @@ def test_a_drawing_has_the_values_of_the_operating_point(plant, tmp_path):
 
 
 @pytest.mark.thorough
-def test_a_page_of_the_analysis(plant, tmp_path):
-    cl.analyse(plant).report(tmp_path / "analysis.html")
+def test_a_page_of_the_analysis(tmp_path):
+    one_tank = cl.load(cl.new_process("one-tank", folder=tmp_path))
+    cl.analyse(one_tank).report(tmp_path / "analysis.html")
     assert "<svg" in (tmp_path / "analysis.html").read_text("utf-8")
 
 

@@ -38,7 +38,7 @@ def test_thinning_loses_no_peak():
     for left in range(12, 446, 7):
         inner = y[(x >= left + 0.7) & (x < left + 2.3)]
         shown = thin_y[(thin_x >= left) & (thin_x < left + 3.0)]
-        assert shown.max() >= inner.max() and shown.min() <= inner.min()
+        assert shown.max() >= inner.max() and shown.min() <= inner.min(), left
     assert thin_y.max() == 50.0
 
 

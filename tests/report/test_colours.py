@@ -39,10 +39,10 @@ def test_text_is_dark_and_lines_are_visible_on_white():
 
 
 def test_the_colours_of_four_tanks_stay_apart_for_colour_blind_readers():
-    for matrix in DICHROMATS.values():
+    for name, matrix in DICHROMATS.items():
         seen = [lightness_and_hue(np.array(matrix) @ linear(colour)) for colour in PALETTE[:8]]
         # A difference of about 2.3 is just noticeable side by side.
-        assert min(np.linalg.norm(a - b) for a, b in combinations(seen, 2)) > 9.0
+        assert min(np.linalg.norm(a - b) for a, b in combinations(seen, 2)) > 9.0, name
 
 
 def test_a_measurement_has_the_colour_of_its_level_and_no_two_other_signals_share_one(process):

@@ -80,7 +80,7 @@ def test_every_estimate_stands_on_the_page(models, parameters):
         for estimate in model.estimates:
             value, interval, _ = estimate_cells(estimate)
             assert f"{model.name}, {estimate.signal.description}" in words
-            assert value in words and interval in words
+            assert value in words and interval in words, estimate
     words = words_of(identification_text(parameters))
     for estimate in (*parameters.estimates, *parameters.start):
         assert estimate.signal.name in words and estimate_cells(estimate)[1] in words

@@ -125,7 +125,7 @@ def test_a_locus_is_in_the_percent_of_the_sensor(made):
     for span, most in (("60 cm", "100 %"), ("70 cm", "120 %")):
         level = LEVEL.replace("70 cm", span).replace("120 %", most)
         (axes,) = nyquist_figure(made(SALINITY + level, "level").analysis).axes
-        assert axes.get_xlabel() == "real part [% per %]"
+        assert axes.get_xlabel() == "real part [% per %]", span
         loci.append(max(axes.lines, key=lambda line: abs(line.get_xdata()[0])).get_xdata())
     assert loci[0] == pytest.approx(loci[1])
 

@@ -70,8 +70,8 @@ def test_a_time_is_what_it_says_in_each_of_its_forms(time):
     length = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
     for text in (time_cell(time), *setting_time(time).split(" = ")):
         number, unit = text.split(" ")
-        assert math.isclose(read(number) * length[unit], time, rel_tol=0.0051)
-        assert "e" not in number
+        assert math.isclose(read(number) * length[unit], time, rel_tol=0.0051), text
+        assert "e" not in number, text
 
 
 def test_what_an_engineer_enters_is_in_seconds_first():

@@ -65,5 +65,5 @@ def test_integrals_of_long_runs_are_in_hours(process):
     for duration, unit, length in ((10800.0, "s", 1.0), (10801.0, "h", 3600.0)):
         for score, power, words in (("iae", 1, f"V {unit}"), ("itse", 2, f"V² {unit}²")):
             shown, in_unit = score_text(process, "level_1", 7.2e7, SCORES[score], duration)
-            assert in_unit == words
+            assert in_unit == words, duration
             assert float(shown) == pytest.approx(7.2e7 / length**power, rel=0.005)

@@ -26,9 +26,9 @@ def test_a_crossover_stands_on_the_unit_circle(result):
     assert len(dots) == 2
     for name, (x, y, _, _) in zip(candidate.response.outputs, dots, strict=True):
         real, imaginary = (x - origin[0]) / 50.0, (origin[1] - y) / 50.0
-        assert np.hypot(real, imaginary) == pytest.approx(1.0, abs=0.01)
+        assert np.hypot(real, imaginary) == pytest.approx(1.0, abs=0.01), name
         margin, _ = candidate.response.channels[name].phase_margin
-        assert np.angle(-complex(real, imaginary)) == pytest.approx(margin, abs=0.02)
+        assert np.angle(-complex(real, imaginary)) == pytest.approx(margin, abs=0.02), name
 
 
 def test_both_axes_of_the_plane_have_one_scale(result):
