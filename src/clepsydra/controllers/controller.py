@@ -126,12 +126,9 @@ class Controller:
 
         Examples
         --------
+        >>> import clepsydra as cl
         >>> import dataclasses
-        >>> from clepsydra.designs.ziegler_nichols import design_ziegler_nichols
-        >>> from clepsydra.linear.analysis import analyse
-        >>> from clepsydra.process.reader import load_process
-        >>> analysis = analyse(load_process("three-tanks"))
-        >>> controller = design_ziegler_nichols(analysis.model, analysis.pairing)
+        >>> controller = cl.design.ziegler_nichols(cl.load("three-tanks"))
         >>> controller.title
         'PI, Ziegler-Nichols, slowed 1.98 times'
         >>> dataclasses.replace(controller, slowed=1.0004).title
@@ -163,11 +160,8 @@ class Controller:
 
         Examples
         --------
-        >>> from clepsydra.designs.simc import design_simc
-        >>> from clepsydra.linear.analysis import analyse
-        >>> from clepsydra.process.reader import load_process
-        >>> analysis = analyse(load_process("quadruple-tank"))
-        >>> program = design_simc(analysis.model, analysis.pairing).program()
+        >>> import clepsydra as cl
+        >>> program = cl.design.simc(cl.load("quadruple-tank")).program()
         >>> gain = program.parameters[0]
         >>> gain.name, round(gain.initial, 6)
         ('proportional_gain_1', 3.0)

@@ -96,11 +96,9 @@ def feedback_linearisation_law(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.linear.relative_degree import relative_degree
-    >>> from clepsydra.process.reader import load_process
-    >>> law = feedback_linearisation_law(
-    ...     relative_degree(analyse(load_process("quadruple-tank")).model))
+    >>> law = feedback_linearisation_law(relative_degree(cl.load("quadruple-tank").linear))
     >>> [signal.name for signal in law.inputs if signal.name.startswith("measurement")]
     ['measurement_1', 'measurement_2', 'measurement_3', 'measurement_4']
     """

@@ -70,11 +70,9 @@ class LinearisedProcess:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.linear.relative_degree import relative_degree
-    >>> from clepsydra.process.reader import load_process
-    >>> process = LinearisedProcess(
-    ...     relative_degree(analyse(load_process("quadruple-tank")).model))
+    >>> process = LinearisedProcess(relative_degree(cl.load("quadruple-tank").linear))
     >>> process.measurements[2:], [each.name for each in process.parameters()][2:4]
     (('level_3', 'level_4'), ['model_tank_1_area', 'model_tank_2_area'])
     """

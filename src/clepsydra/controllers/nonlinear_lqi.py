@@ -52,11 +52,10 @@ class NonlinearLqi:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.observers.measured_state import MeasuredState
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> equations = process_equations(analyse(load_process("averaging-tank")).model)
+    >>> equations = process_equations(cl.load("averaging-tank").linear)
     >>> common = NonlinearLqi(MeasuredState(equations), "none")
     >>> [signal.name for signal in common.gain_signals()][:2]
     ['feedback_1_1', 'feedback_1_2']
@@ -212,11 +211,10 @@ def nonlinear_lqi_law(source: StateSource, anti_windup: AntiWindup = "back_calcu
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> equations = process_equations(analyse(load_process("quadruple-tank")).model)
+    >>> equations = process_equations(cl.load("quadruple-tank").linear)
     >>> law = nonlinear_lqi_law(ExtendedKalman(equations, ("level_1", "level_2"), (), 1, 0))
     >>> sum(signal.name.startswith("feedback") for signal in law.parameters)
     8

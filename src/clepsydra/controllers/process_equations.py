@@ -43,9 +43,8 @@ class ProcessEquations:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> equations = process_equations(analyse(load_process("averaging-tank")).model)
+    >>> import clepsydra as cl
+    >>> equations = process_equations(cl.load("averaging-tank").linear)
     >>> equations.states
     ('tank.level', 'tank.impurity')
     """
@@ -176,9 +175,8 @@ def process_equations(model: LinearModel) -> ProcessEquations:
     --------
     The standby pump acts on the level too, though it is left alone:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> process_equations(analyse(load_process("wet-well")).model).states
+    >>> import clepsydra as cl
+    >>> process_equations(cl.load("wet-well").linear).states
     ('well.level', 'duty.actual', 'standby.actual')
     """
     point = operating_point_of(model)

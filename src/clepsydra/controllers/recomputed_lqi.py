@@ -111,11 +111,10 @@ def recomputed_lqi_law(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.observers.measured_state import MeasuredState
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> equations = process_equations(analyse(load_process("averaging-tank")).model)
+    >>> equations = process_equations(cl.load("averaging-tank").linear)
     >>> law = recomputed_lqi_law(MeasuredState(equations))
     >>> sum(entry.name.startswith("cost") for entry in law.state)
     10

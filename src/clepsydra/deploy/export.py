@@ -152,13 +152,11 @@ def export_c(ready: Exportable, *, precision: Precision = "double") -> ExportedF
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.deploy.exportable import exportable
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> list(export_c(exportable(controller, analysis.operating_point)).files)
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> list(export_c(exportable(controller, plant.point)).files)
     ['quadruple_tank_pi_simc.h', 'quadruple_tank_pi_simc.c']
     """
     printed = print_c(ready.program, origin=ready.origin, precision=precision)

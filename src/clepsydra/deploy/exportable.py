@@ -65,11 +65,9 @@ def exportable(
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> ready = exportable(design_simc(analysis.model, analysis.pairing), analysis.operating_point)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> ready = exportable(cl.design.simc(plant), plant.point)
     >>> ready.program.name, ready.origin.source_of(ready.program.parameters[0])
     ('quadruple_tank_pi_simc', 'PI, SIMC')
     """

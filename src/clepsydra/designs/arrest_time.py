@@ -176,9 +176,8 @@ def design_arrest_time(
     A basin of 1000 m², 5 m deep and half full, and a load step of 0.12 m³/s. There is room for
     40 % of the range, 2 m: λ = e · 2 m/(0.12 mm/s) less a sampling period of 60 s.
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("equalisation-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("equalisation-tank").analysis
     >>> controller = design_arrest_time(analysis.model, analysis.pairing)
     >>> round(math.e * 2.0 / 0.12e-3), controller.notes[0][-22:]
     (45305, 'arrested after 12.6 h.')

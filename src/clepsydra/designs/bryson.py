@@ -118,9 +118,8 @@ def design_lqi(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> controller = design_lqi(analyse(load_process("quadruple-tank")).model)
+    >>> import clepsydra as cl
+    >>> controller = design_lqi(cl.load("quadruple-tank").linear)
     >>> round(controller.values["integral_gain_1_1"], 3)
     0.093
     """
@@ -172,9 +171,8 @@ def weighed_lqi(
     --------
     A tenth of the range of 0 to 10 V is an acceptable error, so that the output weighs 1/V²:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> found = weighed_lqi(analyse(load_process("quadruple-tank")).model)
+    >>> import clepsydra as cl
+    >>> found = weighed_lqi(cl.load("quadruple-tank").linear)
     >>> found.weights.states.diagonal()  # C is 50 V/m
     array([2500., 2500.,    0.,    0.])
     """
@@ -237,9 +235,8 @@ def refuse_more_inputs(model: LinearModel, method: str) -> None:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> refuse_more_inputs(analyse(load_process("quadruple-tank")).model, "LQI")
+    >>> import clepsydra as cl
+    >>> refuse_more_inputs(cl.load("quadruple-tank").linear, "LQI")
     """
     if len(model.inputs) > len(model.outputs):
         raise NotApplicable(
@@ -273,9 +270,8 @@ def acceptable_deviations(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("quadruple-tank").linear
     >>> acceptable_deviations(model, {"level_1": 0.5}, None, "LQI").errors
     {'level_1': 0.5, 'level_2': 1.0}
     """

@@ -106,9 +106,8 @@ def inverted_decoupler(
     --------
     The quadruple tank: pump 2 reaches tank 1 through tank 3, so d_12 lags as tank 3 does.
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> found = inverted_decoupler(analysis.model, analysis.pairing)
     >>> round(float(found.lag[0, 1]), 2), bool(found.exact.all())
     (22.76, True)

@@ -70,9 +70,8 @@ class FoundFilter(NamedTuple):
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("quadruple-tank").linear
     >>> found = extended_kalman(model, process_equations(model), None, 30.0, "by hand")
     >>> round(found.values["sensor_noise_1"], 6)  # [V]
     0.05
@@ -126,9 +125,8 @@ def design_lqi_extended_kalman(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> controller = design_lqi_extended_kalman(analyse(load_process("quadruple-tank")).model)
+    >>> import clepsydra as cl
+    >>> controller = design_lqi_extended_kalman(cl.load("quadruple-tank").linear)
     >>> controller.measurements
     ('level_1', 'level_2')
     """
@@ -222,9 +220,8 @@ def extended_kalman(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("three-tanks")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("three-tanks").linear
     >>> found = extended_kalman(model, process_equations(model), ["level_3"], 60.0, "by hand")
     >>> len(found.state)  # three estimates and six covariances
     9
@@ -277,9 +274,8 @@ def refuse_dead_time(model: LinearModel, method: str) -> None:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> refuse_dead_time(analyse(load_process("quadruple-tank")).model, NAME)
+    >>> import clepsydra as cl
+    >>> refuse_dead_time(cl.load("quadruple-tank").linear, NAME)
     """
     if operating_point_of(model).process.motion.delays:
         raise NotApplicable(
@@ -294,9 +290,8 @@ def acting_model(model: LinearModel, equations: ProcessEquations) -> LinearModel
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("wet-well")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("wet-well").linear
     >>> acting_model(model, process_equations(model)).states
     ('well.level', 'duty.actual', 'standby.actual')
     """
@@ -317,9 +312,8 @@ def notes_on_filter(found: FoundFilter) -> tuple[str, ...]:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("quadruple-tank").linear
     >>> found = extended_kalman(model, process_equations(model), None, 30.0, "by hand")
     >>> notes_on_filter(found)[1]
     'It runs the equations of the process in every sample, in 1 step, with the numbers model_*.'

@@ -113,12 +113,11 @@ def design_feedback_linearisation(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("quadruple-tank").linear
     >>> design_feedback_linearisation(model).measurements
     ('level_1', 'level_2', 'level_3', 'level_4')
-    >>> model = analyse(load_process("quadruple-tank-nonminimum-phase")).model
+    >>> model = cl.load("quadruple-tank-nonminimum-phase").linear
     >>> design_feedback_linearisation(model)
     Traceback (most recent call last):
         ...
@@ -241,9 +240,8 @@ def feedback_linearisation_controller(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("three-tanks")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("three-tanks").linear
     >>> controller = feedback_linearisation_controller(
     ...     model, relative_degree(model), [settings_for(30.0, 3)], anti_windup="none", rates=[1])
     >>> round(controller.values["virtual_integral_gain_1"] * 30**4, 5)

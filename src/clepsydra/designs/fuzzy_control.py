@@ -169,9 +169,8 @@ def design_fuzzy_pi(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> controller = design_fuzzy_pi(analysis.model, analysis.pairing)
     >>> controller.family, controller.values["input_gain_1"]
     ('fuzzy', 0.2)

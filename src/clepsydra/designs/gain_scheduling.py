@@ -101,9 +101,8 @@ def design_gain_scheduled_pid(
     --------
     The time constant of the concentration is V/f, so that its gain rises with the volume:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("averaging-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("averaging-tank").analysis
     >>> controller = design_gain_scheduled_pid(
     ...     analysis.model, analysis.pairing, over="volume", points=[1.0, 2.0, 3.0])
     >>> loop = controller.setpoints.index("concentration") + 1
@@ -202,9 +201,8 @@ def design_gain_scheduled_lqi(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("quadruple-tank").linear
     >>> controller = design_gain_scheduled_lqi(model, over="level_1", points=[4.0, 8.0])
     >>> [controller.values[f"schedule_point_{k}"] for k in (1, 2)]
     [4.0, 8.0]

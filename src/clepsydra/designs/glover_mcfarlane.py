@@ -96,9 +96,8 @@ def design_glover_mcfarlane(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> controller = design_glover_mcfarlane(analysis.model, analysis.pairing)
     >>> controller.name, controller.manipulated
     ('Glover-McFarlane on PI, SIMC', ('pump_1', 'pump_2'))

@@ -151,10 +151,9 @@ def process_noise(observed: ObservedProcess, horizon: float) -> Noise:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.states.observed_process import observed_process
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> seen = observed_process(analyse(load_process("quadruple-tank")).model, None, METHOD)
+    >>> seen = observed_process(cl.load("quadruple-tank").linear, None, METHOD)
     >>> noise = process_noise(seen, 30.0)
     >>> [round(float(value), 6) for value in np.sqrt(np.diag(noise.measurement))]  # of 10 V
     [0.05, 0.05]
@@ -202,10 +201,9 @@ def input_variances(observed: ObservedProcess) -> np.ndarray:
     --------
     The pumps of the quadruple tank stand at 3 V of 10 V:
 
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.states.observed_process import observed_process
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> seen = observed_process(analyse(load_process("quadruple-tank")).model, None, METHOD)
+    >>> seen = observed_process(cl.load("quadruple-tank").linear, None, METHOD)
     >>> input_variances(seen).round(9)
     array([0.09, 0.09])
     """

@@ -118,9 +118,8 @@ def design_lambda(
     --------
     A basin that integrates, sampled each minute: Ti = 2 λ + θ with θ = 30 s.
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("equalisation-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("equalisation-tank").analysis
     >>> controller = design_lambda(
     ...     analysis.model, analysis.pairing, closed_loop_time_constant=3600.0)
     >>> round(controller.values["integral_time_1"], 6)

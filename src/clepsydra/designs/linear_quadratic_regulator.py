@@ -83,9 +83,8 @@ def design_lqr(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> controller = design_lqr(analyse(load_process("quadruple-tank")).model)
+    >>> import clepsydra as cl
+    >>> controller = design_lqr(cl.load("quadruple-tank").linear)
     >>> round(controller.values["feedback_1_1"], 2)
     2.46
     """

@@ -68,10 +68,9 @@ def design_lqi_by_weights(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.states.quadratic_weights import diagonal_weights
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("three-tanks")).model
+    >>> model = cl.load("three-tanks").linear
     >>> weights = diagonal_weights(model, {"tank_3.level": 1.0}, {"feed": 1e6}, {"level_3": 1e-5})
     >>> controller = design_lqi_by_weights(model, weights)
     >>> controller.measurements

@@ -80,9 +80,8 @@ def design_lqi_kalman(
     --------
     The last of eight tanks is measured and seven are estimated:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("three-tanks")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("three-tanks").linear
     >>> controller = design_lqi_kalman(model, measurements=["level_3"])
     >>> states = [name for name in controller.initial_state if name.startswith("estimate")]
     >>> controller.measurements, len(states)

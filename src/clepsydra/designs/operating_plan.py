@@ -80,10 +80,9 @@ class ScheduledDesign(NamedTuple):
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.bryson import design_lqi
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> plain = design_lqi(analyse(load_process("quadruple-tank")).model)
+    >>> plain = design_lqi(cl.load("quadruple-tank").linear)
     >>> ScheduledDesign(plain, lambda model: {}, "LQI", "LQI, gain scheduling", "").plain.setpoints
     ('level_1', 'level_2')
     """
@@ -115,10 +114,9 @@ def planned_points(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.bryson import design_lqi
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> model = cl.load("quadruple-tank").linear
     >>> design = ScheduledDesign(
     ...     design_lqi(model), lambda place: design_lqi(place).values, "LQI", "LQI", "")
     >>> over, points, between = planned_points(
@@ -203,9 +201,8 @@ def model_at(model: LinearModel, asked: Mapping[str, float]) -> LinearModel:
     --------
     Twice the volume has twice the time constant, of 10 s at 2 m³:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("averaging-tank")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("averaging-tank").linear
     >>> there = model_at(model, {"volume": 4.0})
     >>> round(-1 / float(there.A.diagonal().min()), 6)
     20.0
@@ -238,10 +235,9 @@ def peaks_elsewhere(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.bryson import design_lqi
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("averaging-tank")).model
+    >>> model = cl.load("averaging-tank").linear
     >>> design = ScheduledDesign(design_lqi(model), lambda place: {}, "LQI", "LQI", "")
     >>> peaks_elsewhere(model, design, "volume", [PlannedPoint(2.0, {}, 1.0)])[0].split(", ")
     ['With concentration at 2.5 kmol/m^3', 'over which nothing is scheduled', \

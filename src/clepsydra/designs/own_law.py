@@ -53,15 +53,14 @@ def own_controller(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.base.signal import Signal
     >>> from clepsydra.controllers.python_law import python_law
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
     >>> law = python_law("still", lambda state, inputs, parameters, time_step:
     ...                  ({}, {"manipulated_1": inputs["last_output_1"]}),
     ...                  inputs=[Signal("measurement_1")], outputs=[Signal("manipulated_1")])
     >>> controller = own_controller(
-    ...     analyse(load_process("quadruple-tank")).model, law, measurements=["level_1"],
+    ...     cl.load("quadruple-tank").linear, law, measurements=["level_1"],
     ...     setpoints=[], manipulated=["pump_1"])
     >>> controller.initial_state, controller.values
     ({'last_output_1': 3.0}, {'low_limit_1': 0.0, 'high_limit_1': 10.0})

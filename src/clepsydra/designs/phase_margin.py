@@ -155,9 +155,8 @@ def design_phase_margin(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> controller = design_phase_margin(analysis.model, analysis.pairing)
     >>> round(controller.values["proportional_gain_1"], 6)
     3.0

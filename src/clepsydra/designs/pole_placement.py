@@ -128,9 +128,8 @@ def design_pole_placement(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("three-tanks")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("three-tanks").linear
     >>> controller = design_pole_placement(model, poles=[0.97, 0.95, 0.93])
     >>> round(1e4 * controller.values["feedback_1_1"], 3)  # [cm²/s]
     2.779

@@ -143,10 +143,9 @@ def design_recomputed_lqi(
     --------
     At the operating point the gains are those of LQI by Bryson's rule:
 
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.bryson import design_lqi
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("averaging-tank")).model
+    >>> model = cl.load("averaging-tank").linear
     >>> gains = [design_lqi(model).values["integral_gain_1_2"],
     ...          design_recomputed_lqi(model).initial_state["integral_gain_1_2"]]
     >>> [round(gain, 6) for gain in gains]
@@ -244,9 +243,8 @@ def recomputed_lqi_controller(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("averaging-tank")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("averaging-tank").linear
     >>> equations = process_equations(model)
     >>> weights = np.array([1e3, 0.5]), np.array([0.5, 3e3]), np.array([2.0, 4.0])
     >>> found = stationary_lqi(model, *weights, 0.1)
@@ -298,9 +296,8 @@ def change_over_ranges(equations: ProcessEquations) -> float:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> change_over_ranges(process_equations(analyse(load_process("eight-tanks")).model)) < 1e-9
+    >>> import clepsydra as cl
+    >>> change_over_ranges(process_equations(cl.load("eight-tanks").linear)) < 1e-9
     True
     """
     point = equations.point
@@ -352,9 +349,8 @@ def stationary_lqi(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("averaging-tank")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("averaging-tank").linear
     >>> weights = np.array([1e3, 0.5]), np.array([0.5, 3e3]), np.array([2.0, 4.0])
     >>> stationary_lqi(model, *weights, 0.1).cost.shape
     (4, 4)

@@ -132,9 +132,8 @@ def design_simc(
     --------
     The pumps stand at 3 V of 10 V, the sensors have 10 V: a step of 1 V has room for K = 3.
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> controller = design_simc(analysis.model, analysis.pairing)
     >>> round(controller.values["proportional_gain_1"], 6)
     3.0

@@ -110,9 +110,8 @@ def design_smith_predictor(
     --------
     The design of Fig. 8, for the model that the document prints:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("eight-tanks"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("eight-tanks").analysis
     >>> printed = SampledModel((0.0309 * 60, 0.0286 * 60), (-1.777, 0.7964), 5, 60.0)
     >>> controller = design_smith_predictor(
     ...     analysis.model, analysis.pairing, penalty=10 * 3600, assigned_poles=[0.5],

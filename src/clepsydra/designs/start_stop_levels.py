@@ -66,10 +66,9 @@ def design_start_stop_levels(model: LinearModel, *, starts_per_hour: float = 10.
     --------
     A pump of the wet well lifts at most 41.2 l/s, hence V = 0.9 · 41.2/10 = 3.71 m³ or 0.31 m:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("wet-well:start-stop"))
-    >>> for words in design_start_stop_levels(analysis.model).design.split("; "):
+    >>> import clepsydra as cl
+    >>> plant = cl.load("wet-well:start-stop")
+    >>> for words in design_start_stop_levels(plant.linear).design.split("; "):
     ...     print(words.partition(": ")[2] or words)
     41.2 l/s need 3.71 m³ between start and stop
     stage 1 starts at 1.11 m and stops at 0.8 m

@@ -89,9 +89,8 @@ def design_tyreus_luyben(
     --------
     A level that integrates, with half a sampling period of 30 s of delay: Ti = 2.2 · 4 · 30 s.
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("equalisation-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("equalisation-tank").analysis
     >>> controller = design_tyreus_luyben(analysis.model, analysis.pairing, as_published=True)
     >>> round(controller.values["integral_time_1"], 6)
     264.0

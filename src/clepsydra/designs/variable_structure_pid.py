@@ -76,9 +76,8 @@ def design_variable_structure_pid(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> controller = design_variable_structure_pid(analysis.model, analysis.pairing)
     >>> controller.name, round(controller.values["saturation_rate_1"], 3)
     ('PI, variable structure', 0.245)
@@ -119,9 +118,8 @@ def with_variable_structure(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> form = PidForm(anti_windup="none")
     >>> base = design_simc(analysis.model, analysis.pairing, form=form)
     >>> with_variable_structure(base, form, [0.1, 0.1], analysis.model).family

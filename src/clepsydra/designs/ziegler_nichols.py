@@ -121,9 +121,8 @@ def design_ziegler_nichols(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("equalisation-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("equalisation-tank").analysis
     >>> controller = design_ziegler_nichols(analysis.model, analysis.pairing, as_published=True)
     >>> round(controller.values["integral_time_1"], 6)
     100.0

@@ -39,9 +39,8 @@ class Directionality:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> found = analyse(load_process("quadruple-tank")).directionality
+    >>> import clepsydra as cl
+    >>> found = cl.load("quadruple-tank").analysis.directionality
     >>> found.relative_gains[0, 0].real.round(1)
     array([ 1.4, -0.4])
     """
@@ -87,9 +86,8 @@ def directionality(model: LinearModel, omegas: ArrayLike) -> Directionality:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("quadruple-tank").linear
     >>> directionality(model, 0.01).condition_numbers.shape
     (1,)
     """

@@ -46,9 +46,8 @@ class InputAffineEquations:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> equations = input_affine_equations(analyse(load_process("quadruple-tank")).model)
+    >>> import clepsydra as cl
+    >>> equations = input_affine_equations(cl.load("quadruple-tank").linear)
     >>> equations.at_point(equations.fields)[0].round(6)  # [m/(s V)]
     array([0.000832, 0.      ])
     """
@@ -144,9 +143,8 @@ def input_affine_equations(model: LinearModel) -> InputAffineEquations:
     --------
     The averaging tank takes the product of a flow and its concentration, both manipulated:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> input_affine_equations(analyse(load_process("averaging-tank")).model)
+    >>> import clepsydra as cl
+    >>> input_affine_equations(cl.load("averaging-tank").linear)
     Traceback (most recent call last):
         ...
     clepsydra.linear.lie_derivatives.NotLinearisable: averaging-tank, inputs: got 'inflow, \

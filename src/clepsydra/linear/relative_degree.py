@@ -44,9 +44,8 @@ class VectorRelativeDegree:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> found = relative_degree(analyse(load_process("quadruple-tank")).model)
+    >>> import clepsydra as cl
+    >>> found = relative_degree(cl.load("quadruple-tank").linear)
     >>> found.degrees, found.at_point.round(4).tolist()  # E, [V/s per V]
     ((1, 1), [[0.0416, 0.0], [0.0, 0.0314]])
     """
@@ -94,9 +93,8 @@ def relative_degree(model: LinearModel) -> VectorRelativeDegree:
     --------
     The last of three tanks answers to the feed of the first through two others:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> relative_degree(analyse(load_process("three-tanks")).model).degrees
+    >>> import clepsydra as cl
+    >>> relative_degree(cl.load("three-tanks").linear).degrees
     (3,)
     """
     process = operating_point_of(model).process

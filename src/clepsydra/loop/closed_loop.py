@@ -189,11 +189,8 @@ def free_inputs(controller: Controller) -> tuple[Signal, ...]:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> free_inputs(design_simc(analysis.model, analysis.pairing))
+    >>> import clepsydra as cl
+    >>> free_inputs(cl.design.simc(cl.load("quadruple-tank")))
     ()
     """
     return tuple(

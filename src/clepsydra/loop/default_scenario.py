@@ -102,9 +102,8 @@ def default_scenario(model: LinearModel, seed: int = 1) -> Scenario:
     --------
     The quadruple tank steps by 1 V, a tenth of its sensors' 10 V, in segments of 600 s:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> scenario = default_scenario(analyse(load_process("quadruple-tank")).model)
+    >>> import clepsydra as cl
+    >>> scenario = default_scenario(cl.load("quadruple-tank").linear)
     >>> scenario.segments[0]
     Segment(kind='setpoint', signal='level_1', start=60.0, stop=660.0, size=1.0)
     """
@@ -164,9 +163,8 @@ def segment_samples(model: LinearModel) -> tuple[int, int]:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> segment_samples(analyse(load_process("quadruple-tank")).model)
+    >>> import clepsydra as cl
+    >>> segment_samples(cl.load("quadruple-tank").linear)
     (60, 600)
     """
     process = operating_point_of(model).process

@@ -52,11 +52,8 @@ def inner_loops(controller: Controller) -> list[tuple[PidBlock, str]]:
     --------
     A single loop is none:
 
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> inner_loops(design_simc(analysis.model, analysis.pairing))
+    >>> import clepsydra as cl
+    >>> inner_loops(cl.design.simc(cl.load("quadruple-tank")))
     []
     """
     return [
@@ -80,12 +77,10 @@ def inner_setpoints(controller: Controller, process: Process) -> tuple[InnerSetp
     --------
     A single loop has none:
 
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> inner_setpoints(controller, analysis.operating_point.process)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> inner_setpoints(controller, plant.process)
     ()
     """
     inner = inner_loops(controller)

@@ -168,15 +168,13 @@ def lane_status(result: Trajectories, process: Process) -> np.ndarray:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
     >>> from clepsydra.engine.kernel import Kernel
     >>> from clepsydra.loop.closed_loop import closed_loop
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> loop = Loop(controller, analysis.model)
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> loop = Loop(controller, plant.linear)
     >>> program = closed_loop(loop.process, controller, substeps=1, statuses=True)
     >>> start = loop.initial_state() | {"tank_1.level": np.array([0.12, 0.25])}
     >>> inputs = loop.at_rest()

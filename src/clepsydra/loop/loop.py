@@ -55,13 +55,11 @@ class Loop:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> loop = Loop(design_simc(analysis.model, analysis.pairing), analysis.model)
-    >>> run = loop.run(default_scenario(analysis.model))
+    >>> plant = cl.load("quadruple-tank")
+    >>> loop = Loop(cl.design.simc(plant), plant.linear)
+    >>> run = loop.run(default_scenario(plant.linear))
     >>> round(float(run.true_measurement("level_1")[659] - run.true_measurement("level_1")[0]), 3)
     1.0
     """

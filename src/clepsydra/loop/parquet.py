@@ -35,16 +35,12 @@ def write_parquet(runs: Sequence[Run], path: Path) -> None:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from tempfile import TemporaryDirectory
     >>> import pandas
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> run = cl.simulate(plant, controller, duration="1 min")
     >>> with TemporaryDirectory() as folder:
     ...     write_parquet([run], Path(folder) / "runs.parquet")
     ...     table = pandas.read_parquet(Path(folder) / "runs.parquet")

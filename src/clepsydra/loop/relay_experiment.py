@@ -149,13 +149,12 @@ def relay_experiment(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.relay_autotune import ultimate_point_of_relay
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
-    >>> record = relay_experiment(analysis.model, "level_1", "pump_2")
+    >>> plant = cl.load("quadruple-tank-nonminimum-phase")
+    >>> record = relay_experiment(plant.linear, "level_1", "pump_2")
     >>> found = ultimate_point_of_relay(record)
-    >>> element = transfer_element(analysis.model, "level_1", "pump_2")
+    >>> element = transfer_element(plant.linear, "level_1", "pump_2")
     >>> exact = ultimate_point(element, 0.5, method="by hand")
     >>> bool(abs(found.period / exact.period - 1.0) < 0.15)
     True

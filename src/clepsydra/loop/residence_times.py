@@ -29,9 +29,8 @@ def residence_times(model: LinearModel) -> np.ndarray:
     --------
     The level of the last of eight equal tanks comes after eight times their time constant:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("eight-tanks")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("eight-tanks").linear
     >>> one = abs(model.A[0, 0]) ** -1
     >>> round(float(residence_times(model).max() / one), 6)
     8.0

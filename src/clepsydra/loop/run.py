@@ -48,14 +48,9 @@ class Run:
     --------
     The first setpoint step of the quadruple tank ends 1 V higher:
 
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> run = cl.simulate(plant, cl.design.simc(plant))
     >>> level = run.true_measurement("level_1")
     >>> round(float(level[659] - level[0]), 3), run.to_pandas()["pump_1"].size == run.time.size
     (1.0, True)

@@ -50,9 +50,8 @@ def substeps_for(model: LinearModel) -> int:
     --------
     The fastest tank has a time constant of 23 s, and the process is sampled each second:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> substeps_for(analyse(load_process("quadruple-tank")).model)
+    >>> import clepsydra as cl
+    >>> substeps_for(cl.load("quadruple-tank").linear)
     1
     """
     period = check_sampling_period(model)

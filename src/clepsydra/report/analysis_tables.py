@@ -42,10 +42,8 @@ def operating_point_grid(point: OperatingPoint) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> operating_point_grid(analysis.operating_point).rows[0]
+    >>> import clepsydra as cl
+    >>> operating_point_grid(cl.load("quadruple-tank").point).rows[0]
     ('tank_1.level', '12.26 cm', '61.3 %')
     """
     process, values = point.process, point.as_dict()
@@ -63,9 +61,8 @@ def roots_grid(analysis: Analysis) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> roots_grid(analysis).rows[0]
     ('pole', '−0.0110', '90.6 s')
     """
@@ -89,9 +86,8 @@ def static_gain_grid(analysis: Analysis) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> static_gain_grid(analysis).head
     ('', 'pump_1 [V]', 'pump_2 [V]')
     """
@@ -115,9 +111,8 @@ def relative_gain_grid(analysis: Analysis) -> Grid | None:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> relative_gain_grid(analysis).rows
     (('level_1', '● 1.400', '−0.400'), ('level_2', '−0.400', '● 1.400'))
     """
@@ -139,9 +134,8 @@ def analysis_grids(analysis: Analysis) -> list[Grid]:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> [grid.title for grid in analysis_grids(analysis)]
     ['Poles and zeros', 'Static gain', 'Relative gains, ● pairing']
     """
@@ -154,9 +148,8 @@ def dead_time_grid(analysis: Analysis) -> Grid | None:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> dead_time_grid(analyse(load_process("quadruple-tank"))) is None
+    >>> import clepsydra as cl
+    >>> dead_time_grid(cl.load("quadruple-tank").analysis) is None
     True
     """
     if analysis.model.delays is None:
@@ -173,9 +166,8 @@ def frequency_grid_table(analysis: Analysis) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> frequency_grid_table(analyse(load_process("quadruple-tank"))).rows[0][0]
+    >>> import clepsydra as cl
+    >>> frequency_grid_table(cl.load("quadruple-tank").analysis).rows[0][0]
     '0'
     """
     found, model = analysis.directionality, analysis.model
@@ -245,9 +237,8 @@ def blocking_zeros_grid(analysis: Analysis) -> Grid | None:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> blocking_zeros_grid(analyse(load_process("quadruple-tank"))) is None
+    >>> import clepsydra as cl
+    >>> blocking_zeros_grid(cl.load("quadruple-tank").analysis) is None
     True
     """
     found, model = analysis.right_half_plane_zeros, analysis.model

@@ -46,9 +46,8 @@ def bode_figure(analysis: Analysis) -> Figure:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> len(bode_figure(analyse(load_process("quadruple-tank"))).axes)  # 2 × 2, two each
+    >>> import clepsydra as cl
+    >>> len(bode_figure(cl.load("quadruple-tank").analysis).axes)  # 2 × 2, two each
     8
     """
     model, process = analysis.model, analysis.operating_point.process

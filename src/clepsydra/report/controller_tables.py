@@ -43,11 +43,8 @@ def parameter_tables(controller: Controller) -> list[ParameterTable]:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> import clepsydra as cl
+    >>> controller = cl.design.simc(cl.load("quadruple-tank"))
     >>> [table.columns for table in parameter_tables(controller)]
     [('1', '2')]
     """
@@ -84,14 +81,9 @@ def status_words(run: Run) -> list[str]:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> run = cl.simulate(plant, cl.design.simc(plant), duration="1 min")
     >>> status_words(run)[0].split(" (")[0]
     'pump_1, pump_2: the mode is automatic'
     """

@@ -32,15 +32,10 @@ def with_inner_panels(panels: Sequence[Panel], run: Run) -> list[Panel]:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
+    >>> import clepsydra as cl
     >>> from clepsydra.report.panels import all_panels
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
+    >>> plant = cl.load("quadruple-tank")
+    >>> run = cl.simulate(plant, cl.design.simc(plant), duration="1 min")
     >>> with_inner_panels(all_panels(run), run) == all_panels(run)  # no cascade
     True
     """

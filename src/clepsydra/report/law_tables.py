@@ -43,10 +43,9 @@ def law_words(controller: Controller) -> list[str]:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.bryson import design_lqi
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> controller = design_lqi(analyse(load_process("quadruple-tank")).model)
+    >>> controller = design_lqi(cl.load("quadruple-tank").linear)
     >>> law_words(controller)[0]
     'u = u° − F x + I within the limits, I⁺ = I + Δt G (r − y), x = y − y°, each sample. ° marks \
 values at the operating point.'
@@ -82,11 +81,9 @@ def law_grids(controller: Controller, process: Process) -> list[Grid]:
 
     Examples
     --------
-    >>> from clepsydra.designs.bryson import design_lqi
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> grid, _ = law_grids(design_lqi(analysis.model), analysis.operating_point.process)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> grid, _ = law_grids(cl.design.lqi(plant), plant.process)
     >>> grid.head
     ('F, feedback', 'level_1 [V]', 'level_2 [V]', 'level_3 [V]', 'level_4 [V]')
     """
@@ -128,11 +125,9 @@ def law_facts(controller: Controller, process: Process) -> list[Facts]:
 
     Examples
     --------
-    >>> from clepsydra.designs.bryson import design_lqi
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> facts = law_facts(design_lqi(analysis.model), analysis.operating_point.process)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> facts = law_facts(cl.design.lqi(plant), plant.process)
     >>> [part.title for part in facts]
     ['Operating point', 'Output pump_1', 'Output pump_2']
     """

@@ -40,14 +40,12 @@ def loop_svg(response: LoopResponse, process: Process, title: str, prefix: str) 
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
+    >>> import clepsydra as cl
     >>> from clepsydra.studies.warnings.loop_response import loop_response
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> response = loop_response(controller, analysis.model)
-    >>> loop_svg(response, analysis.operating_point.process, "loops", "a").count("<circle")
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> response = loop_response(controller, plant.linear)
+    >>> loop_svg(response, plant.process, "loops", "a").count("<circle")
     3
     """
     chart = Chart(_HEIGHT, title, prefix)

@@ -21,13 +21,11 @@ def margin_grid(response: LoopResponse) -> Grid:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
+    >>> import clepsydra as cl
     >>> from clepsydra.studies.warnings.loop_response import loop_response
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> margin_grid(loop_response(controller, analysis.model)).rows[0][0]
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> margin_grid(loop_response(controller, plant.linear)).rows[0][0]
     'level_1'
     """
     rows = []

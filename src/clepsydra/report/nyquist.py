@@ -43,9 +43,8 @@ def nyquist_figure(analysis: Analysis) -> Figure:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> len(nyquist_figure(analyse(load_process("quadruple-tank"))).axes)
+    >>> import clepsydra as cl
+    >>> len(nyquist_figure(cl.load("quadruple-tank").analysis).axes)
     4
     """
     model, process = analysis.model, analysis.operating_point.process

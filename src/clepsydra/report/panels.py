@@ -44,14 +44,9 @@ def controlled_panels(run: Run) -> list[Panel]:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> run = cl.simulate(plant, cl.design.simc(plant), duration="1 min")
     >>> [panel.signal.name for panel in controlled_panels(run)]
     ['tank_1.level', 'tank_2.level']
     """
@@ -67,14 +62,9 @@ def all_panels(run: Run | Simulation) -> list[Panel]:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> run = cl.simulate(plant, cl.design.simc(plant), duration="1 min")
     >>> [panel.signal.name for panel in all_panels(run)][2:6]
     ['tank_3.level', 'tank_4.level', 'pump_1', 'pump_2']
     """

@@ -62,12 +62,10 @@ def loop_settings(controller: Controller, point: OperatingPoint) -> list[Facts]:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> loop_settings(controller, analysis.operating_point)[0].facts[:2]
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> loop_settings(controller, plant.point)[0].facts[:2]
     (('measures', 'level_1 (0 to 10 V)'), ('moves', 'pump_1 (0 to 10 V)'))
     """
     return [

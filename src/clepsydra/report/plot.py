@@ -34,17 +34,12 @@ def plot(run: Run | Simulation) -> Figure:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> loop = Loop(controller, analysis.model)
-    >>> figure = plot(loop.run(default_scenario(analysis.model)))
-    >>> len(figure.axes)  # the strip, four levels, two pumps, two inflows
-    9
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> step = [cl.step("level_1", "+0.5 V", at="10 s")]
+    >>> figure = plot(cl.simulate(plant, cl.design.simc(plant), step, duration="1 min"))
+    >>> len(figure.axes)  # the strip, four levels, two pumps
+    7
     """
     remedy = "give one, as from Loop(controller, model).run(scenario)"
     if isinstance(run, StudyResult):

@@ -63,15 +63,9 @@ def recording_of(run: Run | Simulation) -> Recording:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> loop = Loop(controller, analysis.model)
-    >>> recording_of(loop.run(default_scenario(analysis.model))).controlled
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> recording_of(cl.simulate(plant, cl.design.simc(plant), duration="1 min")).controlled
     ('level_1', 'level_2')
     """
     process = run.process

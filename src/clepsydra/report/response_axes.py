@@ -36,9 +36,8 @@ def shown_frequencies(analysis: Analysis) -> np.ndarray:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> omegas = shown_frequencies(analyse(load_process("quadruple-tank")))
+    >>> import clepsydra as cl
+    >>> omegas = shown_frequencies(cl.load("quadruple-tank").analysis)
     >>> omegas[0] < 0.011 / 20, omegas[-1] > 20 * 0.0597  # the slowest pole, the fastest zero
     (np.True_, np.True_)
     """
@@ -62,9 +61,8 @@ def in_shares(analysis: Analysis, gains: np.ndarray) -> np.ndarray:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))  # 0 to 10 V on both sides
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis  # 0 to 10 V on both sides
     >>> in_shares(analysis, np.ones((1, 2, 2))).tolist()
     [[[1.0, 1.0], [1.0, 1.0]]]
     """

@@ -33,9 +33,8 @@ def roots_figure(analysis: Analysis) -> Figure:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> figure = roots_figure(analyse(load_process("quadruple-tank")))
+    >>> import clepsydra as cl
+    >>> figure = roots_figure(cl.load("quadruple-tank").analysis)
     >>> figure.axes[0].get_xlabel()
     'real part [rad/s]'
     """

@@ -32,12 +32,10 @@ def scheme_blocks(controller: Controller, process: Process) -> list[Facts]:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing, decoupling="static")
-    >>> blocks = scheme_blocks(controller, analysis.operating_point.process)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant, decoupling="static")
+    >>> blocks = scheme_blocks(controller, plant.process)
     >>> blocks[0].title, blocks[0].facts[1][0]
     ('Decoupling of pump_1 (sum 1)', 'from pump_2')
     """

@@ -38,9 +38,8 @@ def directionality_figure(analysis: Analysis) -> Figure:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> figure = directionality_figure(analyse(load_process("quadruple-tank")))
+    >>> import clepsydra as cl
+    >>> figure = directionality_figure(cl.load("quadruple-tank").analysis)
     >>> [axes.get_ylabel() for axes in figure.axes]
     ['singular values [% per %]', 'condition number', '|relative gain|']
     """

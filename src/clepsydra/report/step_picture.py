@@ -53,9 +53,8 @@ def step_figure(analysis: Analysis) -> Figure:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> figure = step_figure(analyse(load_process("quadruple-tank")))
+    >>> import clepsydra as cl
+    >>> figure = step_figure(cl.load("quadruple-tank").analysis)
     >>> figure.axes[0].get_title(loc="left")
     'level_1 after pump_1 +1 V'
     """

@@ -99,9 +99,8 @@ def analysis_table(analysis: Analysis) -> RenderableType:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> import io
     >>> from rich.console import Console
     >>> console = Console(width=100, record=True, file=io.StringIO())

@@ -40,15 +40,10 @@ def trend_svg(run: Run, panels: Sequence[Panel], title: str, prefix: str) -> str
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.report.panels import controlled_panels
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
+    >>> plant = cl.load("quadruple-tank")
+    >>> run = cl.simulate(plant, cl.design.simc(plant), duration="1 min")
     >>> trend_svg(run, controlled_panels(run), "levels", "a").count("<title>levels</title>")
     1
     """

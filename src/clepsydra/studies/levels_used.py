@@ -24,12 +24,11 @@ def levels_used(run: Run, measurements: Sequence[str]) -> dict[str, tuple[float,
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.arrest_time import design_arrest_time
-    >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.loop.default_scenario import default_scenario
     >>> from clepsydra.loop.loop import Loop
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("equalisation-tank")).model
+    >>> model = cl.load("equalisation-tank").linear
     >>> run = Loop(design_arrest_time(model), model).run(default_scenario(model))
     >>> low, high = levels_used(run, ["level"])["basin.level"]
     >>> round(high + low, 9)  # the basin of 5 m is half full at first

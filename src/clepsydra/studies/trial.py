@@ -47,12 +47,11 @@ def tried(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.linear.linearise import linearise
     >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> controller = design_simc(analysis.model, analysis.pairing)
     >>> model = linearise(analysis.operating_point)
     >>> trial = tried(controller, analysis, model, default_scenario(analysis.model))

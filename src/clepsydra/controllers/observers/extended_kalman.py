@@ -68,10 +68,9 @@ class ExtendedKalman:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> equations = process_equations(analyse(load_process("three-tanks")).model)
+    >>> equations = process_equations(cl.load("three-tanks").linear)
     >>> observer = ExtendedKalman(equations, ("level_3",), (), 1, 0)
     >>> [signal.name for signal in observer.memory()][:4]
     ['estimate_1', 'estimate_2', 'estimate_3', 'covariance_1_1']

@@ -45,11 +45,9 @@ class StateSource(Protocol):
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.process.reader import load_process
-    >>> source: StateSource = MeasuredState(
-    ...     process_equations(analyse(load_process("averaging-tank")).model))
+    >>> source: StateSource = MeasuredState(process_equations(cl.load("averaging-tank").linear))
     >>> source.measurements
     ('concentration', 'volume')
     """
@@ -95,10 +93,9 @@ def sensors_of_states(equations: ProcessEquations | InputAffineEquations) -> dic
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.process.reader import load_process
-    >>> sensors_of_states(process_equations(analyse(load_process("averaging-tank")).model))
+    >>> sensors_of_states(process_equations(cl.load("averaging-tank").linear))
     {'tank.level': 'volume', 'tank.impurity': 'concentration'}
     """
     found: dict[str, str] = {}
@@ -125,10 +122,9 @@ def zero_and_slope(
     --------
     A sensor of 50 V/m:
 
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.process.reader import load_process
-    >>> equations = process_equations(analyse(load_process("quadruple-tank")).model)
+    >>> equations = process_equations(cl.load("quadruple-tank").linear)
     >>> _, slope = zero_and_slope(equations, "tank_1.level", "level_1")
     >>> [equations.used_in([slope])[0].value, slope.numel()]
     [50.0, 1]
@@ -154,10 +150,9 @@ class MeasuredState:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.process.reader import load_process
-    >>> MeasuredState(process_equations(analyse(load_process("quadruple-tank")).model)).measurements
+    >>> MeasuredState(process_equations(cl.load("quadruple-tank").linear)).measurements
     ('level_1', 'level_2', 'level_3', 'level_4')
     """
 

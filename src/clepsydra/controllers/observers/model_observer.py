@@ -39,10 +39,9 @@ class ModelObserver:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.linear.lie_derivatives import input_affine_equations
-    >>> from clepsydra.process.reader import load_process
-    >>> equations = input_affine_equations(analyse(load_process("quadruple-tank")).model)
+    >>> equations = input_affine_equations(cl.load("quadruple-tank").linear)
     >>> observer = ModelObserver(equations, equations.states, ("level_1", "level_2"),
     ...                          np.ones((4, 2), bool))
     >>> [signal.name for signal in observer.state()]

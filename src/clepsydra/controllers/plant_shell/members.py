@@ -73,11 +73,8 @@ def members_of(controller: Controller, settings: PlantShell, sampling_period: fl
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> members = members_of(design_simc(analysis.model, analysis.pairing), PlantShell(), 1.0)
+    >>> import clepsydra as cl
+    >>> members = members_of(cl.design.simc(cl.load("quadruple-tank")), PlantShell(), 1.0)
     >>> members.sensors[0].range, members.sources["range_low_1"]
     ((0.0, 10.0), 'range of level_1 in the process file')
     """

@@ -65,11 +65,8 @@ def shell_sources(controller: Controller) -> dict[str, str]:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> shelled = with_plant_shell(design_simc(analysis.model, analysis.pairing), 1.0)
+    >>> import clepsydra as cl
+    >>> shelled = with_plant_shell(cl.design.simc(cl.load("quadruple-tank")), 1.0)
     >>> shell_sources(shelled)["fail_safe_1"]
     'default: low limit of pump_1'
     """
@@ -116,11 +113,8 @@ def with_plant_shell(
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> shelled = with_plant_shell(design_simc(analysis.model, analysis.pairing), 1.0)
+    >>> import clepsydra as cl
+    >>> shelled = with_plant_shell(cl.design.simc(cl.load("quadruple-tank")), 1.0)
     >>> shelled.law.name, shelled.free_inputs, shelled.free_outputs
     ('multiloop_pi_with_shell', {'start': 0.0, 'acknowledge': 0.0}, ('watchdog',))
     """

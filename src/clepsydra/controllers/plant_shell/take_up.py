@@ -62,11 +62,8 @@ def take_up_scans(controller: Controller, sampling_period: float, safe: Sequence
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> take_up_scans(design_simc(analysis.model, analysis.pairing), 1.0, [0.0, 0.0])
+    >>> import clepsydra as cl
+    >>> take_up_scans(cl.design.simc(cl.load("quadruple-tank")), 1.0, [0.0, 0.0])
     1
     """
     settled = _Followed(controller, sampling_period)

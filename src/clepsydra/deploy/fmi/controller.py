@@ -49,11 +49,8 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> program = design_simc(analysis.model, analysis.pairing).program()
+    >>> import clepsydra as cl
+    >>> program = cl.design.simc(cl.load("quadruple-tank")).program()
     >>> model = controller_model(program, Origin("PI", "quadruple-tank", "SIMC", 1.0))
     >>> model.variables[0].name, model.outputs[0].name, model.reference("time_step")
     ('proportional_gain_1', 'manipulated_1', 25)

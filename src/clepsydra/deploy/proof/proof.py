@@ -178,7 +178,7 @@ def prove(
     >>> from clepsydra.program.program import Block, Operation, Program
     >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
     >>> program = Program("double_it", (), (Signal("u"),), (), (Signal("y"),), double)
-    >>> proof = prove([ProofItem("doubled", 1.0, program)])
+    >>> proof = prove([ProofItem("doubled", 1.0, program)], to=["st"])
     >>> proof.holds, proof.rows[0].verdict
     (True, 'equal')
     """

@@ -109,14 +109,12 @@ def print_test_project(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.deploy.process_program import process_program
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
     >>> text = print_test_project(
-    ...     controller.program(), process_program(analysis.operating_point, 1),
+    ...     controller.program(), process_program(plant.point, 1),
     ...     controller.input_wires | controller.output_wires, 1.0, dialect="matiec")
     >>> [line for line in text.splitlines() if "TASK" in line]
     ['    TASK sampling(INTERVAL := T#1s, PRIORITY := 0);']

@@ -39,14 +39,12 @@ class Check:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> check = Check(controller, analysis.model, default_scenario(analysis.model))
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> check = Check(controller, plant.linear, default_scenario(plant.linear))
     >>> own = FilteredPid(*(controller.values[f"{name}_1"]
     ...                     for name in ("proportional_gain", "integral_time")))
     >>> same = Applied("parallel", own, "measurement")

@@ -111,12 +111,10 @@ def standard_tunings(
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> tunings, refused = standard_tunings(controller, analysis.operating_point.process)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> tunings, refused = standard_tunings(controller, plant.process)
     >>> tunings[0].title, round(tunings[0].settings.integral_time, 3), refused
     ('level_1 by pump_1', 32.032, [])
     """

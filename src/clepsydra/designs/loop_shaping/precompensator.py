@@ -159,11 +159,9 @@ def precompensator_of(controller: Controller, model: LinearModel) -> Precompensa
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> found = precompensator_of(design_simc(analysis.model, analysis.pairing), analysis.model)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> found = precompensator_of(cl.design.simc(plant), plant.linear)
     >>> found.system.D.round(6).tolist()
     [[3.0, 0.0], [0.0, 3.0]]
     """

@@ -72,13 +72,11 @@ def shaped_plant(model: LinearModel, precompensator: Precompensator) -> ShapedPl
     --------
     Four tanks and two integrals:
 
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.loop_shaping.precompensator import precompensator_of
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> simc = design_simc(analysis.model, analysis.pairing)
-    >>> found = shaped_plant(analysis.model, precompensator_of(simc, analysis.model))
+    >>> plant = cl.load("quadruple-tank")
+    >>> simc = cl.design.simc(plant)
+    >>> found = shaped_plant(plant.linear, precompensator_of(simc, plant.linear))
     >>> len(found.system.A), round(found.crossover, 3)
     (6, 0.098)
     """

@@ -68,9 +68,8 @@ def largest_load(model: LinearModel, output: str, method: str) -> Load:
     --------
     A basin of 1000 m² whose sensor shows 5 m as 100 %:
 
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> load = largest_load(analyse(load_process("equalisation-tank")).model, "level", "by hand")
+    >>> import clepsydra as cl
+    >>> load = largest_load(cl.load("equalisation-tank").linear, "level", "by hand")
     >>> load.signal, round(load.rate, 9)
     ('inflow', 2.4e-05)
     """

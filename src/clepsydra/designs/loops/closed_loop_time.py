@@ -70,10 +70,9 @@ def design_by_time(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.pid_form import PidForm
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("equalisation-tank"))
+    >>> analysis = cl.load("equalisation-tank").analysis
     >>> together = MultiloopPid(analysis.model, analysis.pairing, PidForm(), "by hand")
     >>> loop = TimedLoop(lambda time: PidSettings(-100.0 / time, 4 * time), 1e3, "a guess")
     >>> design_by_time(together, [loop], 500.0, "By hand", "Models").values["integral_time_1"]

@@ -85,9 +85,8 @@ class MultiloopPid:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> loops = MultiloopPid(analysis.model, analysis.pairing, PidForm("PID"), "by hand")
     >>> [(loop.pair, loop.resting_input) for loop in loops.loops]
     [('level_1 by pump_1', 3.0), ('level_2 by pump_2', 3.0)]

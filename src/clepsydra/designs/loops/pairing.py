@@ -25,10 +25,8 @@ def checked_pairing(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("wet-well"))
-    >>> checked_pairing([("level", "duty")], analysis.model)
+    >>> import clepsydra as cl
+    >>> checked_pairing([("level", "duty")], cl.load("wet-well").linear)
     (('level',), ('duty',))
     """
     if pairing is None:

@@ -79,9 +79,8 @@ def design_by_rule(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("equalisation-tank"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("equalisation-tank").analysis
     >>> by_hand = PublishedRule("by hand", "ours", lambda *_: (PidSettings(-1.0, 9e4), "a guess"))
     >>> design_by_rule(analysis.model, analysis.pairing, by_hand, form=None,
     ...                as_published=True).notes

@@ -82,9 +82,8 @@ def modelled_pairs(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("eight-tanks"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("eight-tanks").analysis
     >>> _, (pair,) = modelled_pairs(analysis.model, analysis.pairing, None, "by hand")
     >>> pair.model.delay, round(pair.model.static_gain / 60, 4)
     (7, 3.08)

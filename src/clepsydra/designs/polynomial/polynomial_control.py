@@ -82,9 +82,8 @@ def design_polynomial(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("wet-well"))
+    >>> import clepsydra as cl
+    >>> analysis = cl.load("wet-well").analysis
     >>> controller = design_polynomial(analysis.model, analysis.pairing)
     >>> controller.name, controller.law.name
     ('2DOF polynomial, LQ', 'polynomial_control')

@@ -83,12 +83,10 @@ def sampled_loop(controller: Controller, model: LinearModel) -> SampledLoop:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> round(sampled_loop(controller, analysis.model).maximum_sensitivity, 3)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank-nonminimum-phase")
+    >>> controller = cl.design.simc(plant)
+    >>> round(sampled_loop(controller, plant.linear).maximum_sensitivity, 3)
     2.0
     """
     return SampledLoops(controller, model).at(controller.values)
@@ -99,11 +97,9 @@ def inputs_at_rest(controller: Controller, model: LinearModel) -> dict[str, floa
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> inputs = inputs_at_rest(design_simc(analysis.model, analysis.pairing), analysis.model)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> inputs = inputs_at_rest(cl.design.simc(plant), plant.linear)
     >>> inputs["time_step"], inputs["setpoint_1"] == inputs["measurement_1"]
     (1.0, True)
     """
@@ -128,12 +124,10 @@ class SampledLoops:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> loops = SampledLoops(controller, analysis.model)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> loops = SampledLoops(controller, plant.linear)
     >>> loops.at(controller.values | {"proportional_gain_1": -3.0}).is_stable
     False
     """

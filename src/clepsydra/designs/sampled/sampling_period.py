@@ -36,9 +36,8 @@ def check_sampling_period(model: LinearModel) -> float:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> check_sampling_period(analyse(load_process("quadruple-tank")).model)
+    >>> import clepsydra as cl
+    >>> check_sampling_period(cl.load("quadruple-tank").linear)
     1.0
     """
     process, rate = operating_point_of(model).process, fastest_rate(model)

@@ -47,11 +47,9 @@ def settling_times(
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> times = settling_times(design_simc(analysis.model, analysis.pairing), analysis.model)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> times = settling_times(cl.design.simc(plant), plant.linear)
     >>> round(times["level_1"])
     48
     """

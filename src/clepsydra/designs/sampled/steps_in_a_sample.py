@@ -33,10 +33,9 @@ def fastest_rate(equations: ProcessEquations) -> float:
     --------
     At 1 m³/s through a tank with a fiftieth of 4 m³:
 
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> round(fastest_rate(process_equations(analyse(load_process("averaging-tank")).model)), 3)
+    >>> round(fastest_rate(process_equations(cl.load("averaging-tank").linear)), 3)
     12.5
     """
     point = equations.point
@@ -80,10 +79,9 @@ def steps_in_a_sample(equations: ProcessEquations, method: str) -> tuple[int, in
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> steps_in_a_sample(process_equations(analyse(load_process("averaging-tank")).model), "LQI")
+    >>> steps_in_a_sample(process_equations(cl.load("averaging-tank").linear), "LQI")
     (3, 3)
     """
     period = equations.point.process.sampling_period

@@ -65,10 +65,9 @@ def with_loads(observed: ObservedProcess) -> ObservedProcess:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.states.observed_process import observed_process
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> seen = observed_process(analyse(load_process("wet-well")).model, None, "observer")
+    >>> seen = observed_process(cl.load("wet-well").linear, None, "observer")
     >>> [signal.name for signal in with_loads(seen).estimated]
     ['well.level', 'duty.actual', 'load at duty']
     """

@@ -49,10 +49,8 @@ def states_to_feed_back(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> observed, measured = states_to_feed_back(
-    ...     analyse(load_process("three-tanks")).model, None, "LQR")
+    >>> import clepsydra as cl
+    >>> observed, measured = states_to_feed_back(cl.load("three-tanks").linear, None, "LQR")
     >>> observed.measurements, measured
     (('level_1', 'level_2', 'level_3'), True)
     """
@@ -94,9 +92,8 @@ def feedback_controller(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> seen = observed_process(analyse(load_process("equalisation-tank")).model, None, "by hand")
+    >>> import clepsydra as cl
+    >>> seen = observed_process(cl.load("equalisation-tank").linear, None, "by hand")
     >>> gain = np.array([[-0.5]])  # a higher level asks for more outflow
     >>> controller = feedback_controller("by hand", seen, gain, np.ones(1), 60.0, None)
     >>> round(controller.values["precompensator_1_1"], 9) == controller.values["feedback_1_1"]

@@ -28,9 +28,8 @@ def measurements_of_states(model: LinearModel, method: str) -> tuple[str, ...]:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> measurements_of_states(analyse(load_process("quadruple-tank")).model, "LQI")
+    >>> import clepsydra as cl
+    >>> measurements_of_states(cl.load("quadruple-tank").linear, "LQI")
     ('level_1', 'level_2', 'level_3', 'level_4')
     """
     process = operating_point_of(model).process
@@ -52,9 +51,8 @@ def all_states_are_measured(model: LinearModel) -> bool:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> all_states_are_measured(analyse(load_process("eight-tanks")).model)
+    >>> import clepsydra as cl
+    >>> all_states_are_measured(cl.load("eight-tanks").linear)
     False
     """
     shown = operating_point_of(model).process.measured_state.values()
@@ -71,9 +69,8 @@ def with_outputs(model: LinearModel, measurements: tuple[str, ...]) -> LinearMod
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("quadruple-tank").linear
     >>> with_outputs(model, ("level_4",)).C
     array([[ 0.,  0.,  0., 50.]])
     """

@@ -15,11 +15,10 @@ def constant_values(source: StateSource) -> dict[str, float]:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.observers.measured_state import MeasuredState
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> model = cl.load("quadruple-tank").linear
     >>> len(constant_values(MeasuredState(process_equations(model))))
     4
     """
@@ -50,10 +49,9 @@ def output_values(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> equations = process_equations(analyse(load_process("quadruple-tank")).model)
+    >>> equations = process_equations(cl.load("quadruple-tank").linear)
     >>> output_values(equations, [30.0, 30.0], "none")["bias_1"]
     3.0
     """
@@ -76,10 +74,9 @@ def output_state(equations: ProcessEquations) -> dict[str, float]:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> output_state(process_equations(analyse(load_process("wet-well")).model))["integral_1"]
+    >>> output_state(process_equations(cl.load("wet-well").linear))["integral_1"]
     0.0
     """
     at = equations.point.as_dict()

@@ -42,9 +42,8 @@ class ObservedProcess:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> seen = observed_process(analyse(load_process("eight-tanks")).model, None, "Kalman filter")
+    >>> import clepsydra as cl
+    >>> seen = observed_process(cl.load("eight-tanks").linear, None, "Kalman filter")
     >>> len(seen.estimated), seen.measurements, seen.controlled
     (8, ('level_8',), (1,))
     """
@@ -94,9 +93,8 @@ def observed_process(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("quadruple-tank").linear
     >>> observed_process(model, None, "Kalman filter").measurements
     ('level_1', 'level_2')
     """

@@ -57,9 +57,8 @@ def lqi_controller(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("three-tanks")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("three-tanks").linear
     >>> levels = ("level_1", "level_2", "level_3")
     >>> gains = 1e-4 * np.ones((1, 3)), 1e-6 * np.ones((1, 1))
     >>> controller = lqi_controller("LQI, by hand", model, levels, *gains, [60.0], "none")
@@ -124,9 +123,8 @@ def state_feedback_controller(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("three-tanks")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("three-tanks").linear
     >>> levels = ("level_1", "level_2", "level_3")
     >>> gains = 1e-4 * np.ones((1, 3)), 1e-3 * np.ones((1, 1))
     >>> controller = state_feedback_controller("by hand", model, levels, *gains, 60.0)
@@ -178,10 +176,9 @@ def sensitivity_peak(controller: Controller, model: LinearModel) -> float:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.bryson import design_lqi
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank")).model
+    >>> model = cl.load("quadruple-tank").linear
     >>> round(sensitivity_peak(design_lqi(model), model), 2)
     1.07
     """

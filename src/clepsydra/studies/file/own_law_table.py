@@ -84,10 +84,9 @@ def read_own_law(table: TableReader, name: str, process: Process, folder: Path) 
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> import tempfile
-    >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.reader import load_process
     >>> code = '''inputs = ["measurement_1"]
     ... outputs = ["manipulated_1"]
     ... parameters = {"gain": 2.0}
@@ -99,12 +98,12 @@ def read_own_law(table: TableReader, name: str, process: Process, folder: Path) 
     ... manipulated = ["pump_1"]
     ... parameters = { gain = 0.5 }
     ... '''
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> plant = cl.load("quadruple-tank")
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     _ = (Path(folder) / "half.py").write_text(code)
     ...     table = TableReader(parse(text, "study.toml"), (), OWN_LAW_KEYS)
-    ...     own = read_own_law(table, "mine", analysis.operating_point.process, Path(folder))
-    >>> own.controller(analysis.model).values["gain"]
+    ...     own = read_own_law(table, "mine", plant.process, Path(folder))
+    >>> own.controller(plant.linear).values["gain"]
     0.5
     """
     expected, remedy = "the name of a Python file", 'write as in law = "my_law.py"'

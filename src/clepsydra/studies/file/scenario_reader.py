@@ -58,9 +58,8 @@ def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenar
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.process.document import parse
-    >>> from clepsydra.process.reader import load_process
     >>> text = b'''[scenario]
     ... duration = "6 h"
     ... [[scenario.setpoint]]
@@ -69,7 +68,7 @@ def read_scenario(general: TableReader, analysis: Analysis, seed: int) -> Scenar
     ... to = "60 %"
     ... '''
     >>> general = TableReader(parse(text, "study.toml"), (), None)
-    >>> scenario = read_scenario(general, analyse(load_process("equalisation-tank")), seed=1)
+    >>> scenario = read_scenario(general, cl.load("equalisation-tank").analysis, seed=1)
     >>> [(s.start, s.stop, round(s.size, 9)) for s in scenario.segments]
     [(600.0, 21600.0, 0.1)]
     """

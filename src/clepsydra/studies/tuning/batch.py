@@ -72,15 +72,13 @@ class BatchEvaluation:
     --------
     Twice the gain brings the IAE of a step of 0.1 V down from 0.74 V s to 0.39 V s:
 
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> at_rest = np.array([[analysis.operating_point.as_dict()[y] for y in controller.setpoints]])
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> at_rest = np.array([[plant.point.as_dict()[y] for y in controller.setpoints]])
     >>> setpoints = np.repeat(at_rest, 200, axis=0) + [0.1, 0.0]
     >>> step = Scenario(1.0, setpoints, np.zeros((200, 2)), np.zeros((200, 4)), (), 1)
-    >>> batch = BatchEvaluation(controller, analysis.model, [step], ["iae[level_1]"])
+    >>> batch = BatchEvaluation(controller, plant.linear, [step], ["iae[level_1]"])
     >>> batch.run({"proportional_gain_1": np.array([3.0, 6.0])}).scores["iae[level_1]"].round(2)
     array([0.74, 0.39])
     """

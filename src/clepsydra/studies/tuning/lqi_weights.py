@@ -60,10 +60,9 @@ class LqiWeights:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
+    >>> import clepsydra as cl
     >>> from clepsydra.studies.tuning.weighted_designs import lqi_by_bryson
-    >>> start = lqi_by_bryson(analyse(load_process("three-tanks")).model)
+    >>> start = lqi_by_bryson(cl.load("three-tanks").linear)
     >>> weights = LqiWeights(start)
     >>> list(weights.numbers)
     ['states.tank_3.level', 'inputs.feed', 'integrals.level_3']

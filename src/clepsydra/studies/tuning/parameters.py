@@ -118,11 +118,8 @@ class LawSpace:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> import clepsydra as cl
+    >>> controller = cl.design.simc(cl.load("quadruple-tank"))
     >>> space = LawSpace(controller, (TunedParameter("proportional_gain_1", 0.3, 30.0),))
     >>> space.start.round(6), space.values_at(np.array([0.25]))["proportional_gain_1"].round(6)
     (array([0.5]), array([0.948683]))
@@ -287,11 +284,8 @@ def around(
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> import clepsydra as cl
+    >>> controller = cl.design.simc(cl.load("quadruple-tank"))
     >>> (time,) = around(controller, ["integral_time_1"])
     >>> round(time.low, 3), round(time.high, 1), time.followers
     (3.203, 320.3, ('tracking_time_1',))

@@ -42,11 +42,9 @@ def resting_states(loop: Loop, values: Mapping[str, np.ndarray]) -> dict[str, np
     --------
     With a setpoint weight of 0.5 the integral must make up for half of K r = 3 × 6.13 V:
 
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> loop = Loop(design_simc(analysis.model, analysis.pairing), analysis.model)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> loop = Loop(cl.design.simc(plant), plant.linear)
     >>> states = resting_states(loop, {"setpoint_weight_1": np.array([1.0, 0.5])})
     >>> (states["integral_1"] - 3.0).round(3)
     array([0.   , 9.197])
@@ -80,14 +78,12 @@ def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from dataclasses import replace
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
     >>> halved = replace(controller, values={**controller.values, "setpoint_weight_1": 0.5})
-    >>> state = rested_elsewhere(Loop(controller, analysis.model), Loop(halved, analysis.model))
+    >>> state = rested_elsewhere(Loop(controller, plant.linear), Loop(halved, plant.linear))
     >>> round(state["integral_1"] - 3.0, 3)
     9.197
     """

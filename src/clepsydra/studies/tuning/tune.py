@@ -75,17 +75,15 @@ def tune(
     --------
     Two gains and two integral times of the quadruple tank, for the IAE of both levels:
 
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.process.reader import load_process
     >>> from clepsydra.studies.tuning.objective import minimax
     >>> from clepsydra.studies.tuning.parameters import around
-    >>> analysis = analyse(load_process("quadruple-tank-nonminimum-phase"))
-    >>> start = design_simc(analysis.model, analysis.pairing)
-    >>> found = tune(start, analysis.model, default_scenario(analysis.model),
+    >>> plant = cl.load("quadruple-tank-nonminimum-phase")
+    >>> start = cl.design.simc(plant)
+    >>> found = tune(start, plant.linear, default_scenario(plant.linear),
     ...              around(start, ["proportional_gain_1", "integral_time_1"], 3.0),
-    ...              minimax("iae[level_1]", "iae[level_2]"), limits=Limits(2.0), generations=5)
+    ...              minimax("iae[level_1]", "iae[level_2]"), limits=Limits(2.0), generations=1)
     >>> found.objective < 1.0, found.maximum_sensitivity < 2.00001
     (True, True)
     """

@@ -177,9 +177,8 @@ def weight_space(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> space = weight_space(lqi_by_bryson(analyse(load_process("three-tanks")).model))
+    >>> import clepsydra as cl
+    >>> space = weight_space(lqi_by_bryson(cl.load("three-tanks").linear))
     >>> [parameter.name for parameter in space.parameters]
     ['states.tank_3.level', 'inputs.feed']
     """
@@ -239,11 +238,10 @@ def usual_wear(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.bryson import design_lqi
-    >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("three-tanks")).model
+    >>> model = cl.load("three-tanks").linear
     >>> list(usual_wear(design_lqi(model), model, default_scenario(model)))
     ['feed']
     """

@@ -33,9 +33,8 @@ def lqi_by_bryson(
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> lqi_by_bryson(analyse(load_process("quadruple-tank")).model).controller.name
+    >>> import clepsydra as cl
+    >>> lqi_by_bryson(cl.load("quadruple-tank").linear).controller.name
     'LQI, Bryson'
     """
     found = weighed_lqi(model, maximum_errors, maximum_moves, anti_windup)
@@ -53,10 +52,9 @@ def lqi_of_weights(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from clepsydra.designs.states.quadratic_weights import diagonal_weights
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("three-tanks")).model
+    >>> model = cl.load("three-tanks").linear
     >>> weights = diagonal_weights(model, {"tank_3.level": 1.0}, {"feed": 1e6}, {"level_3": 1e-5})
     >>> lqi_of_weights(model, weights).controller.name
     'LQI, weights'

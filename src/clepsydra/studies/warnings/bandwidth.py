@@ -37,9 +37,8 @@ def blocking_zeros(model: LinearModel) -> list[ZeroDirection]:
 
     Examples
     --------
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> model = analyse(load_process("quadruple-tank-nonminimum-phase")).model
+    >>> import clepsydra as cl
+    >>> model = cl.load("quadruple-tank-nonminimum-phase").linear
     >>> [round(found.zero.real, 4) for found in blocking_zeros(model)]
     [0.0128]
     """
@@ -96,13 +95,11 @@ def bandwidth_in(response: LoopResponse, direction: np.ndarray) -> float | None:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
+    >>> import clepsydra as cl
     >>> from clepsydra.studies.warnings.loop_response import loop_response
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> round(bandwidth_in(loop_response(controller, analysis.model), np.array([1.0, 0.0])), 2)
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> round(bandwidth_in(loop_response(controller, plant.linear), np.array([1.0, 0.0])), 2)
     0.1
     """
     sizes = np.linalg.norm(np.einsum("i,kij->kj", direction.conj(), response.at_output), axis=1)

@@ -55,12 +55,11 @@ def warnings_before(
 
     Examples
     --------
+    >>> import clepsydra as cl
     >>> from dataclasses import replace
     >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
     >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
+    >>> analysis = cl.load("quadruple-tank").analysis
     >>> controller = design_simc(analysis.model, analysis.pairing)
     >>> scenario = default_scenario(analysis.model)
     >>> warnings_before(analysis, analysis.model, controller, scenario)

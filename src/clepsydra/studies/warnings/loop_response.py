@@ -120,12 +120,10 @@ def loop_response(controller: Controller, model: LinearModel) -> LoopResponse:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> response = loop_response(controller, analysis.model)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> response = loop_response(controller, plant.linear)
     >>> round(float(np.degrees(response.channels["level_1"].phase_margin[0])), 1)
     79.2
     """

@@ -61,13 +61,11 @@ def resting_after(controller: Controller, model: LinearModel, scenario: Scenario
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
+    >>> import clepsydra as cl
     >>> from clepsydra.loop.default_scenario import default_scenario
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> first = resting_after(controller, analysis.model, default_scenario(analysis.model))[0]
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> first = resting_after(controller, plant.linear, default_scenario(plant.linear))[0]
     >>> {name: round(value, 2) for name, value in first.values.items() if "pump" in name}
     {'pump_1': 3.54, 'pump_2': 2.73}
     """

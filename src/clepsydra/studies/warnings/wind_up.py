@@ -45,12 +45,10 @@ def winds_up(controller: Controller, process: Process) -> tuple[int, ...]:
 
     Examples
     --------
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> analysis = analyse(load_process("quadruple-tank"))
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> winds_up(controller, analysis.operating_point.process)
+    >>> import clepsydra as cl
+    >>> plant = cl.load("quadruple-tank")
+    >>> controller = cl.design.simc(plant)
+    >>> winds_up(controller, plant.process)
     ()
     """
     found: set[int] = set()
