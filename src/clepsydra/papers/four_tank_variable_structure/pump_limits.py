@@ -78,7 +78,7 @@ def _shares(runs: dict[str, Filling], least: float = SATURATED) -> list[float]:
 
 def _returns(runs: dict[str, dict[str, Filling]]) -> Row:
     shares = {reading: _shares(found) for reading, found in runs.items()}
-    counts = " and ".join(f"{len(each)} {reading}" for reading, each in shares.items())
+    counts = " and ".join(f"{len(each)} of them {reading}" for reading, each in shares.items())
     return claimed(
         "section 4, feature (3)",
         "time of the pumps at a limit, from 4 to 20 V",
@@ -89,8 +89,8 @@ def _returns(runs: dict[str, dict[str, Filling]]) -> Row:
             f"{reading} {min(each):.2f} to {max(each):.2f} times as long"
             for reading, each in shares.items()
         ),
-        reason="Time at a limit against that of conventional PID, with a limiter alone: two pumps "
-        f"at {len(LIMITS)} limits, in {counts} of which {2 * len(LIMITS)} cases it stands at one "
+        reason="Time at a limit against that of conventional PID, with a limiter alone. Two pumps "
+        f"at {len(LIMITS)} limits are {2 * len(LIMITS)} cases: in {counts} it stands at a limit "
         f"for {SATURATED:g} s or more; in the others it is never longer with variable structure. "
         f"Johansson's PI controllers in volts, or times E for ν{_SETTINGS} That the level comes "
         "sooner is not said there.",
