@@ -1,9 +1,12 @@
 """What holds for the law of every design: its limits, finite states, changes of mode."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scan_rig import ScannedLaw, at_rest, designed
 
+from clepsydra import Kernel, Signal
 from clepsydra.studies.designs import DESIGNS
 
 #: Where a design applies, if not to the quadruple tank.
@@ -22,7 +25,7 @@ OFTEN = ("PI, SIMC", "LQI, Bryson", "2DOF polynomial, LQ", "Fuzzy PI")
 EVERY = [
     pytest.param(name, marks=[] if name in OFTEN else [pytest.mark.thorough]) for name in DESIGNS
 ]
-SCANS = 1_000
+SCANS = 2_000
 #: What a broken channel delivers.
 BROKEN = (np.nan, np.inf, -np.inf, 1e301, -1e301, -0.0, 5e-324)
 
@@ -53,6 +56,31 @@ def whatever_comes(signal, random, period):
     return np.where(spoilt, random.choice(BROKEN, SCANS), values)
 
 
+def tuned(signal, random):
+    """Values of a parameter that somebody changes; another limit would be another test."""
+    value = signal.initial
+    if "limit" in signal.name:
+        return np.full(SCANS, value)
+    if signal.kind != "real":
+        low, high = max(signal.low, value - 2.0), min(signal.high, value + 2.0)
+        return held(random, 100.0, lambda n: np.round(random.uniform(low, high, n)))
+    return value * held(random, 100.0, lambda n: random.uniform(0.99, 1.01, n))
+
+
+def recorded(program, inputs):
+    """Outputs and states by the kernel, which gets parameters as inputs [scans, …]."""
+    shown = tuple(Signal(f"{entry.name}.kept") for entry in program.state)
+    block = replace(program.block, results=program.block.results + program.next_state)
+    whole = replace(
+        program,
+        inputs=program.inputs + program.parameters,
+        parameters=(),
+        outputs=program.outputs + shown,
+        block=block,
+    )
+    return Kernel(whole).run(SCANS, inputs=inputs).record_of(0)
+
+
 def manipulated(controller):
     return [s for s in controller.law.outputs if s.name.startswith("manipulated_")]
 
@@ -60,21 +88,15 @@ def manipulated(controller):
 @pytest.mark.parametrize("name", EVERY)
 def test_outputs_stay_within_limits_and_all_is_finite_whatever_comes_in(name):
     controller, plant = designed(name, APPLIES_TO.get(name, "quadruple-tank"))
-    random, period = np.random.default_rng(3), plant.process.sampling_period
-    scanned = ScannedLaw(controller, period)
-    inputs = {s.name: whatever_comes(s, random, period) for s in scanned.law.inputs}
-    # Somebody tunes all but the limits, whose change would be another limit.
-    tuned = {
-        name: value * held(random, 100.0, lambda n: random.uniform(0.99, 1.01, n))
-        for name, value in controller.values.items()
-        if "limit" not in name
-    }
-    for k in range(SCANS):
-        scanned.values |= {name: float(values[k]) for name, values in tuned.items()}
-        outputs = scanned.scan(**{name: float(values[k]) for name, values in inputs.items()})
-        for signal in scanned.law.outputs:
-            assert signal.low <= outputs[signal.name] <= signal.high, (k, signal.name)
-        assert all(map(np.isfinite, scanned.state.values())), k
+    program, random = controller.program(), np.random.default_rng(3)
+    inputs = {
+        signal.name: whatever_comes(signal, random, plant.process.sampling_period)
+        for signal in program.inputs
+    } | {signal.name: tuned(signal, random) for signal in program.parameters}
+    found = recorded(program, inputs)
+    assert np.isfinite(found).all()
+    for signal, values in zip(program.outputs, found.T, strict=False):
+        assert signal.low <= values.min() and values.max() <= signal.high, signal.name
 
 
 @pytest.mark.parametrize("mode", ["manual", "tracking"])
