@@ -103,6 +103,7 @@ def test_identify_and_retune(printed):
     assert believed / found == pytest.approx(0.8, rel=0.01)
 
 
+@pytest.mark.thorough
 def test_robustness_by_hand(printed):
     """A wider tank is slower, so that the same controller crosses over lower."""
     text = printed("robustness_by_hand")
@@ -111,6 +112,7 @@ def test_robustness_by_hand(printed):
     assert errors == sorted(errors)
 
 
+@pytest.mark.thorough
 def test_lqi_with_weights(printed):
     """A dearer error of level_1 becomes smaller, and the cheaper one of level_2 larger."""
     text = printed("lqi_with_weights")

@@ -170,6 +170,7 @@ def test_study_shows_a_ranked_table_that_fits_a_terminal(command, two):
     check_table(command("study", "two.toml", "-o", str(out)), out, "two", ("PI, SIMC", "by hand"))
 
 
+@pytest.mark.thorough
 def test_without_a_folder_the_current_one_is_used_and_the_seed_is_an_option(command, two):
     status, output, _ = command("study", "two.toml", "--json", "--seed", "5")
     assert status == 0
@@ -208,7 +209,7 @@ PHASES = {
 }
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [NAMES[0], pytest.param(NAMES[1], marks=pytest.mark.thorough)])
 def test_analyse_prints_johanssons_closed_forms(command, tmp_path, name):
     status, output, _ = command("analyse", name, "--json")
     assert status == 0

@@ -107,6 +107,7 @@ def test_a_process_and_a_controller_become_fmus(command, version):
     assert len(list(Path().glob("*.fmu"))) == 3
 
 
+@pytest.mark.thorough
 def test_the_tuning_goes_to_screen_and_file(command):
     status, out, _ = command("export", *PI, "--to", "tuning")
     assert status == 0 and "KP = 3 %/%" in Path(f"{NAME}_tuning.md").read_text("utf-8")
@@ -177,6 +178,7 @@ def test_an_option_without_effect_is_refused(command, tmp_path, arguments):
     assert status == 2 and "leave it out" in error and not list(tmp_path.iterdir())
 
 
+@pytest.mark.thorough
 def test_a_tank_that_real_cannot_hold_is_left_out_and_the_block_is_written(command, tmp_path):
     """The area of a cone's tip is bounded by a number far below those of REAL."""
     Path("cone.toml").write_text(CONE, "utf-8")
@@ -188,6 +190,7 @@ def test_a_tank_that_real_cannot_hold_is_left_out_and_the_block_is_written(comma
     assert {path.name for path in tmp_path.iterdir()} == {"cone.toml", "cone_pi_simc.st"}
 
 
+@pytest.mark.thorough
 def test_a_period_that_time_cannot_hold_is_refused(command, tmp_path):
     Path("cone.toml").write_text(CONE.replace('"1 s"', '"1000.5 ms"'), "utf-8")
     status, _, error = command("export", "cone.toml", "--controller", "PI, SIMC", "--to", "st")

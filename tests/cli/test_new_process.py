@@ -30,6 +30,7 @@ def test_a_variant_that_is_not_there_leaves_nothing(command, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.thorough
 def test_an_edit_that_a_default_variant_overrides_is_reported(command, tmp_path):
     command("new", "mine", "--from", "laboratory-four-tanks")
     status, output, _ = command("analyse", "mine.toml", "--json")

@@ -63,6 +63,7 @@ def test_json_is_what_the_function_returns(simulated, tmp_path):
     assert names(tmp_path) == ["quadruple-tank-simulation.csv", "quadruple-tank-simulation.html"]
 
 
+@pytest.mark.thorough
 def test_without_input_it_says_that_nothing_moves(simulated):
     status, output, _ = simulated("quadruple-tank")
     assert status == 0

@@ -77,8 +77,8 @@ def test_it_is_at_rest_with_other_settings(plant, pi, settings):
     "design",
     [
         cl.design.simc,
-        pytest.param(cl.design.lqi, marks=pytest.mark.thorough),
-        cl.design.lqi_kalman,
+        cl.design.lqi,
+        pytest.param(cl.design.lqi_kalman, marks=pytest.mark.thorough),
     ],
 )
 def test_it_is_at_rest_on_another_plant_with_its_signals(plant, design):

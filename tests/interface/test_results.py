@@ -115,6 +115,7 @@ def test_parameters_of_a_plant_are_found_again(plant, tmp_path):
     assert error.value.place == "manipulated"
 
 
+@pytest.mark.thorough
 def test_an_export_writes_what_it_says(plant, pi, tmp_path):
     bold = pi.with_values({"level_1": {"K": 6.0}}, name="bold")
     written = cl.export(bold, plant, tmp_path / "plc", to="st", fail_safe={"pump_1": 2.0})

@@ -97,6 +97,7 @@ def test_a_profile_of_a_file_moves_the_inputs(plant, tmp_path):
     assert np.array_equal(run.values["tank_1.level"], same.values["tank_1.level"])
 
 
+@pytest.mark.thorough
 def test_tables_and_files_hold_the_trajectories(plant, pi, tmp_path):
     pandas = pytest.importorskip("pandas")
     for run in (cl.simulate(plant, pi), cl.simulate(plant, duration=60)):

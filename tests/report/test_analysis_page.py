@@ -138,6 +138,7 @@ def test_tables(late):
     assert len(hankel_grid(late).rows) >= 2
 
 
+@pytest.mark.thorough
 def test_an_integrator_is_named_among_the_hankel_values():
     grid = hankel_grid(cl.load("averaging-tank").analysis)
     assert "none for the pole at 0 rad/s" in grid.rows[-1][1]

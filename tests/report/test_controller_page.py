@@ -8,11 +8,11 @@ from clepsydra.report.controller_page import controller_page
 STUDY = """
 process = "wet-well:flow-meters"
 [scenario]
-duration = "10 min"
+duration = "1 min"
 noise = false
 [[scenario.setpoint]]
 signal = "level"
-at = "2 min"
+at = "10 s"
 by = "2 %"
 [controllers.cascade.loops.level]
 measurement = "level"

@@ -307,7 +307,13 @@ def random_graph(random):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ["quadruple-tank", "quadruple-tank-nonminimum-phase"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "quadruple-tank",
+        pytest.param("quadruple-tank-nonminimum-phase", marks=pytest.mark.thorough),
+    ],
+)
 def test_the_quadruple_tank_looks_like_the_picture_in_the_paper(name):
     process = load_process(name)
     bodies = route(flow_graph(process), {}).placement.bodies

@@ -122,15 +122,10 @@ def test_colours_in_tables_are_those_of_the_pictures(text):
     assert text.count('stroke="#E69F00"') >= 3  # its trend too
 
 
-@pytest.mark.thorough
-def test_two_reports_of_one_result_are_equal(result, text):
-    assert report_text(result) == text
-
-
-def test_a_report_is_written_whole(result, tmp_path):
+def test_a_second_report_is_equal_and_written_whole(result, text, tmp_path):
     path = tmp_path / "report.html"
     write_report(result, path)
-    assert path.read_text("utf-8") == report_text(result)
+    assert path.read_text("utf-8") == text
     assert [entry.name for entry in tmp_path.iterdir()] == ["report.html"]
 
 

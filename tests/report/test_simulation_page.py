@@ -116,6 +116,7 @@ def rgb(colour):
     return tuple(int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
 
 
+@pytest.mark.thorough
 def test_the_page_says_all_of_it(trips):
     page = simulation_text(trips.plan, trips)
     assert "with pump_1 to 90 % at 5 s" in page and trust_sentence(trips) in page

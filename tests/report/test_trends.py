@@ -154,6 +154,7 @@ def test_drawing_leaves_the_settings_of_the_caller_alone(run):
     assert dict(matplotlib.rcParams) == before
 
 
+@pytest.mark.thorough
 def test_long_names_leave_room_for_the_name_of_a_limit(tmp_path):
     text = catalogue_file("quadruple-tank").read_text("utf-8")
     for short in ("tank_1", "level_1"):
