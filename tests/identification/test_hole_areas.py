@@ -44,6 +44,7 @@ def test_several_records_agree_on_the_holes():
     assert {name: 1e4 * area for name, area in found.items()} == pytest.approx(HOLES, rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_a_transient_without_noise():
     steps = {"0 s": (5.0, 6.0), "50 s": (7.0, 3.0)}
     events = [

@@ -52,12 +52,12 @@ def test_names_of_a_process_have_its_units(tmp_path):
 
 
 def test_what_simulate_writes_is_read_number_by_number(tmp_path):
-    plant = cl.load("laboratory-four-tanks")
-    run = cl.simulate(plant, None, [cl.step("pump_1", to="50 %", at="2 s")], duration="10 s")
+    plant = cl.load("quadruple-tank")
+    run = cl.simulate(plant, None, [cl.step("pump_1", to="3.2 V", at="2 s")], duration="40 s")
     run.save(tmp_path / "run.csv")
     for process in (None, run.process):
         record = read_record(tmp_path / "run.csv", process)
-        assert record.period == pytest.approx(0.05, rel=1e-12)
+        assert record.period == pytest.approx(1.0, rel=1e-12)
         assert [s.name for s in record.signals] == [s.name for s in run.signals]
         for signal in run.signals:
             assert np.array_equal(record.values[signal.name], run.values[signal.name])

@@ -50,6 +50,7 @@ def test_a_pump_with_a_curve_lifts_what_its_curve_gives() -> None:
     assert (plant.running["duty"][0], plant.running["standby"][0]) == (1.0, 0.0)
 
 
+@pytest.mark.thorough
 def test_a_standby_pump_runs_when_its_switch_has_started_it() -> None:
     rain = [cl.step("inflow", to="60 l/s", at="1 min")]
     run = cl.simulate(cl.load("wet-well"), None, rain, duration="15 min")

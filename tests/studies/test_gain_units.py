@@ -24,6 +24,7 @@ def proportional_gain(folder, process, gain, output="pump_1", measurement="level
     return request.controllers[0].make(request.analysis, model).values["proportional_gain_1"]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("process", "gain", "expected"),
     [

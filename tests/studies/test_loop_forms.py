@@ -53,6 +53,7 @@ def test_forms_of_a_loop_are_at_rest_and_run(made, keys, form, parameters):
     assert np.all(np.isfinite(run.values["basin.level"]))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("keys", "form"),
     [

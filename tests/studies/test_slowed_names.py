@@ -46,6 +46,7 @@ def test_what_the_user_asked_for_is_not_slowed(result):
     assert (slow.title, slow.slowed) == ("slow", 1.0)
 
 
+@pytest.mark.thorough
 def test_table_report_and_json_have_the_title(result, tmp_path):
     title = controllers(result)["fast"].title
     assert title in str(result)

@@ -183,7 +183,7 @@ def test_no_pair_of_weights_on_a_grid_is_better(vessel):
     design = LqiWeights(start)
     state, moved, _ = design.numbers
     assert list(found.tuned) == [state, moved]
-    factors = np.logspace(-3, 3, 31)
+    factors = np.logspace(-3, 3, 21)
     laws = [
         design.values(
             design.numbers | {state: a * design.numbers[state], moved: b * design.numbers[moved]}

@@ -78,7 +78,7 @@ def tuned(model: LinearModel, objective: Objective, **options) -> TuningResult:
     return tune(controller(), model, step_of_volume(), [GAIN], objective, **options)
 
 
-@pytest.mark.parametrize("generations", [0, 40])
+@pytest.mark.parametrize("generations", [0, 20])
 def test_the_gain_of_least_ise_is_that_of_the_closed_form(model, generations):
     found = tuned(model, weighted_sum({"ise[volume]": 1.0}), generations=generations)
     best = (3.0 - math.sqrt(3.0)) / PERIOD
@@ -108,7 +108,7 @@ def test_the_gain_of_least_ise_is_that_of_the_closed_form(model, generations):
     ],
 )
 def test_a_limit_binds_exactly(model, limits, gain, said):
-    for generations in (0, 20):
+    for generations in (0, 10):
         found = tuned(model, minimax("ise[volume]"), limits=limits, generations=generations)
         assert found.controller.values["proportional_gain_1"] == pytest.approx(gain, rel=3e-6)
         assert found.binding == (said,)
@@ -131,7 +131,9 @@ def test_what_is_reported_is_that_of_the_rounded_controller_that_runs(model):
 
 def test_a_bound_that_binds_is_named(model):
     narrow = dataclasses.replace(GAIN, high=9.0)
-    found = tune(controller(), model, step_of_volume(), [narrow], minimax("ise[volume]"))
+    found = tune(
+        controller(), model, step_of_volume(), [narrow], minimax("ise[volume]"), generations=5
+    )
     assert found.controller.values["proportional_gain_1"] == pytest.approx(9.0, rel=1e-12)
     # In shares of 4 m³ and 1 m³/s, the ranges of volume and inflow.
     assert found.binding == ("volume.gain at most 36 %/%",)
@@ -164,7 +166,7 @@ def test_the_minimax_of_opposing_scores_stands_where_they_are_equal(model):
     """A higher gain lowers ISE and raises the total variation; they are made to meet at 4."""
     meeting = 4.0
     weights = {"ise[volume]": 1.0 / ise(meeting), "total_variation[inflow]": 0.5 / meeting / STEP}
-    for generations in (0, 30):
+    for generations in (0, 10):
         found = tuned(model, Objective("minimax", weights, relative=False), generations=generations)
         assert found.controller.values["proportional_gain_1"] == pytest.approx(meeting, rel=1e-7)
         parts = [weight * found.scores[name] for name, weight in weights.items()]
@@ -173,7 +175,7 @@ def test_the_minimax_of_opposing_scores_stands_where_they_are_equal(model):
 
 def test_a_weighted_sum_is_least_where_its_slope_is_zero(model):
     weights = {"ise[volume]": 1e4, "total_variation[inflow]": 1.0}
-    found = tuned(model, weighted_sum(weights, relative=False))
+    found = tuned(model, weighted_sum(weights, relative=False), generations=5)
     gain = found.controller.values["proportional_gain_1"]
     gains = np.linspace(gain - 0.5, gain + 0.5, 5)
     costs = [1e4 * ise(k) + 2 * k * STEP for k in gains]
@@ -186,7 +188,9 @@ def test_a_weighted_sum_is_least_where_its_slope_is_zero(model):
 def test_over_several_scenarios_integrals_add_up_and_the_largest_overshoot_counts(model):
     steps = [step_of_volume(), step_of_volume(2 * STEP, 150)]
     limits = Limits(overshoot=10.0)
-    found = tune(controller(), model, steps, [GAIN], minimax("ise[volume]"), limits=limits)
+    found = tune(
+        controller(), model, steps, [GAIN], minimax("ise[volume]"), limits=limits, generations=5
+    )
     assert found.start_scores["ise[volume]"] == pytest.approx(5 * ise(3.0), rel=INTEGRAL)
     assert found.scores["overshoot[volume]"] == pytest.approx(10.0, rel=1e-4)
 
@@ -248,17 +252,23 @@ def same(one: TuningResult, other: TuningResult) -> bool:
     )
 
 
+OPTIONS = {"limits": Limits(1.5), "generations": 10, "front": (1.2,), "seed": 4}
+
+
+@pytest.fixture(scope="module")
+def unbroken(model):
+    """A tuning without a break, and how many batches it took."""
+    count = Stop(10**9)
+    return tuned(model, minimax("ise[volume]"), **OPTIONS, progress=count), len(count.stages)
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("share", [0.15, 0.4, 0.6, 0.8])
-def test_a_resumed_tuning_ends_as_one_without_a_break(model, tmp_path, share):
-    options = {
-        "limits": Limits(1.5), "generations": 10, "front": (1.2,), "seed": 4,
-    }  # fmt: skip
-    count = Stop(10**9)
-    whole = tuned(model, minimax("ise[volume]"), **options, progress=count)
+def test_a_resumed_tuning_ends_as_one_without_a_break(model, unbroken, tmp_path, share):
+    whole, batches = unbroken
     path = tmp_path / "state.json"
-    stop = Stop(round(share * len(count.stages)))
-    broken = tuned(model, minimax("ise[volume]"), **options, state_file=path, progress=stop)
+    stop = Stop(round(share * batches))
+    broken = tuned(model, minimax("ise[volume]"), **OPTIONS, state_file=path, progress=stop)
     assert broken.interrupted and not whole.interrupted
     assert broken.evaluations < whole.evaluations
     # The best so far is kept, and it is the best of what was looked at.
@@ -267,11 +277,11 @@ def test_a_resumed_tuning_ends_as_one_without_a_break(model, tmp_path, share):
     assert "stopped before the end" in broken.controller.notes[-1]
     kept = len(json.loads(path.read_text())["candidates"])
     assert 0 < kept < whole.evaluations
-    resumed = tuned(model, minimax("ise[volume]"), **options, state_file=path)
+    resumed = tuned(model, minimax("ise[volume]"), **OPTIONS, state_file=path)
     assert same(resumed, whole) and not resumed.interrupted
     # Once it is done nothing is left to simulate.
     assert len(json.loads(path.read_text())["candidates"]) == whole.evaluations
-    assert same(tuned(model, minimax("ise[volume]"), **options, state_file=path), whole)
+    assert same(tuned(model, minimax("ise[volume]"), **OPTIONS, state_file=path), whole)
 
 
 def test_an_interruption_before_the_start_is_known_is_passed_on(model):

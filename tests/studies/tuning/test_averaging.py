@@ -44,6 +44,7 @@ def test_a_study_tunes_a_basin_for_the_scores_that_rank_it():
     assert "basin.level at most 4.47 m" in tuned.tuning.binding
 
 
+@pytest.mark.thorough
 def test_over_several_scenarios_the_largest_outflow_change_counts(basin, controller):
     one = default_scenario(basin.linear, seed=1)
     loads = one.disturbances.copy()
@@ -55,6 +56,7 @@ def test_over_several_scenarios_the_largest_outflow_change_counts(basin, control
     assert both[SCORES[0]][0] == pytest.approx(alone[0][SCORES[0]], rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_a_limit_of_a_level_binds_where_the_level_stands_on_it(basin, controller):
     scenario = default_scenario(basin.linear)
     gain = controller.values["proportional_gain_1"]

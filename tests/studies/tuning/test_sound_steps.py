@@ -33,6 +33,7 @@ def scenario(plant: cl.Plant) -> Scenario:
     return Scenario(PERIOD, setpoints, none, np.zeros((SAMPLES, 4)), (), 1)
 
 
+@pytest.mark.thorough
 def test_the_steps_of_a_tuning_are_halved_until_the_start_is_sound(plant, monkeypatch):
     """The mark of the start once hid the same mark of every candidate."""
     controller, model = cl.design.simc(plant), plant.linear

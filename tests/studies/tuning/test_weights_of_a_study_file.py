@@ -74,6 +74,7 @@ integral_gain_1_1 = ["1e-7 m^3/(s^2 m)", "0.1 m^3/(s^2 m)"]
     assert list(candidate.tuning.tuned) == ["integral_gain_1_1"]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("line", "said"),
     [
