@@ -85,12 +85,14 @@ def distance_to_uncontrollability(A: np.ndarray, B: np.ndarray) -> Distance:
 
     starts = np.linalg.eigvals(A).astype(complex)
     value, root = _descend(sizes, starts)
+    rounding = 1e-14 * float(np.linalg.norm(np.hstack([A, B]), 2))
+    if value <= rounding:  # nothing below it could be told from it
+        return Distance(value, 0.0, root)
     # Where σ_min(A - s I, B) ≤ d, s lies within d of the numerical range of A.
     real = np.linalg.eigvalsh((A + A.T) / 2.0)
     turning = float(np.linalg.norm((A - A.T) / 2.0, 2))
     low, high = real[0] - value, real[-1] + value
     top = turning + value
-    rounding = 1e-14 * float(np.linalg.norm(np.hstack([A, B]), 2))
     side = max((high - low) / 8.0, top / 8.0, rounding)
     reals, imaginaries = np.arange(low, high + side, side), np.arange(0.0, top + side, side)
     centres = (reals[:, None] + 1j * imaginaries).ravel() + (1.0 + 1.0j) * side / 2.0

@@ -38,8 +38,8 @@ class Reach:
     Examples
     --------
     >>> import clepsydra as cl
-    >>> len(cl.load("averaging-tank").analysis.reach.controllability)
-    2
+    >>> len(cl.load("wet-well").analysis.reach.controllability)
+    3
     """
 
     controllability: list[ModeMargin]

@@ -193,8 +193,8 @@ def reach_grid(analysis: Analysis) -> Grid | None:
     Examples
     --------
     >>> import clepsydra as cl
-    >>> reach_grid(cl.load("averaging-tank").analysis).rows[0][1]
-    'tank.level'
+    >>> reach_grid(cl.load("wet-well").analysis).rows[0][1]
+    'well.level'
     """
     if analysis.reach is None:
         return None
@@ -219,7 +219,7 @@ def hankel_grid(analysis: Analysis) -> Grid | None:
     Examples
     --------
     >>> import clepsydra as cl
-    >>> len(hankel_grid(cl.load("averaging-tank").analysis).rows)
+    >>> len(hankel_grid(cl.load("wet-well").analysis).rows)
     2
     """
     if analysis.reach is None:
@@ -258,7 +258,7 @@ def further_grids(analysis: Analysis) -> list[Grid]:
     Examples
     --------
     >>> import clepsydra as cl
-    >>> [grid.title.split()[0] for grid in further_grids(cl.load("averaging-tank").analysis)]
+    >>> [grid.title.split()[0] for grid in further_grids(cl.load("wet-well").analysis)]
     ['Over', 'Modes:', 'Hankel']
     """
     grids = [
