@@ -86,11 +86,13 @@ def test_position_and_increment(scanned):
     assert found["manipulated_2"] == pytest.approx(expected, rel=1e-14)
 
 
-def test_the_dead_zone_takes_its_width_off(scanned):
-    for error, effective in ((0.3, 0.0), (-0.3, 0.0), (1.0, 0.6), (-1.0, -0.6)):
-        found = scanned(dead_zone_1=0.4).scan(**GOOD | {"setpoint_1": error})
-        expected = centroid(scanned.system, 0, 0.5 * effective)
-        assert found["manipulated_1"] == pytest.approx(expected, rel=1e-14)
+@pytest.mark.parametrize(
+    ("error", "effective"), [(0.3, 0.0), (-0.3, 0.0), (1.0, 0.6), (-1.0, -0.6)]
+)
+def test_the_dead_zone_takes_its_width_off(scanned, error, effective):
+    found = scanned(dead_zone_1=0.4).scan(**GOOD | {"setpoint_1": error})
+    expected = centroid(scanned.system, 0, 0.5 * effective)
+    assert found["manipulated_1"] == pytest.approx(expected, rel=1e-14)
 
 
 def test_the_filtered_rate_follows_a_ramp_and_the_error_of_its_step_response(scanned):

@@ -105,12 +105,12 @@ def resting_override(selection="low", **changed):
 
 
 @pytest.mark.parametrize(("selection", "pick"), [("low", min), ("high", max)])
-def test_a_selector_takes_the_lowest_or_the_highest(selection, pick):
-    for level in (4.6, 5.0, 5.3):
-        for flow in (6.0, 8.0, 9.5):
-            asked = 50.0 + 10.0 * (5.0 - level), 50.0 + 2.0 * (8.0 - flow)
-            found = resting_override(selection).moved(measurement_1=level, measurement_2=flow)
-            assert found == pytest.approx(pick(asked), abs=BUMP)
+@pytest.mark.parametrize("level", [4.6, 5.0, 5.3])
+@pytest.mark.parametrize("flow", [6.0, 8.0, 9.5])
+def test_a_selector_takes_the_lowest_or_the_highest(selection, pick, level, flow):
+    asked = 50.0 + 10.0 * (5.0 - level), 50.0 + 2.0 * (8.0 - flow)
+    found = resting_override(selection).moved(measurement_1=level, measurement_2=flow)
+    assert found == pytest.approx(pick(asked), abs=BUMP)
 
 
 @pytest.mark.parametrize(("selection", "side"), [("low", 1.0), ("high", -1.0)])
@@ -164,26 +164,20 @@ def test_a_loop_whose_sensor_fails_is_passed_over():
 # --- split range ------------------------------------------------------------------------------
 
 
-def test_a_split_range_by_hand():
+@pytest.mark.parametrize(
+    ("value", "pump", "valve"),
+    [(0, 100, 0), (10, 80, 0), (25, 50, 0), (50, 0, 0), (60, 0, 20), (75, 0, 50), (100, 0, 100)],
+)
+def test_a_split_range_by_hand(value, pump, valve):
     """0 … 50 % closes the pump, 50 … 100 % opens the valve."""
-    table = {
-        0: (100, 0),
-        10: (80, 0),
-        25: (50, 0),
-        50: (0, 0),
-        60: (0, 20),
-        75: (0, 50),
-        100: (0, 100),
-    }
-    for value, (pump, valve) in table.items():
-        scheme = Scans(
-            split_range(), loop_settings(1, 10.0, 60.0), setpoint_1=5.0, measurement_1=5.0,
-            tracking_1=100.0, tracking_2=0.0, time_step=STEP,
-        )  # fmt: skip
-        # The pump wide open is 0 % of the range: an error of value/10 asks for value.
-        found = scheme.scan(measurement_1=5.0 - value / 10.0)
-        assert found["manipulated_1"] == pytest.approx(pump, abs=BUMP)
-        assert found["manipulated_2"] == pytest.approx(valve, abs=BUMP)
+    scheme = Scans(
+        split_range(), loop_settings(1, 10.0, 60.0), setpoint_1=5.0, measurement_1=5.0,
+        tracking_1=100.0, tracking_2=0.0, time_step=STEP,
+    )  # fmt: skip
+    # The pump wide open is 0 % of the range: an error of value/10 asks for value.
+    found = scheme.scan(measurement_1=5.0 - value / 10.0)
+    assert found["manipulated_1"] == pytest.approx(pump, abs=BUMP)
+    assert found["manipulated_2"] == pytest.approx(valve, abs=BUMP)
 
 
 def test_the_limit_of_one_leg_stops_the_integral_of_the_loop():
@@ -260,17 +254,17 @@ def test_dynamic_feedforward_is_the_sampled_lead_lag(lead, lag):
     assert found == pytest.approx(expected, abs=1e-10)
 
 
-def test_a_feedforward_signal_that_fails_leaves_its_term_and_the_loop_goes_on():
-    for dynamic in (False, True):
-        scheme = resting_feedforward(feedforward(dynamic=dynamic), feedforward_lag_1=2.0)
-        for _ in range(100):
-            scheme.moved(measurement_2=9.0)
-        for wrong in ({"measurement_2": math.nan}, {"measurement_2": 0.0, "sensor_2": 0.0}):
-            found = scheme.scan(**wrong)
-            assert found["manipulated_1"] == pytest.approx(47.0, abs=1e-9)
-            told = "sensor_fault" in read_status(int(found["status_1"]))
-            assert told == ("sensor_2" in wrong)
-        assert scheme.moved(measurement_1=4.9) == pytest.approx(48.0, abs=1e-9)
+@pytest.mark.parametrize("dynamic", [False, True])
+def test_a_feedforward_signal_that_fails_leaves_its_term_and_the_loop_goes_on(dynamic):
+    scheme = resting_feedforward(feedforward(dynamic=dynamic), feedforward_lag_1=2.0)
+    for _ in range(100):
+        scheme.moved(measurement_2=9.0)
+    for wrong in ({"measurement_2": math.nan}, {"measurement_2": 0.0, "sensor_2": 0.0}):
+        found = scheme.scan(**wrong)
+        assert found["manipulated_1"] == pytest.approx(47.0, abs=1e-9)
+        told = "sensor_fault" in read_status(int(found["status_1"]))
+        assert told == ("sensor_2" in wrong)
+    assert scheme.moved(measurement_1=4.9) == pytest.approx(48.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("dynamic", [False, True])

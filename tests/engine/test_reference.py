@@ -13,21 +13,24 @@ from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, step_law
 
 
-def test_a_nonlinear_equation_against_its_closed_form():
-    """Logistic growth: x(t) = 1/(1 + (1/x0 - 1) exp(-r t))."""
-    x, r = ca.SX.sym("x"), ca.SX.sym("r")
-    logistic = ca.Function("logistic", [x, r], [r * x * (1 - x)])
-    for start, rate, scale in [
+@pytest.mark.parametrize(
+    ("start", "rate", "scale"),
+    [
         (0.1, 1.0, 1.0),
         (0.9, 0.3, 1.0),
         (1.7, 2.0, 1.0),
         (1e-6, 4.0, 1e-6),
-    ]:
-        solver = ReferenceIntegrator(logistic, 3.0, scale)
-        exact = 1.0 / (1.0 + (1.0 / start - 1.0) * math.exp(-rate * 3.0))
-        got = solver(np.array([start]), np.array([rate]))
-        assert got.shape == (1,)
-        assert abs(got[0] - exact) < 1e-8 * max(exact, start)
+    ],
+)
+def test_a_nonlinear_equation_against_its_closed_form(start, rate, scale):
+    """Logistic growth: x(t) = 1/(1 + (1/x0 - 1) exp(-r t))."""
+    x, r = ca.SX.sym("x"), ca.SX.sym("r")
+    logistic = ca.Function("logistic", [x, r], [r * x * (1 - x)])
+    solver = ReferenceIntegrator(logistic, 3.0, scale)
+    exact = 1.0 / (1.0 + (1.0 / start - 1.0) * math.exp(-rate * 3.0))
+    got = solver(np.array([start]), np.array([rate]))
+    assert got.shape == (1,)
+    assert abs(got[0] - exact) < 1e-8 * max(exact, start)
 
 
 def test_a_stiff_linear_system_with_a_held_input():

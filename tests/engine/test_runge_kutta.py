@@ -12,14 +12,16 @@ from clepsydra.program.program import Loop
 from clepsydra.program.step_law import Equations, step_law
 
 
-def test_a_step_of_a_linear_equation_is_the_stability_function():
+@pytest.mark.parametrize(
+    ("rate_value", "h"), [(-1.0, 0.1), (-3.0, 0.5), (2.0, 0.25), (-2.785, 1.0)]
+)
+def test_a_step_of_a_linear_equation_is_the_stability_function(rate_value, h):
     """R(z) = 1 + z + z²/2 + z³/6 + z⁴/24, Hairer & Wanner II, IV.2."""
     x, rate = ca.SX.sym("x"), ca.SX.sym("rate")
     step = runge_kutta_step(ca.Function("linear", [x, rate], [rate * x]))
-    for rate_value, h in [(-1.0, 0.1), (-3.0, 0.5), (2.0, 0.25), (-2.785, 1.0)]:
-        z = rate_value * h
-        exact = 3.0 * (1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
-        assert float(step(h, 3.0, rate_value)) == pytest.approx(exact, rel=4e-15)
+    z = rate_value * h
+    exact = 3.0 * (1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
+    assert float(step(h, 3.0, rate_value)) == pytest.approx(exact, rel=4e-15)
 
 
 def test_a_cubic_rate_is_integrated_exactly():
@@ -39,13 +41,13 @@ def test_a_cubic_rate_is_integrated_exactly():
         assert abs(got[1] - exact) < 2e-15 * size
 
 
-def test_a_quartic_rate_has_the_error_of_simpsons_rule():
+@pytest.mark.parametrize("h", [0.5, 1.0, 2.0])
+def test_a_quartic_rate_has_the_error_of_simpsons_rule(h):
     """For ∫ f over a step h it is h⁵/2880 f⁗, and f = 5t⁴ has f⁗ = 120."""
     x = ca.SX.sym("x", 2)
     step = runge_kutta_step(ca.Function("quartic", [x], [ca.vertcat(1, 5 * x[0] ** 4)]))
-    for h in (0.5, 1.0, 2.0):
-        error = float(step(h, [0.0, 0.0])[1]) - h**5
-        assert error == pytest.approx(h**5 * 120 / 2880, rel=1e-13)
+    error = float(step(h, [0.0, 0.0])[1]) - h**5
+    assert error == pytest.approx(h**5 * 120 / 2880, rel=1e-13)
 
 
 def growth():

@@ -113,14 +113,14 @@ def nested_closed_form(x: float) -> float:
     return sum(k * (k + 2 * (x + k) + (x + k) ** 2) for k in (1, 2, 3))
 
 
-def test_a_loop_inside_a_loop_stays_a_loop_inside_a_loop():
+@pytest.mark.parametrize("value", [0.0, 4.0, -7.0])
+def test_a_loop_inside_a_loop_stays_a_loop_inside_a_loop(value):
     x = ca.SX.sym("x")
     block = read(ca.Function("f", [x], [nested(x)]))
     (outer,) = loops(block)
     (inner,) = loops(outer.body)
     assert (outer.count, inner.count, inner.name) == (3, 3, "inside")
-    for value in (0.0, 4.0, -7.0):
-        assert evaluate_block(block, [value]) == [nested_closed_form(value)]
+    assert evaluate_block(block, [value]) == [nested_closed_form(value)]
 
 
 @pytest.mark.parametrize("scenarios", [1, 21])

@@ -201,13 +201,13 @@ def test_a_fail_safe_value_is_within_the_limits_and_not_slowed():
 
 
 @pytest.mark.parametrize("wrong", [math.nan, 0.0, -1.0])
-def test_it_fails_safe_without_a_time_step(wrong):
-    for options in ({}, {"rate_limited": True, "rate_limit_1": 0.5}):
-        loop = shelled_loop(1.0, SAFE, **options)
-        loop.scan()
-        outputs = loop.scans(5, sensor_1=0, time_step=wrong)
-        assert outputs["manipulated_1"] == 1.5
-        assert {"failed_safe", "invalid_time_step"} <= set(read_status(int(outputs["status_1"])))
+@pytest.mark.parametrize("options", [{}, {"rate_limited": True, "rate_limit_1": 0.5}])
+def test_it_fails_safe_without_a_time_step(wrong, options):
+    loop = shelled_loop(1.0, SAFE, **options)
+    loop.scan()
+    outputs = loop.scans(5, sensor_1=0, time_step=wrong)
+    assert outputs["manipulated_1"] == 1.5
+    assert {"failed_safe", "invalid_time_step"} <= set(read_status(int(outputs["status_1"])))
 
 
 @pytest.mark.parametrize("wrong", [math.nan, math.inf])

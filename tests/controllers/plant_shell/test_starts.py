@@ -77,22 +77,22 @@ def test_a_cold_start_is_a_fresh_start_in_every_bit(name, process, before):
     assert not np.array_equal(other[before:], fresh.output("manipulated_1")[0])
 
 
-def test_a_start_forgets_how_long_a_fault_has_lasted():
-    for start in (1, 2):
-        loop = shelled_loop(1.0)
-        loop.scans(4, sensor_1=0)
-        assert loop.state["fault_scans_1"] == 4.0
-        outputs = loop.scan(start=start)
-        assert loop.state["fault_scans_1"] == 1.0
-        assert not int(outputs["status_1"]) & 1024
+@pytest.mark.parametrize("start", [1, 2])
+def test_a_start_forgets_how_long_a_fault_has_lasted(start):
+    loop = shelled_loop(1.0)
+    loop.scans(4, sensor_1=0)
+    assert loop.state["fault_scans_1"] == 4.0
+    outputs = loop.scan(start=start)
+    assert loop.state["fault_scans_1"] == 1.0
+    assert not int(outputs["status_1"]) & 1024
 
 
-def test_a_warm_start_keeps_what_is_latched_and_a_cold_one_does_not():
-    for start, kept in ((1, True), (2, False)):
-        loop = shelled_loop(1.0)
-        loop.scans(6, sensor_1=0)
-        outputs = loop.scan(start=start, sensor_1=1)
-        assert bool(int(outputs["status_1"]) & 1024) == kept
+@pytest.mark.parametrize(("start", "kept"), [(1, True), (2, False)])
+def test_a_warm_start_keeps_what_is_latched_and_a_cold_one_does_not(start, kept):
+    loop = shelled_loop(1.0)
+    loop.scans(6, sensor_1=0)
+    outputs = loop.scan(start=start, sensor_1=1)
+    assert bool(int(outputs["status_1"]) & 1024) == kept
 
 
 def test_a_warm_start_in_manual_leaves_the_hand_alone():
@@ -111,11 +111,11 @@ def test_the_watchdog_counts_to_32767_and_over_again():
     assert shelled.output_wires["watchdog"] == "controller.watchdog"
 
 
-def test_a_watchdog_that_memory_spoilt_counts_on_within_its_range():
+@pytest.mark.parametrize("spoilt", [-7.0, 40000.0])
+def test_a_watchdog_that_memory_spoilt_counts_on_within_its_range(spoilt):
     loop = shelled_loop(1.0)
-    for spoilt in (-7.0, 40000.0):
-        loop.state["scans_counted"] = spoilt
-        assert 0 <= loop.scan()["watchdog"] <= 32767
+    loop.state["scans_counted"] = spoilt
+    assert 0 <= loop.scan()["watchdog"] <= 32767
 
 
 @pytest.mark.parametrize(
