@@ -132,7 +132,6 @@ def test_an_empty_tank_with_a_smooth_law_is_found(make_process):
     assert find_equilibrium(process, {"pump_1": 0.0}).state[0] == 0.0
 
 
-@pytest.mark.thorough
 def test_inflow_without_outlet_accumulates(make_process):
     process = make_process(
         lambda x, u, d: [0.01 * u[0] - torricelli(x[0]), torricelli(x[0])], levels=2, pumps=1

@@ -69,7 +69,6 @@ def test_lag_with_dead_time_under_pi_control():
     assert margins.sensitivity.peak == pytest.approx(1.59, abs=0.005)
 
 
-@pytest.mark.thorough
 def test_proportional_control_of_a_lag_with_dead_time():
     """ω T + tan-type equations solved by a root find; crossings beyond are ripples."""
     gain, tau = 3.0, 0.5
@@ -80,7 +79,7 @@ def test_proportional_control_of_a_lag_with_dead_time():
     assert margins.phase_margin == pytest.approx(
         abs(math.pi - math.atan(unit) - unit * tau), rel=1e-11
     )
-    scan = np.linspace(0.01, 60.0, 3_000_001)
+    scan = np.linspace(0.01, 12.0, 600_001)  # what comes after it is smaller
     loop = gain * np.exp(-1j * scan * tau) / (1 + 1j * scan)
     assert margins.sensitivity.peak == pytest.approx((1 / abs(1 + loop)).max(), rel=1e-9)
     assert margins.disk.size == pytest.approx(2 / np.abs((1 - loop) / (1 + loop)).max(), rel=1e-9)

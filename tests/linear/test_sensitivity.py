@@ -136,7 +136,6 @@ def test_very_different_time_scales():
     assert slow.frequency == pytest.approx(1e-6 * fast.frequency, rel=1e-3)
 
 
-@pytest.mark.thorough
 def test_stability_limit_of_three_equal_lags():
     # 1/(s + 1)³ is stable under proportional feedback up to a gain of eight.
     A = -np.eye(3) + np.diag([1.0, 1.0], 1)
@@ -146,7 +145,7 @@ def test_stability_limit_of_three_equal_lags():
     assert maximum_sensitivity(A, 8.01 * B, C, 0 * ONE).peak == math.inf
     near = maximum_sensitivity(A, 7.99 * B, C, 0 * ONE)
     assert near.peak == pytest.approx(
-        sensitivity((A, 7.99 * B, C, 0 * ONE), np.linspace(1.7, 1.76, 200001)).max(), rel=1e-6
+        sensitivity((A, 7.99 * B, C, 0 * ONE), np.linspace(1.7, 1.76, 20001)).max(), rel=1e-6
     )
     # (s + 1)³ + 7.99 = 0
     expected = -1 + 7.99 ** (1 / 3) * np.exp(1j * np.pi * np.array([1 / 3, 1, -1 / 3]))

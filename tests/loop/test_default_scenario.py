@@ -251,13 +251,10 @@ def test_pumps_near_their_limit_make_the_step_smaller_or_turn_it_round() -> None
     assert sizes(default_scenario(single_tank(gain=0.0002, pump=4.0)))[:2] == [0.2, -0.2]
 
 
-STABLE = (
-    "three-tanks",
-    pytest.param("quadruple-tank", marks=pytest.mark.thorough),
-    pytest.param("laboratory-four-tanks", marks=pytest.mark.thorough),
-)
+STABLE = ("three-tanks", "quadruple-tank", "laboratory-four-tanks")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", STABLE)
 def test_a_proportional_controller_stays_inside_every_range(name: str) -> None:
     """Steps there and back by u = u₀ + 5 M (r - y), M what a unit of y needs at rest.

@@ -65,6 +65,7 @@ def test_it_is_what_the_outer_loop_asks_for_in_the_same_sample(cascade):
     assert run.values[NAME][step] < run.values[NAME][step - 1] - 5e-3
 
 
+@pytest.mark.thorough
 def test_both_solvers_record_it_and_it_stands_in_the_table(cascade, tmp_path):
     controller = cascade().controller
     events = [cl.step("level", "5 %", at="2 min")]

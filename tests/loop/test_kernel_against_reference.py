@@ -22,6 +22,8 @@ VARIANTS = (
     "laboratory-four-tanks:report,volts",
     "three-tanks:corrected",
 )
+OTHERS = (name for name in (*catalogue_names(), *VARIANTS) if name != "three-tanks")
+PROCESSES = ("three-tanks", *(pytest.param(name, marks=pytest.mark.thorough) for name in OTHERS))
 
 
 def beginnings(scenario, samples):
@@ -56,8 +58,7 @@ def furthest(one, other, signals=None):
     )
 
 
-@pytest.mark.sampled
-@pytest.mark.parametrize("name", [*catalogue_names(), *VARIANTS])
+@pytest.mark.parametrize("name", PROCESSES)
 def test_kernel_and_reference_agree_in_the_default_scenario(name):
     """With its noise: a smooth run between the samples, so to a millionth of the range."""
     analysis = analyse(load_process(name))

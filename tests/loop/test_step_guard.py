@@ -169,7 +169,10 @@ def test_draws_of_a_sound_step_are_not_marked(name):
     assert not np.any(lane_status(found, process) & LaneStatus.STEP_TOO_LONG)
 
 
-@pytest.mark.parametrize("name", ["quadruple-tank", "laboratory-four-tanks"])
+@pytest.mark.parametrize(
+    "name",
+    ["quadruple-tank", pytest.param("laboratory-four-tanks", marks=pytest.mark.thorough)],
+)
 def test_the_guard_changes_no_bit(name):
     process = load_process(name)
     draws = drawn(process, 1, 16)
