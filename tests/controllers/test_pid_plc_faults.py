@@ -36,7 +36,7 @@ def test_the_sign_is_not_reversed_a_tank_comes_to_its_setpoint(form, gain):
     law.give({"time_step": STEP, "setpoint_1": 7.0})
     for _ in range(1500):
         level += math.copysign(STEP, gain) * (law.moved(measurement_1=level) - 50.0) / 200.0
-    assert level == pytest.approx(7.0, abs=1e-3)
+    assert level == pytest.approx(7.0, abs=1e-5)
 
 
 ZEROS = (

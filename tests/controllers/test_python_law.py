@@ -62,7 +62,7 @@ def test_the_documented_use_runs() -> None:
     names: dict = {}
     exec(USE, names)
     level = names["run"].true_measurement("level_1")
-    assert level[659] - level[0] == pytest.approx(1.0, abs=0.01)
+    assert level[659] - level[0] == pytest.approx(1.0, abs=1e-9)
 
 
 def test_python_and_expressions_agree_in_every_bit(plant) -> None:
