@@ -32,7 +32,7 @@ def test_levels_at_rest_by_hand():
     expected = [q / v for q, v in zip((*lower, *upper), root, strict=True)]
     found = hole_areas_at_rest(PROCESS, [record(levels, volts)])
     for i, area in enumerate(expected, 1):
-        assert 1e4 * found[f"outlet_{i}"] == pytest.approx(area, rel=1e-10)
+        assert 1e4 * found[f"outlet_{i}"] == pytest.approx(area, rel=1e-10), i
 
 
 def test_several_records_agree_on_the_holes():

@@ -56,7 +56,7 @@ def test_the_right_structure_comes_first(structure, gain, lags):
     assert best.tests.white and best.tests.independent
     truth = [gain, *lags, 5.3, 3.0]
     for estimate, value in zip(best.estimates, truth, strict=False):
-        assert estimate.low <= value <= estimate.high
+        assert estimate.low <= value <= estimate.high, estimate.signal.name
     assert {m.name for m in found.models} == {"FOPDT", "SOPDT", "IPDT", "ARX"}
     assert found.verdict.startswith(f"Use {structure.name}: ")
 
@@ -71,8 +71,8 @@ def test_two_equal_lags_are_told():
         one, two = model.estimates[1:3]
         if one.value < 1.02 * two.value:
             equal += 1
-            assert model.is_told and one.high / one.low == pytest.approx(two.high / two.low)
-            assert one.low < 25.0 < one.high and one.high < 1.3 * one.low
+            assert model.is_told and one.high / one.low == pytest.approx(two.high / two.low), seed
+            assert one.low < 25.0 < one.high and one.high < 1.3 * one.low, seed
     assert equal >= 2
 
 
@@ -87,10 +87,10 @@ def test_no_fit_sees_the_held_back_third():
     for model in first.models:
         assert [e.value for e in model.estimates] == [
             e.value for e in by_name[model.name].estimates
-        ]
-        assert model.fit == by_name[model.name].fit
-        assert np.array_equal(model.simulated, by_name[model.name].simulated)
-        assert model.validated != by_name[model.name].validated
+        ], model.name
+        assert model.fit == by_name[model.name].fit, model.name
+        assert np.array_equal(model.simulated, by_name[model.name].simulated), model.name
+        assert model.validated != by_name[model.name].validated, model.name
 
 
 def test_the_fit_is_one_less_the_share_of_the_error(found):
@@ -98,7 +98,9 @@ def test_the_fit_is_one_less_the_share_of_the_error(found):
     for model in found.models:
         error = np.sqrt(np.sum((y[count:] - model.simulated[count:]) ** 2))
         constant = np.sqrt(np.sum((y[count:] - y[:count].mean()) ** 2))
-        assert model.validated == pytest.approx(100.0 * (1.0 - error / constant), rel=1e-12)
+        assert model.validated == pytest.approx(100.0 * (1.0 - error / constant), rel=1e-12), (
+            model.name
+        )
 
 
 @pytest.mark.thorough
@@ -108,7 +110,7 @@ def test_within_a_point_the_model_with_fewer_parameters_comes_first():
         told = [m for m in found.models if m.is_told]
         top = max(model.validated for model in told)
         equal = [m for m in told if m.validated >= top - 1.0]
-        assert found.best is min(equal, key=lambda m: (m.parameters, -m.validated))
+        assert found.best is min(equal, key=lambda m: (m.parameters, -m.validated)), seed
 
 
 def test_settings_are_those_of_simc(found):
@@ -138,8 +140,8 @@ def noise_alone(seeds):
         level = np.random.default_rng(seed).normal(0.12, 0.01, 300)
         values = {"pump": input_of(), "level": level}
         found = cl.identify(Record("noise.csv", (PUMP, LEVEL), values, PERIOD))
-        assert found.verdict.startswith("Use none of these models")
-        assert found.for_control is None
+        assert found.verdict.startswith("Use none of these models"), seed
+        assert found.for_control is None, seed
 
 
 def test_noise_alone_is_not_modelled():
@@ -152,19 +154,23 @@ def test_of_ten_records_of_noise_none_gets_a_model():
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("colour", [0.0, 0.8, 1.0], ids=["white", "coloured", "wandering"])
-def test_chance_is_seldom_taken_for_an_effect(colour):
+@pytest.mark.parametrize(
+    ("colour", "seeds", "most"),
+    # Binomial 99.9 % bounds of 1 %, and of one in six: a level that wanders follows any input for
+    # a while, and nothing tells.
+    [(0.0, 20, 2), (0.8, 20, 2), (1.0, 30, 12)],
+    ids=["white", "coloured", "wandering"],
+)
+def test_chance_is_seldom_taken_for_an_effect(colour, seeds, most):
     """A ramp with noise, or a level that wanders, beside a pump that has nothing to do with it."""
     taken = 0
-    for seed in range(20):
+    for seed in range(seeds):
         white = np.random.default_rng(seed).normal(0.0, 0.001, 180)
         level = 0.12 + 1e-4 * np.arange(180.0) + lfilter([1.0], [1.0, -colour], white)
         u = 3.0 + np.repeat(np.random.default_rng(seed + 1000).choice([-1.0, 1.0], 12), 15)
         found = cl.identify(Record("a.csv", (PUMP, LEVEL), {"pump": u, "level": level}, PERIOD))
         taken += found.best.doubt is None
-    # Binomial 99.9 % bounds of 1 %, and of one in six: a level that wanders follows any input for
-    # a while, and nothing tells.
-    assert taken <= (2 if colour < 1.0 else 9), taken
+    assert taken <= most
 
 
 def test_a_reverse_acting_process_gets_a_negative_gain():
@@ -301,7 +307,7 @@ def test_of_models_whose_residuals_pass_the_simplest_comes_first():
         found = cl.identify(record(FOPDT, 0.04, [25.0], 5.3, seed=seed))
         passing = {m.name for m in found.models if m.tests.white and m.tests.independent}
         both += passing >= {"FOPDT", "SOPDT"}
-        assert found.best.name == "FOPDT"
+        assert found.best.name == "FOPDT", seed
     assert both
 
 

@@ -42,12 +42,12 @@ def fitted(plant, names, volts=None, *, noise=0.01, **run):
 
 def check(fit, names, truth):
     for estimate, value in zip(fit.estimates, truth, strict=True):
-        assert estimate.signal.name in names
+        assert estimate.signal.name in names, estimate.signal.name
         _, low, high = estimate.shown
         middle, half = (low + high) / 2.0, (high - low) / 2.0
         # A 95 % interval lies within twice its half width of the truth in all but 1 of 10,000.
         assert abs(middle - value) < 2.0 * half, (estimate.signal.name, low, high, value)
-        assert half < 0.05 * value
+        assert half < 0.05 * value, estimate.signal.name
 
 
 @pytest.mark.thorough  # a fast one is in tests/cli/test_identify.py
@@ -102,4 +102,4 @@ def test_levels_at_rest_by_the_balance_agree_with_the_fit(laboratory):
     found = hole_areas_at_rest(laboratory.process, [rest])
     fit = cl.identify(record_of(run), plant=begun(laboratory, HOLES), parameters=HOLES)
     for name, value in fit.values.items():
-        assert value == pytest.approx(found[name.removesuffix(".area")], rel=1e-3)
+        assert value == pytest.approx(found[name.removesuffix(".area")], rel=1e-3), name

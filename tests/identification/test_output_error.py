@@ -83,7 +83,7 @@ def test_the_jacobian_is_that_of_finite_differences():
     for place in range(len(at)):
         h = 1e-5 * np.eye(len(at))[place]
         slope = (output(at + h) - output(at - h)) / 2e-5
-        assert fit.jacobian[:, place] == pytest.approx(slope, abs=1e-6)
+        assert fit.jacobian[:, place] == pytest.approx(slope, abs=1e-6), place
 
 
 def test_a_model_runs_on_beyond_its_record():

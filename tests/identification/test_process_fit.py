@@ -57,7 +57,7 @@ def test_without_noise_the_truth_is_found(plant, four_tanks):
     began = scaled(plant, NAMES, 1.15)
     fit = fitted(began, record_of(four_tanks), NAMES)
     for name in NAMES:
-        assert fit.values[name] == pytest.approx(plant.process.signal(name).initial, rel=1e-6)
+        assert fit.values[name] == pytest.approx(plant.process.signal(name).initial, rel=1e-6), name
     assert fit.start[0].value == pytest.approx(0.09, rel=1e-6)
     assert all(output.validated > 99.99 for output in fit.outputs)
     assert [p.initial for p in fit.process.parameters] == pytest.approx(
@@ -71,7 +71,8 @@ def test_measurements_are_weighed_by_their_noise(plant, four_tanks):
     fit = fitted(plant, record_of(four_tanks, noise), NAMES)
     for estimate in fit.estimates:
         truth = plant.process.signal(estimate.signal.name).initial
-        assert abs(estimate.value - truth) < estimate.high - estimate.low  # four deviations
+        four_deviations = estimate.high - estimate.low
+        assert abs(estimate.value - truth) < four_deviations, estimate.signal.name
     area = fit.estimates[0]
     assert (area.high - area.low) / area.value < 0.02
     rms = [np.sqrt(np.mean((o.measured - o.simulated) ** 2)) for o in fit.outputs]
@@ -87,7 +88,7 @@ def test_unmeasured_tanks_start_where_the_record_says(plant, four_tanks):
     for name in ("tank_1.level", "tank_2.level", "tank_3.level", "tank_4.level"):
         truth = four_tanks.values[name][0]
         margin = start[name].high - start[name].value
-        assert abs(start[name].value - truth) < 2.0 * margin < 0.02
+        assert abs(start[name].value - truth) < 2.0 * margin < 0.02, name
 
 
 def test_a_batch_is_the_simulation_lane_by_lane(plant, four_tanks):
@@ -101,7 +102,7 @@ def test_a_batch_is_the_simulation_lane_by_lane(plant, four_tanks):
     for lane, area in enumerate(areas):
         other = plant.with_values({"outlet_1.area": f"{area} m^2"})
         alone = simulated(other, STEPS, duration="16 min", state={"tank_1.level": "9 cm"})
-        assert found[lane, 0] == pytest.approx(alone.values["level_1"][:-1], abs=1e-6)
+        assert found[lane, 0] == pytest.approx(alone.values["level_1"][:-1], abs=1e-6), lane
 
 
 def test_a_channel_with_dead_time_and_another_sampling_period():

@@ -60,7 +60,7 @@ def test_what_simulate_writes_is_read_number_by_number(tmp_path):
         assert record.period == pytest.approx(1.0, rel=1e-12)
         assert [s.name for s in record.signals] == [s.name for s in run.signals]
         for signal in run.signals:
-            assert np.array_equal(record.values[signal.name], run.values[signal.name])
+            assert np.array_equal(record.values[signal.name], run.values[signal.name]), signal.name
 
 
 def test_the_jitter_of_a_logger_is_taken(tmp_path):

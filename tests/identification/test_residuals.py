@@ -148,8 +148,8 @@ def test_an_input_given_twice_tells_nothing_more():
 
 def test_a_test_speaks_below_one_in_a_hundred():
     for probability, silent in ((0.0101, True), (0.0099, False)):
-        assert ResidualTests(probability, 1.0, None).white is silent
-        assert ResidualTests(1.0, probability, None).independent is silent
+        assert ResidualTests(probability, 1.0, None).white is silent, probability
+        assert ResidualTests(1.0, probability, None).independent is silent, probability
 
 
 def test_of_coloured_residuals_everything_is_whitened_first():

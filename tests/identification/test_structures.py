@@ -34,8 +34,8 @@ def test_slopes_by_the_lags_are_those_of_finite_differences(structure, lags, sys
         above, below = (structure.responses(TIME, TIME, each) for each in (up, down))
         by_step = (above.step - below.step) / (2 * h)
         by_free = (above.free - below.free) / (2 * h)
-        assert found.step_slopes[:, place] == pytest.approx(by_step, abs=1e-8)
-        assert found.free_slopes[:, :, place] == pytest.approx(by_free, abs=1e-8)
+        assert found.step_slopes[:, place] == pytest.approx(by_step, abs=1e-8), place
+        assert found.free_slopes[:, :, place] == pytest.approx(by_free, abs=1e-8), place
 
 
 @pytest.mark.parametrize("lags", [[7.0, 3.0], [7.0, 7.0]])

@@ -20,8 +20,8 @@ def test_a_sine_travels_four_amplitudes_and_turns_twice_a_cycle() -> None:
     for cycles in (1, 6, 24):
         wave = 50.0 + 30.0 * np.sin(2 * np.pi * cycles * HOUR / 3600.0)
         # The actuator lags by at most the resolution at each turn.
-        assert travel(HOUR, wave, 0.0, 100.0) == pytest.approx(120.0 * cycles, rel=0.005)
-        assert reversals(HOUR, wave, 0.0, 100.0) == 2 * cycles
+        assert travel(HOUR, wave, 0.0, 100.0) == pytest.approx(120.0 * cycles, rel=0.005), cycles
+        assert reversals(HOUR, wave, 0.0, 100.0) == 2 * cycles, cycles
 
 
 def test_rounding_and_small_noise_wear_nothing_although_they_vary() -> None:
@@ -65,7 +65,7 @@ def test_peak_move_is_from_the_beginning_whatever_the_zero() -> None:
 
 def test_a_run_that_broke_off_is_infinitely_bad() -> None:
     for score in (travel, reversals):
-        assert score([0, 1], [1.0, math.nan], 0.0, 10.0) == math.inf
+        assert score([0, 1], [1.0, math.nan], 0.0, 10.0) == math.inf, score.__name__
 
 
 @pytest.mark.parametrize("limits", [(5.0, 5.0), (5.0, 0.0), (0.0, math.inf)])

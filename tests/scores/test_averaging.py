@@ -41,10 +41,10 @@ def test_sines_give_the_square_of_the_gain() -> None:
     inflow = np.sin(2 * np.pi * time / 4.0)
     for gain in (0.0, 0.3, 1.0, 2.0):
         outflow = gain * np.sin(2 * np.pi * time / 4.0)
-        assert variance_ratio(time, inflow, outflow) == pytest.approx(gain**2, abs=1e-9)
+        assert variance_ratio(time, inflow, outflow) == pytest.approx(gain**2, abs=1e-9), gain
         assert largest_rate_of_change(time, outflow) == pytest.approx(
             gain * np.pi / 2, rel=1e-5, abs=1e-12
-        )
+        ), gain
 
 
 def test_a_pipe_smooths_nothing_and_a_constant_outflow_all() -> None:
@@ -114,5 +114,5 @@ def test_energy_is_the_weight_lifted() -> None:
         flow = np.full(100, 1.0 / (100 * period))
         assert energy_to_liquid(time, flow, np.full(100, 10.0), 9.81) == pytest.approx(
             98100.0, rel=1e-12
-        )
+        ), period
     assert energy_to_liquid([0.0, 1.0], [1.0, 1.0], [-1.0, -1.0], 9.81) == 0.0

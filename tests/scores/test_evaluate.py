@@ -101,7 +101,7 @@ def test_setpoint_steps_and_loads_cost_apart_and_noise_in_neither() -> None:
     noisy = score_run(TIME, **off, segments=SEGMENTS)
     assert noisy["iae[level_1]"] == pytest.approx(scores["iae[level_1]"] + 1000.0, rel=1e-3)
     for key in ("ie", "iae_setpoint", "iae_load", "offset"):
-        assert noisy[f"{key}[level_1]"] == scores[f"{key}[level_1]"]
+        assert noisy[f"{key}[level_1]"] == scores[f"{key}[level_1]"], key
 
 
 def test_the_integral_of_the_error_adds_magnitudes_of_opposite_steps() -> None:
@@ -194,7 +194,7 @@ def test_return_band_comes_from_the_setpoint_step_or_else_from_the_peak() -> Non
     # Solve peak e (t/40) exp(-t/40) = band on the falling side.
     for name, share in (("level_1", 0.05 * 2.0 / 0.4), ("level_2", 0.05)):
         exact = -40.0 * float(lambertw(-share / math.e, k=-1).real)
-        assert scores[f"return_time[{name}]"] == pytest.approx(exact, abs=0.01)
+        assert scores[f"return_time[{name}]"] == pytest.approx(exact, abs=0.01), name
 
 
 def test_overshoot_of_a_step_down_is_found_beside_a_step_up_without_any() -> None:
@@ -251,12 +251,12 @@ def test_a_run_that_broke_off_scores_infinity_in_the_signal_concerned() -> None:
     parts["outputs"]["level_1"] = np.where(TIME > 1500.0, math.nan, parts["outputs"]["level_1"])
     scores = score_run(TIME, **parts, segments=SEGMENTS)
     for key in SCORES:
-        assert scores.get(f"{key}[level_1]", math.inf) == math.inf
+        assert scores.get(f"{key}[level_1]", math.inf) == math.inf, key
     for key in ("iae", "ise", "overshoot", "rise_time", "settling_time"):
-        assert scores[f"{key}[level_1]"] == math.inf
+        assert scores[f"{key}[level_1]"] == math.inf, key
     for key in ("peak_deviation", "return_time"):
-        assert scores[f"{key}[level_1]"] == math.inf
-        assert math.isfinite(scores[f"{key}[level_2]"])
+        assert scores[f"{key}[level_1]"] == math.inf, key
+        assert math.isfinite(scores[f"{key}[level_2]"]), key
     assert not any(math.isnan(value) for value in scores.values())
 
 

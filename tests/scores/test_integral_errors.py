@@ -47,8 +47,10 @@ def test_straight_lines_are_integrated_exactly_however_coarse_the_samples() -> N
     # e(t) = 3 - t on [0, 4]: |e| encloses two triangles, 9/2 + 1/2; e² gives (3³ + 1³)/3.
     for time in ([0.0, 4.0], [0.0, 1.3, 2.9, 4.0], np.linspace(0.0, 4.0, 9)):
         setpoint = np.full(len(time), 3.0)
-        assert integral_absolute_error(time, setpoint, time) == pytest.approx(5.0, rel=1e-14)
-        assert integral_squared_error(time, setpoint, time) == pytest.approx(28 / 3, rel=1e-14)
+        assert integral_absolute_error(time, setpoint, time) == pytest.approx(5.0, rel=1e-14), time
+        assert integral_squared_error(time, setpoint, time) == pytest.approx(28 / 3, rel=1e-14), (
+            time
+        )
 
 
 def test_a_setpoint_step_does_not_cost_the_sample_before_it() -> None:
@@ -59,8 +61,8 @@ def test_a_setpoint_step_does_not_cost_the_sample_before_it() -> None:
 
 def test_a_value_that_is_not_finite_makes_the_score_infinite() -> None:
     for bad in (math.nan, math.inf, -math.inf):
-        assert integral_absolute_error([0, 1, 2], [1, 1, 1], [0, bad, 1]) == math.inf
-        assert integral_squared_error([0, 1, 2], [1, 1, bad], [0, 0, 1]) == math.inf
+        assert integral_absolute_error([0, 1, 2], [1, 1, 1], [0, bad, 1]) == math.inf, bad
+        assert integral_squared_error([0, 1, 2], [1, 1, bad], [0, 0, 1]) == math.inf, bad
 
 
 @pytest.mark.parametrize(
@@ -93,7 +95,7 @@ def test_integrals_do_not_depend_on_when_the_run_began(
     for score in (integral_absolute_error, integral_squared_error):
         assert score(time + shift, setpoint, output) == pytest.approx(
             score(time, setpoint, output), rel=1e-9
-        )
+        ), score.__name__
 
 
 @settings(max_examples=25, deadline=None)
@@ -102,7 +104,7 @@ def test_up_and_down_cost_the_same(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray
 ) -> None:
     for score in (integral_absolute_error, integral_squared_error):
-        assert score(time, -setpoint, -output) == score(time, setpoint, output)
+        assert score(time, -setpoint, -output) == score(time, setpoint, output), score.__name__
 
 
 @settings(max_examples=25, deadline=None)
@@ -113,7 +115,7 @@ def test_integrals_scale_with_the_units(
     for power, score in ((1, integral_absolute_error), (2, integral_squared_error)):
         assert score(minute * time, unit * setpoint, unit * output) == pytest.approx(
             minute * unit**power * score(time, setpoint, output), rel=1e-9
-        )
+        ), score.__name__
 
 
 @settings(max_examples=25, deadline=None)

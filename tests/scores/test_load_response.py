@@ -22,7 +22,7 @@ def test_peak_of_a_critically_damped_return() -> None:
     exact = 1.0 / (math.e * RATE)
     for sign in (1.0, -1.0):
         seen = peak_deviation(TIME, SETPOINT + sign * RESPONSE, SETPOINT)
-        assert exact - (RATE * 0.05) ** 2 / (2 * math.e * RATE) <= seen <= exact + 1e-12
+        assert exact - (RATE * 0.05) ** 2 / (2 * math.e * RATE) <= seen <= exact + 1e-12, sign
 
 
 def test_return_time_solves_the_equation_of_the_band() -> None:
@@ -32,7 +32,7 @@ def test_return_time_solves_the_equation_of_the_band() -> None:
     exact = float(-lambertw(-RATE * band, k=-1).real / RATE)
     for sign in (1.0, -1.0):
         seen = return_time(TIME, SETPOINT + sign * RESPONSE, SETPOINT, band)
-        assert seen == pytest.approx(exact, abs=1e-4)
+        assert seen == pytest.approx(exact, abs=1e-4), sign
 
 
 def test_an_output_that_never_leaves_the_band_needs_no_time() -> None:

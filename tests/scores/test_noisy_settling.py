@@ -20,7 +20,7 @@ def test_without_noise_it_is_the_settling_time_up_to_a_sample(start: float, targ
     output = start + (target - start) * RESPONSE
     for band, times in ((0.05, math.log(20.0)), (0.02, math.log(50.0))):
         seen = settling_time_under_noise(TIME, output, start, target, 0.0, band=band)
-        assert 0.0 <= seen - times * T <= PERIOD
+        assert 0.0 <= seen - times * T <= PERIOD, band
 
 
 def test_noise_that_is_wider_than_the_band_widens_it() -> None:
@@ -47,7 +47,7 @@ def test_single_samples_outside_do_not_count_and_three_do() -> None:
     for count, settled in ((1, 0.0), (2, 0.0), (3, 53 * PERIOD)):
         output = np.ones(100)
         output[50 : 50 + count] = 1.2
-        assert settling_time_under_noise(TIME[:100], output, 0.0, 1.0, 0.0) == settled
+        assert settling_time_under_noise(TIME[:100], output, 0.0, 1.0, 0.0) == settled, count
     output = np.ones(100)
     output[50:53] = [1.2, 0.8, 1.2]
     assert settling_time_under_noise(TIME[:100], output, 0.0, 1.0, 0.0) == 0.0

@@ -35,7 +35,7 @@ def test_first_order_up_and_down(start: float, target: float) -> None:
         (settling_time(TIME, output, start, target), TIME_CONSTANT * math.log(20.0)),
         (settling_time(TIME, output, start, target, band=0.02), TIME_CONSTANT * math.log(50.0)),
     ):
-        assert seen == pytest.approx(exact, abs=2 * BETWEEN_SAMPLES)
+        assert seen == pytest.approx(exact, abs=2 * BETWEEN_SAMPLES), exact
 
 
 @pytest.mark.parametrize("damping", [0.1, 0.2, 0.456, 0.7, 0.9])
@@ -78,7 +78,9 @@ def test_what_lies_before_the_step_does_not_count() -> None:
     time = np.concatenate([[-2.0, -1.0], TIME])
     output = np.concatenate([before, FIRST_ORDER])
     for score in (overshoot, rise_time, settling_time):
-        assert score(time, output, 0.0, 1.0, index=2) == score(TIME, FIRST_ORDER, 0.0, 1.0)
+        assert score(time, output, 0.0, 1.0, index=2) == score(TIME, FIRST_ORDER, 0.0, 1.0), (
+            score.__name__
+        )
     assert overshoot(time, output, 0.0, 1.0) == 800.0
 
 
@@ -101,7 +103,7 @@ def test_an_output_at_its_target_from_the_start_takes_no_time() -> None:
 def test_a_run_that_broke_off_is_infinitely_bad() -> None:
     output = np.array([0.0, 1.0, math.nan])
     for score in (overshoot, rise_time, settling_time):
-        assert score([0, 1, 2], output, 0.0, 1.0) == math.inf
+        assert score([0, 1, 2], output, 0.0, 1.0) == math.inf, score.__name__
 
 
 @pytest.mark.parametrize(
@@ -137,4 +139,4 @@ def test_scores_do_not_depend_on_sign_place_size_and_hour(
         up = score(time, response, 0.0, 1.0)
         for step in (size, -size):
             moved = score(time + shift, start + step * response, start, start + step)
-            assert moved == pytest.approx(up, rel=1e-6, abs=1e-6)
+            assert moved == pytest.approx(up, rel=1e-6, abs=1e-6), (score.__name__, step)

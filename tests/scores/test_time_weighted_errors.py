@@ -42,7 +42,7 @@ def test_generalised_error_of_an_exponential() -> None:
     run = first_order(0.05)
     for weight in (0.0, 0.5, 400.0):
         exact = STEP**2 * (T / 2 + weight / (2 * T))
-        assert generalised_squared_error(*run, weight) == pytest.approx(exact, rel=1e-6)
+        assert generalised_squared_error(*run, weight) == pytest.approx(exact, rel=1e-6), weight
     assert generalised_squared_error(*run) == generalised_squared_error(*run, 0.5)
 
 
@@ -76,8 +76,8 @@ def test_straight_lines_are_weighted_exactly_however_coarse_the_samples() -> Non
     squared = 9 * 16 / 2 - 6 * 64 / 3 + 256 / 4
     for time in ([0.0, 4.0], [0.0, 1.3, 2.9, 4.0], np.linspace(0.0, 4.0, 9)):
         run = (time, np.full(len(time), 3.0), time)
-        assert integral_time_absolute_error(*run) == pytest.approx(absolute, rel=1e-13)
-        assert integral_time_squared_error(*run) == pytest.approx(squared, rel=1e-13)
+        assert integral_time_absolute_error(*run) == pytest.approx(absolute, rel=1e-13), time
+        assert integral_time_squared_error(*run) == pytest.approx(squared, rel=1e-13), time
 
 
 def test_time_counts_from_the_last_step() -> None:
@@ -98,12 +98,12 @@ def test_time_counts_from_the_last_step() -> None:
         (integral_time_absolute_error, integral_time_squared_error), once, strict=True
     ):
         starts = [later[jump]]
-        assert score(*twice, starts) == pytest.approx(2 * value, rel=1e-9)
-        assert score(*twice) > 10 * value
+        assert score(*twice, starts) == pytest.approx(2 * value, rel=1e-9), score.__name__
+        assert score(*twice) > 10 * value, score.__name__
         # A step that rounding put just behind its sample is that sample's.
         rounded = score(*twice, [later[jump] * (1 + 1e-12)])
-        assert rounded == pytest.approx(2 * value, rel=1e-9)
-        assert score(*twice, [-5.0, later[jump], 0.0]) == score(*twice, starts)
+        assert rounded == pytest.approx(2 * value, rel=1e-9), score.__name__
+        assert score(*twice, [-5.0, later[jump], 0.0]) == score(*twice, starts), score.__name__
 
 
 def test_a_value_that_is_not_finite_makes_the_score_infinite() -> None:
@@ -114,7 +114,7 @@ def test_a_value_that_is_not_finite_makes_the_score_infinite() -> None:
         generalised_squared_error,
     ):
         for bad in (math.nan, math.inf, -math.inf):
-            assert score([0, 1, 2], [1, 1, 1], [0, bad, 1]) == math.inf
+            assert score([0, 1, 2], [1, 1, 1], [0, bad, 1]) == math.inf, (score.__name__, bad)
 
 
 def test_unusable_requests_are_refused() -> None:
@@ -147,7 +147,7 @@ def test_integrals_scale_with_the_units_of_signal_and_time(
             minute**time_power * unit**signal_power * score(time, setpoint, output, *more),
             rel=1e-9,
             abs=1e-6,
-        )
+        ), score.__name__
 
 
 @settings(max_examples=25, deadline=None)
@@ -160,7 +160,7 @@ def test_up_and_down_cost_the_same(
         integral_time_squared_error,
         generalised_squared_error,
     ):
-        assert score(time, -setpoint, -output) == score(time, setpoint, output)
+        assert score(time, -setpoint, -output) == score(time, setpoint, output), score.__name__
     assert integral_error(time, -setpoint, -output) == -integral_error(time, setpoint, output)
 
 

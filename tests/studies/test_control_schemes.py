@@ -303,7 +303,7 @@ def test_a_split_range_moves_its_actuators_one_after_the_other(study):
             [controller.values[parameter.name] for parameter in law.parameters],
         )
         found = dict(zip((s.name for s in law.outputs), np.array(outputs).ravel(), strict=True))
-        assert (found["manipulated_1"], found["manipulated_2"]) == pytest.approx(expected)
+        assert (found["manipulated_1"], found["manipulated_2"]) == pytest.approx(expected), asked
 
 
 RATIO = """

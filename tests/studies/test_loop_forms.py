@@ -46,7 +46,7 @@ def test_forms_of_a_loop_are_at_rest_and_run(made, keys, form, parameters):
     controller, model, scenario = made(**keys)
     assert form_of(controller) == form
     for name, value in parameters.items():
-        assert controller.values[name] == pytest.approx(value, rel=1e-14)
+        assert controller.values[name] == pytest.approx(value, rel=1e-14), name
     assert not any("does not begin at rest" in note for note in controller.notes)
     run = Loop(controller, model).run(scenario)
     assert run.values["outflow"][0] == pytest.approx(0.614, rel=1e-12)
@@ -86,4 +86,4 @@ def test_the_source_chooses_the_setpoint_of_a_loop_that_may_be_remote(made):
         )
         names = [entry.name for entry in law.state]
         found = dict(zip(names, np.array(following).ravel(), strict=True))
-        assert found["integral_1"] == pytest.approx(integral, rel=1e-12)
+        assert found["integral_1"] == pytest.approx(integral, rel=1e-12), source

@@ -243,11 +243,11 @@ def test_an_endless_error_comes_last_among_its_equals(trial):
 def test_scores_runs_and_warnings_go_with_their_controller(trial):
     first, second = trial("first", (1, 1)), trial("second", (2, 2), warnings=("It leaks.",))
     for candidate, made in zip(rank([second, first]), [first, second], strict=True):
-        assert candidate.controller is made.controller
-        assert candidate.run is made.run
-        assert candidate.scores == made.scores
-        assert candidate.maximum_sensitivity == made.maximum_sensitivity
-        assert candidate.warnings == made.warnings
+        assert candidate.controller is made.controller, candidate.controller.name
+        assert candidate.run is made.run, candidate.controller.name
+        assert candidate.scores == made.scores, candidate.controller.name
+        assert candidate.maximum_sensitivity == made.maximum_sensitivity, candidate.controller.name
+        assert candidate.warnings == made.warnings, candidate.controller.name
 
 
 def test_a_single_trial_is_the_best_and_none_is_no_ranking(trial, process):
@@ -315,7 +315,7 @@ def test_the_rule_says_what_decides():
         "2 %",
         "total variation",
     ):
-        assert words in RULE
+        assert words in RULE, words
 
 
 @pytest.fixture(scope="module")

@@ -99,26 +99,27 @@ def test_the_printed_rule_holds(result):
     for i in range(len(groups) - 1):
         if groups[i] == groups[i + 1]:
             tied = max(errors[i : i + 2]) <= 1.02 * min(errors[i : i + 2])
-            assert (wears[i] <= wears[i + 1]) if tied else (errors[i] < errors[i + 1])
+            assert (wears[i] <= wears[i + 1]) if tied else (errors[i] < errors[i + 1]), i
 
 
 def test_the_reasons_in_words_match_the_numbers(result):
     wears = multiples(result, "total_variation")
     for candidate, errors, wear in zip(result.ranking, errors_of(result), wears, strict=True):
+        name = candidate.controller.name
         said = re.search(r"\(max\|S\| ([\d.]+)\)", candidate.reason)
-        assert (said is None) == (group(candidate) == 3)
-        assert said is None or float(said[1]) == round(candidate.maximum_sensitivity, 2)
+        assert (said is None) == (group(candidate) == 3), name
+        assert said is None or float(said[1]) == round(candidate.maximum_sensitivity, 2), name
         said = re.search(r"Setpoint error ([\d.]+) and load error ([\d.]+) times", candidate.reason)
-        assert said is not None
+        assert said is not None, name
         for number, exact in zip(said.groups(), errors, strict=True):
-            assert float(number) == pytest.approx(exact, abs=0.0051)
-        assert list(candidate.criteria.values()) == pytest.approx(errors, rel=1e-9)
-        assert candidate.mean_error == pytest.approx(sum(errors) / 2, rel=1e-9)
-        assert candidate.wear == pytest.approx(wear, rel=1e-9)
-        assert ("noise moves its outputs" in candidate.reason) == (group(candidate) == 1)
+            assert float(number) == pytest.approx(exact, abs=0.0051), (name, number)
+        assert list(candidate.criteria.values()) == pytest.approx(errors, rel=1e-9), name
+        assert candidate.mean_error == pytest.approx(sum(errors) / 2, rel=1e-9), name
+        assert candidate.wear == pytest.approx(wear, rel=1e-9), name
+        assert ("noise moves its outputs" in candidate.reason) == (group(candidate) == 1), name
         said = re.search(r"(?:([\d.]+) times )?the least total variation", candidate.reason)
-        assert said is not None
-        assert float(said[1] or 1.0) == pytest.approx(wear, abs=0.0051)
+        assert said is not None, name
+        assert float(said[1] or 1.0) == pytest.approx(wear, abs=0.0051), name
 
 
 def test_the_verdict_names_the_first_and_its_peak(result):
@@ -134,13 +135,13 @@ def test_the_verdict_names_the_first_and_its_peak(result):
 
 def test_the_scores_are_those_of_the_trajectories(result):
     for candidate in result.ranking:
-        run = candidate.run
+        name, run = candidate.controller.name, candidate.run
         for i in (1, 2):
             pump = run.values[f"pump_{i}"]
             variation = float(np.sum(np.abs(np.diff(pump))))
             assert candidate.scores[f"total_variation[pump_{i}]"] == pytest.approx(
                 variation, rel=1e-12
-            )
+            ), (name, i)
             # The true level in volts, without noise, along a line: the setpoint is
             # held over each sample, and the level goes on to the next.
             level = 50.0 * run.values[f"tank_{i}.level"]
@@ -151,14 +152,17 @@ def test_the_scores_are_those_of_the_trajectories(result):
             turns = a * b < 0
             c, d = np.abs(a[turns]), np.abs(b[turns])
             areas[turns] = (c**2 + d**2) / (2 * (c + d))
-            assert candidate.scores[f"iae[level_{i}]"] == pytest.approx(areas.sum(), rel=1e-9)
+            assert candidate.scores[f"iae[level_{i}]"] == pytest.approx(areas.sum(), rel=1e-9), (
+                name,
+                i,
+            )
 
 
 def test_every_run_met_its_error_estimate_or_says_so(result):
     for candidate in result.ranking:
-        estimate = candidate.run.error_estimate
-        assert estimate is not None
-        assert estimate <= 1e-6 or any("Halving" in warning for warning in candidate.warnings)
+        name, estimate = candidate.controller.name, candidate.run.error_estimate
+        assert estimate is not None, name
+        assert estimate <= 1e-6 or any("Halving" in warning for warning in candidate.warnings), name
 
 
 @pytest.mark.thorough
@@ -217,7 +221,8 @@ def test_a_file_of_the_same_text_is_the_same_study(tmp_path):
         c.controller.name for c in whole.ranking if c.controller.name in asked
     ]
     for candidate in found.ranking:
-        assert candidate.scores == whole[candidate.controller.name].scores
+        name = candidate.controller.name
+        assert candidate.scores == whole[name].scores, name
 
 
 MIXED = """process = "quadruple-tank"

@@ -164,7 +164,7 @@ anti_windup = "clamping"
     assert request.tune is None and "line 3" in request.place
     assert controller.setpoints == ("level_2", "level_1")
     for name in ("proportional_gain_1", "integral_time_2"):
-        assert controller.values[name] == direct.values[name]
+        assert controller.values[name] == direct.values[name], name
     assert "tracking_time_1" not in controller.values  # that is of back-calculation
 
 

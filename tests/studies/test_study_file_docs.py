@@ -91,7 +91,9 @@ def test_an_example_is_read_and_its_controllers_made(number, tmp_path):
     # At its operating point the relief valve is open beside the pump, which no split range does.
     moves = "split_ranges" in text
     for controller in controllers:
-        assert any("does not begin at rest" in note for note in controller.notes) == moves
+        assert any("does not begin at rest" in note for note in controller.notes) == moves, (
+            controller.name
+        )
 
 
 def test_there_is_an_example_of_every_structure():
@@ -110,7 +112,7 @@ def test_what_the_page_links_to_exists():
     for link in links:
         file, _, section = link.partition("#")
         known = {name.lower() for name in SECTIONS}
-        assert (DOCS / file).is_file() if file else section.replace("-", " ") in known
+        assert (DOCS / file).is_file() if file else section.replace("-", " ") in known, link
 
 
 LEVEL = """process = "equalisation-tank"

@@ -74,8 +74,8 @@ def test_the_objective_falls_the_limits_hold_and_the_gains_are_those_of_the_weig
     assert found.objective == pytest.approx(max(ratios), rel=1e-9) and found.objective < 0.5
     for name in model.inputs:
         wear = f"total_variation[{name}]"
-        assert after[wear] <= 2.0 * before[wear] * (1.0 + 1e-5)
-        assert f"total variation of {name}" in " ".join(found.binding)
+        assert after[wear] <= 2.0 * before[wear] * (1.0 + 1e-5), name
+        assert f"total variation of {name}" in " ".join(found.binding), name
     assert found.maximum_sensitivity == pytest.approx(
         sampled_loop(found.controller, whole).maximum_sensitivity
     )
@@ -84,7 +84,7 @@ def test_the_objective_falls_the_limits_hold_and_the_gains_are_those_of_the_weig
     again = cl.design.lqi_by_weights(plant, weights_found(model, found.tuned))
     for name, value in again.values.items():
         if name.startswith(("feedback", "integral_gain")):
-            assert found.controller.values[name] == pytest.approx(value, rel=1e-6, abs=1e-9)
+            assert found.controller.values[name] == pytest.approx(value, rel=1e-6, abs=1e-9), name
 
 
 KMOL = 1e3
@@ -206,7 +206,7 @@ def test_only_ratios_of_weights_count():
     again = design.values({name: 7.0 * value for name, value in design.numbers.items()})
     assert once.keys() == again.keys() and len(once) == 14
     for name, value in once.items():
-        assert again[name] == pytest.approx(value, rel=1e-8, abs=1e-10)
+        assert again[name] == pytest.approx(value, rel=1e-8, abs=1e-10), name
 
 
 def test_what_stands_beside_the_diagonal_keeps_its_correlation(vessel):
@@ -237,7 +237,7 @@ def test_the_start_is_the_designed_controller_but_for_its_rounding(vessel):
         # Near the start it is near: nothing jumps.
         near = space.controller_values(space.start + 1e-7)
         for name, value in start.controller.values.items():
-            assert near[name] == pytest.approx(value, rel=1e-4)
+            assert near[name] == pytest.approx(value, rel=1e-4), name
 
 
 def test_a_bound_on_cheap_moves_is_said_to_have_chosen(vessel):

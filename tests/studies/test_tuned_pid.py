@@ -32,8 +32,8 @@ def test_the_tuned_controller_scores_in_a_run_of_its_own_what_the_tuning_said(na
     ratios = []
     for y in start.setpoints:
         score = f"iae[{y}]"
-        assert found.scores[score] == pytest.approx(own[score], rel=1e-10)
-        assert found.start_scores[score] == pytest.approx(before[score], rel=1e-10)
+        assert found.scores[score] == pytest.approx(own[score], rel=1e-10), y
+        assert found.start_scores[score] == pytest.approx(before[score], rel=1e-10), y
         ratios.append(own[score] / before[score])
     assert found.objective == pytest.approx(max(ratios), rel=1e-10) and found.objective < 1.0
     # A minimax of two that can be traded has both equal.
@@ -45,7 +45,7 @@ def test_the_tuned_controller_scores_in_a_run_of_its_own_what_the_tuning_said(na
     assert ("max|S| at most 2" in found.binding) == (peak > 1.999)
     for i in (1, 2):
         values = found.controller.values
-        assert values[f"tracking_time_{i}"] == values[f"integral_time_{i}"]
+        assert values[f"tracking_time_{i}"] == values[f"integral_time_{i}"], i
 
 
 def test_no_neighbour_that_keeps_the_limit_is_better():

@@ -110,9 +110,11 @@ def test_the_gain_of_least_ise_is_that_of_the_closed_form(model, generations):
 def test_a_limit_binds_exactly(model, limits, gain, said):
     for generations in (0, 10):
         found = tuned(model, minimax("ise[volume]"), limits=limits, generations=generations)
-        assert found.controller.values["proportional_gain_1"] == pytest.approx(gain, rel=3e-6)
-        assert found.binding == (said,)
-        assert found.scores["ise[volume]"] == pytest.approx(ise(gain), rel=1e-5)
+        assert found.controller.values["proportional_gain_1"] == pytest.approx(gain, rel=3e-6), (
+            generations
+        )
+        assert found.binding == (said,), generations
+        assert found.scores["ise[volume]"] == pytest.approx(ise(gain), rel=1e-5), generations
 
 
 def test_what_is_reported_is_that_of_the_rounded_controller_that_runs(model):
@@ -168,9 +170,11 @@ def test_the_minimax_of_opposing_scores_stands_where_they_are_equal(model):
     weights = {"ise[volume]": 1.0 / ise(meeting), "total_variation[inflow]": 0.5 / meeting / STEP}
     for generations in (0, 10):
         found = tuned(model, Objective("minimax", weights, relative=False), generations=generations)
-        assert found.controller.values["proportional_gain_1"] == pytest.approx(meeting, rel=1e-7)
+        assert found.controller.values["proportional_gain_1"] == pytest.approx(meeting, rel=1e-7), (
+            generations
+        )
         parts = [weight * found.scores[name] for name, weight in weights.items()]
-        assert parts == pytest.approx([1.0, 1.0], rel=1e-7)
+        assert parts == pytest.approx([1.0, 1.0], rel=1e-7), generations
 
 
 def test_a_weighted_sum_is_least_where_its_slope_is_zero(model):
@@ -203,7 +207,7 @@ def test_the_front_is_the_closed_form_of_score_against_robustness(model):
     assert found.sensitivity == pytest.approx(2.0 / (2.0 - gains * PERIOD), rel=1e-6)
     assert found.objective == pytest.approx([ise(k) / ise(3.0) for k in gains], rel=1e-6)
     for bound in bounds:
-        assert np.min(np.abs(found.sensitivity - bound)) < 1e-5
+        assert np.min(np.abs(found.sensitivity - bound)) < 1e-5, bound
 
 
 @pytest.mark.thorough

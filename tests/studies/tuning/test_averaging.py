@@ -37,7 +37,7 @@ def test_a_study_tunes_a_basin_for_the_scores_that_rank_it():
     assert tuned.tuning.objective == pytest.approx(sum(ratios), rel=1e-9)
     assert sum(ratios) < 2.0
     for name in SCORES:
-        assert tuned.tuning.scores[name] == pytest.approx(tuned.scores[name], rel=1e-9)
+        assert tuned.tuning.scores[name] == pytest.approx(tuned.scores[name], rel=1e-9), name
     # It has no more room than its start took: half full is 2.5 m.
     levels = [np.abs(each.run.values["basin.level"] - 2.5).max() for each in (start, tuned)]
     assert levels[1] <= levels[0] * (1.0 + 1e-5)

@@ -90,4 +90,4 @@ def test_gains_of_weights_change_smoothly_by_the_steps_that_a_search_takes():
     ]
     for name in ("feedback_1_1", "feedback_1_3", "integral_gain_1_1"):
         steps = np.diff([each[name] for each in gains])
-        assert steps[0] != 0.0 and steps[1] == pytest.approx(steps[0], rel=1e-3)
+        assert steps[0] != 0.0 and steps[1] == pytest.approx(steps[0], rel=1e-3), name

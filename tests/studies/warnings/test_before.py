@@ -91,7 +91,7 @@ def test_a_law_that_leaves_small_errors_alone_has_no_linear_loop(tank, pid, step
     for gap_gain, unstable in ((0.0, False), (0.5, True)):
         values = {"proportional_gain_1": -1.0, "gap_1": 1.0, "gap_gain_1": gap_gain}
         words = told(analysis, pid(analysis.model, form, **values), stepped(analysis.model, 0.1))
-        assert any("is unstable" in w for w in words) == unstable
+        assert any("is unstable" in w for w in words) == unstable, gap_gain
 
 
 def two_tanks(moved, shown):
@@ -313,7 +313,7 @@ def test_gains_in_percent_of_the_pumps_range_are_told(quadruple):
     assert one.startswith("proportional_gain_1 of 30 V/V is far too strong")
     # Bold, careful, of the wrong sign, or with too short an integral time: no question of units.
     for factor in (0.3, 3.0, -1.0):
-        assert words(scaled(controller, "proportional_gain", factor)) == []
+        assert words(scaled(controller, "proportional_gain", factor)) == [], factor
     assert words(scaled(controller, "integral_time", 0.01)) == []
 
 
@@ -329,7 +329,7 @@ def test_gains_per_centimetre_taken_per_metre_are_told(tank, proportional):
     assert "leaves the process nearly alone" in warning
     assert "fit as 0.2 V per cm" in warning and "needs 20 V/m" in warning
     for gain in (4.0, 20.0, 60.0):
-        assert words(gain) == []
+        assert words(gain) == [], gain
 
 
 # Wind-up and saturation
@@ -348,7 +348,7 @@ def test_only_an_integral_without_anti_windup_winds_up(tank, pid, algorithm, ant
         values = {"integral_gain_1": gain / 40.0} if parallel else {"integral_time_1": 20.0}
         controller = pid(model, form, proportional_gain_1=gain, **values)
         expected = (1,) if anti_windup == "none" else ()
-        assert winds_up(controller, model.point.process) == expected
+        assert winds_up(controller, model.point.process) == expected, gain
 
 
 def test_nothing_winds_up_without_an_integral(tank, pid, quadruple):

@@ -26,10 +26,10 @@ def test_margins_of_a_sampled_integrator_are_those_of_its_closed_form(tank, prop
     for name in ("level", "pump"):
         channel = response.channels[name]
         half = math.asin(a / 2.0)
-        assert channel.gain_margin.value == pytest.approx(2.0 / a, rel=1e-6)
-        assert channel.gain_margin.frequency == pytest.approx(math.pi, rel=1e-12)
-        assert channel.crossovers == pytest.approx([2.0 * half], rel=1e-3)
-        assert channel.phase_margin.value == pytest.approx(math.pi / 2.0 - half, rel=1e-3)
+        assert channel.gain_margin.value == pytest.approx(2.0 / a, rel=1e-6), name
+        assert channel.gain_margin.frequency == pytest.approx(math.pi, rel=1e-12), name
+        assert channel.crossovers == pytest.approx([2.0 * half], rel=1e-3), name
+        assert channel.phase_margin.value == pytest.approx(math.pi / 2.0 - half, rel=1e-3), name
 
 
 @pytest.mark.parametrize("gain", [0.5, 2.0, 4.0])
