@@ -16,7 +16,7 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
-from clepsydra.cli import main
+from clepsydra.cli.application import application
 
 ROOT = Path(__file__).parents[1]
 #: Lines that take long, each with the tests that run what it shows.
@@ -129,7 +129,7 @@ def command(arguments: list[str], folder: Path, place: str) -> None:
     """Run the command line as its program would, which loads everything only once."""
     with contextlib.chdir(folder):
         try:
-            main(arguments)
+            application(args=arguments)
         except SystemExit as ending:
             assert not ending.code, (place, arguments)
 

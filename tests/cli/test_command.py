@@ -363,7 +363,7 @@ def test_an_interrupted_study_ends_with_status_130(command, tmp_path):
     )
     status, output, errors = command("study", "own.toml")
     assert (status, output) == (130, "")
-    assert "Traceback" not in errors
+    assert errors == "clepsydra: interrupted; nothing was left half-written\n"
     assert names(tmp_path) == ["law.py", "own.toml"]
 
 
