@@ -15,12 +15,12 @@ from clepsydra.process.reader import load_process
 from clepsydra.studies.designs import DESIGNS
 
 
-def digests(process, names=tuple(DESIGNS)):
+def digests(process):
     """Return controller to digest and the printed C, or to why it does not apply."""
     analysis = analyse(load_process(process))
     point = analysis.operating_point
     found = {"the process": digest(process_program(point, substeps_for(analysis.model)))}
-    for name in names:
+    for name in DESIGNS:
         try:
             exported = export_c(exportable(DESIGNS[name](analysis), point))
         except ClepsydraError as refusal:
@@ -32,4 +32,4 @@ def digests(process, names=tuple(DESIGNS)):
 
 
 if __name__ == "__main__":
-    json.dump(digests(sys.argv[1], sys.argv[2:] or tuple(DESIGNS)), sys.stdout)
+    json.dump(digests(sys.argv[1]), sys.stdout)

@@ -8,6 +8,13 @@ import clepsydra as cl
 #: The smallest plant: one tank, one pump, one sensor.
 ONE_TANK = Path(__file__).parents[1] / "one-tank.toml"
 
+#: Processes and variants with different equations; the others have other numbers or units.
+STRUCTURES = (
+    "averaging-tank", "averaging-tank:all-inputs", "eight-tanks", "equalisation-tank",
+    "equalisation-tank:dosing", "equalisation-tank:relief", "laboratory-four-tanks",
+    "quadruple-tank", "three-tanks", "wet-well", "wet-well:flow-meters", "wet-well:start-stop",
+)  # fmt: skip
+
 plant = cache(cl.load)
 
 

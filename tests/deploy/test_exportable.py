@@ -6,6 +6,7 @@ from functools import cache
 from xml.etree import ElementTree
 
 import pytest
+from plants import plant
 from refusals import refused
 
 from clepsydra.deploy.c99.printer import print_c
@@ -13,8 +14,6 @@ from clepsydra.deploy.export import export_structured_text
 from clepsydra.deploy.exportable import exportable, exportable_name
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 from clepsydra.studies.designs import DESIGNS
 
 NUMBERS = {"true": "1", "false": "0"}
@@ -29,8 +28,7 @@ CASES = [
 
 @cache
 def made_ready(process, name):
-    analysis = analyse(load_process(process))
-    return exportable(DESIGNS[name](analysis), analysis.operating_point)
+    return exportable(DESIGNS[name](plant(process).analysis), plant(process).point)
 
 
 @pytest.fixture(params=CASES, ids=lambda case: case[1])
@@ -55,7 +53,6 @@ def test_a_block_that_nobody_wired_stands_in_manual_at_fail_safe_and_without_sen
         assert inputs[f"setpoint_{number}"] == at[name]
 
 
-@pytest.mark.thorough
 def test_every_printer_declares_the_inputs_alike():
     """What stands in the texts, read by plain patterns, is what the signals say."""
     ready = made_ready("quadruple-tank", "PI, SIMC")

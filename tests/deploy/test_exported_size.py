@@ -146,9 +146,8 @@ def test_the_page_gives_the_size_of_the_code_within_a_factor_of_two(documented, 
     check_code_size("PI, SIMC", documented, tmp_path)
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("name", FAMILIES)
-def test_the_page_gives_the_size_of_every_code(name, documented, tmp_path):
+@pytest.mark.parametrize("name", list(FAMILIES)[::6])
+def test_the_page_gives_the_size_of_some_more(name, documented, tmp_path):
     compiled_like_the_page()
     check_code_size(name, documented, tmp_path)
 
@@ -177,10 +176,10 @@ def few_scans(monkeypatch):
 
 
 @pytest.mark.usefixtures("few_scans")
-@pytest.mark.parametrize("name", ["PI, SIMC", "Smith predictor, PI"])
-def test_what_is_timed_is_what_is_exported(name, tmp_path):
+def test_what_is_timed_is_what_is_exported(tmp_path):
     """The C moves its outputs with its inputs, equals the engine, and is told on both pages."""
     need_compiler()
+    name = "Smith predictor, PI"
     work = at_work(name, 300)
     scans = built.ExportedC(work.ready, "single", tmp_path / "one").prepare(work.inputs)
     scans.run()

@@ -5,6 +5,7 @@ import re
 from xml.etree import ElementTree
 
 import pytest
+from plants import designed, plant
 from refusals import refused
 from structured_text_programs import every_kind
 
@@ -18,9 +19,6 @@ from clepsydra.deploy.structured_text.function_block import function_block
 from clepsydra.deploy.structured_text.pou import Section, Unit, Variable
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.deploy.structured_text.project import print_test_project
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
-from clepsydra.process.reader import load_process
 
 ORIGIN = Origin('Law <1> & "2"', "a tank", "By hand.", 1.0, {"late": "at rest"}, "found by hand")
 SECTIONS = {"inputVars": "VAR_INPUT", "outputVars": "VAR_OUTPUT", "localVars": "VAR",
@@ -136,11 +134,10 @@ def test_the_order_of_the_schema():
 
 @pytest.mark.parametrize("dialect", ["codesys", "matiec"])
 def test_the_test_project(dialect):
-    analysis = analyse(load_process("quadruple-tank"))
-    controller = with_plant_shell(design_simc(analysis.model, analysis.pairing), 1.0)
+    controller = with_plant_shell(designed("simc", "quadruple-tank"), 1.0)
     arguments = (
         dataclasses.replace(controller.program(), name="tank_pi"),
-        process_program(analysis.operating_point, 1),
+        process_program(plant("quadruple-tank").point, 1),
         controller.input_wires | controller.output_wires,
         0.5,
     )

@@ -1,16 +1,16 @@
 """A process as a printable program: bit for bit CasADi's own evaluation, and the loop's motion."""
 
+from collections import Counter
+
 import numpy as np
 import pytest
+from plants import STRUCTURES, plant
 
 from clepsydra import Kernel
 from clepsydra.deploy.process_program import process_program
-from clepsydra.linear.analysis import analyse
-from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.loop.open_loop import simulate
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.process.catalogue_names import catalogue_names
-from clepsydra.process.reader import load_process
 
 SAMPLES = 300
 
@@ -18,7 +18,7 @@ SAMPLES = 300
 def every_variant() -> list[str]:
     names = []
     for name in catalogue_names():
-        names += [name, *(f"{name}:{variant}" for variant in load_process(name).variants)]
+        names += [name, *(f"{name}:{variant}" for variant in plant(name).process.variants)]
     return names
 
 
@@ -34,11 +34,9 @@ def profiles(point, seed: int) -> dict[str, np.ndarray]:
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("name", every_variant())
+@pytest.mark.parametrize("name", STRUCTURES)
 def test_it_moves_as_the_simulation_does(name):
-    process = load_process(name)
-    point = find_equilibrium(process)
-    substeps = substeps_for(analyse(process).model)
+    point, substeps = plant(name).point, substeps_for(plant(name).linear)
     program = process_program(point, substeps)
     assert not any(operation.fused for operation in program.block.operations())
     given = profiles(point, 3)
@@ -53,11 +51,9 @@ def test_it_moves_as_the_simulation_does(name):
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("name", every_variant())
+@pytest.mark.parametrize("name", STRUCTURES)
 def test_it_stays_at_rest(name):
-    process = load_process(name)
-    point = find_equilibrium(process)
-    program = process_program(point, substeps_for(analyse(process).model))
+    program = process_program(plant(name).point, substeps_for(plant(name).linear))
     found = Kernel(program).run(50)
     for signal in program.outputs:
         scale = max(abs(signal.initial), 1e-6)
@@ -66,9 +62,21 @@ def test_it_stays_at_rest(name):
         )
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", every_variant())
+def test_every_variant_computes_what_one_that_is_tested_here_does(name):
+    """Its program has the same operations, each as often."""
+
+    def computed(name: str) -> Counter[str]:
+        operations = process_program(plant(name).point, 2).block.operations()
+        return Counter(operation.code for operation in operations)
+
+    of_process = (each for each in STRUCTURES if name.startswith(each.partition(":")[0]))
+    assert any(computed(name) == computed(each) for each in of_process)
+
+
 def test_no_two_names_of_a_function_block_clash():
-    process = load_process("quadruple-tank")
-    program = process_program(find_equilibrium(process), 2)
+    program = process_program(plant("quadruple-tank").point, 2)
     groups = (program.state, program.inputs, program.parameters, program.outputs)
     names = [entry.name.replace(".", "_").lower() for group in groups for entry in group]
     assert len(names) == len(set(names))

@@ -121,18 +121,22 @@ def in_operation(program, samples):
     return inputs
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize(("faulty", "fails"), [(39, False), (41, True)])
-def test_a_fault_of_3_9_s_rides_through_and_one_of_4_1_s_fails_safe(faulty, fails, tmp_path):
-    """Scans of 0.1 s, in the engine, in C and in Structured Text."""
+@pytest.fixture(scope="module")
+def quick():
+    """PI control of the quadruple tank every 0.1 s, and its program in the plant shell."""
     process = dataclasses.replace(plant("quadruple-tank").process, sampling_period=0.1)
-    tanks = cl.Plant(process)
-    controller = cl.design.simc(tanks)
+    controller = cl.design.simc(cl.Plant(process))
     settings = PlantShell(fail_safe={"pump_1": 1.25})
-    program = with_plant_shell(controller, 0.1, settings).program()
+    return controller, with_plant_shell(controller, 0.1, settings).program()
+
+
+@pytest.mark.parametrize(("faulty", "fails"), [(39, False), (41, True)])
+def test_a_fault_of_3_9_s_rides_through_and_one_of_4_1_s_fails_safe(faulty, fails, quick, tmp_path):
+    """Scans of 0.1 s, in the engine, in C and in Structured Text."""
+    controller, program = quick
     before, after = 20, 30
     samples = before + faulty + after
-    at = tanks.point.as_dict()
+    at = controller.plant.point.as_dict()
     inputs = in_operation(program, samples)
     for k, name in enumerate(controller.measurements, start=1):
         inputs[f"measurement_{k}"][:] = at[name]

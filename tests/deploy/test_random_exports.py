@@ -45,13 +45,6 @@ TEXTS = ("Structured Text, matiec", "Structured Text, codesys", "Structured Text
 USUAL = ("C", *TEXTS, "Structured Text")
 
 
-def in_tiers(few: int, many: int):
-    """A few examples in the fast tier, many in the thorough one."""
-    return pytest.mark.parametrize(
-        "examples", [few, pytest.param(many, marks=pytest.mark.thorough)]
-    )
-
-
 @pytest.fixture(autouse=True)
 def _tools():
     need_compiler()
@@ -127,16 +120,19 @@ def is_justified(
     return target.precision == "single" and "print it in double precision" in said
 
 
+#: For many small programs: two targets each.
+some_targets = st.sampled_from(
+    [("C", TEXTS[0]), (TEXTS[1], "Structured Text"), ("C", TEXTS[2]), (TEXTS[0], "FMU 3.0")]
+)
 fmu_or_none = st.sampled_from([(), (), (), ("FMU 3.0",), ("FMU 2.0",)])
 
 
-@pytest.mark.thorough
-@in_tiers(5, 30)
+@pytest.mark.parametrize("examples", [4, pytest.param(30, marks=pytest.mark.thorough)])
 def test_programs_of_every_statement(examples):
     @settings(FIXED, max_examples=examples)
-    @given(programs(), fmu_or_none)
-    def every_program(written: Written, more: tuple[str, ...]) -> None:
-        proved(ProofItem("random", 1.0, written.program()), USUAL + more, job=OddJob)
+    @given(programs(), some_targets)
+    def every_program(written: Written, targets: tuple[str, ...]) -> None:
+        proved(ProofItem("random", 1.0, written.program()), targets, job=OddJob)
 
     every_program()
 
@@ -145,7 +141,7 @@ def test_programs_of_every_statement(examples):
 def test_random_programs_leave_out_no_operation_and_no_statement():
     seen: set[str] = set()
 
-    @settings(FIXED, max_examples=200)
+    @settings(FIXED, max_examples=120)
     @given(programs())
     def every_program(written: Written) -> None:
         seen.update(codes_of(written.program()))
@@ -155,11 +151,10 @@ def test_random_programs_leave_out_no_operation_and_no_statement():
 
 
 @pytest.mark.thorough
-@in_tiers(4, 25)
-def test_names_that_a_language_cannot_have_are_refused_or_harmless(examples):
+def test_names_that_a_language_cannot_have_are_refused_or_harmless():
     """Keywords, macros, names that differ in case, names of the printers' own variables."""
 
-    @settings(FIXED, max_examples=examples)
+    @settings(FIXED, max_examples=8)
     @given(programs(wrong=True), fmu_or_none)
     def every_program(written: Written, more: tuple[str, ...]) -> None:
         item = ProofItem("random", 1.0, written.program())
@@ -169,11 +164,10 @@ def test_names_that_a_language_cannot_have_are_refused_or_harmless(examples):
 
 
 @pytest.mark.thorough
-@in_tiers(3, 20)
-def test_functions_of_a_library(examples):
+def test_functions_of_a_library():
     """Within 1e-12 of the range, and no decision differs."""
 
-    @settings(FIXED, max_examples=examples)
+    @settings(FIXED, max_examples=8)
     @given(library_programs(), fmu_or_none)
     def every_program(written: Written, more: tuple[str, ...]) -> None:
         proved(ProofItem("random", 1.0, written.program()), USUAL + more, job=OddJob)
@@ -182,12 +176,11 @@ def test_functions_of_a_library(examples):
 
 
 @pytest.mark.thorough
-@in_tiers(2, 7)
 @pytest.mark.parametrize("kind", CONTROLLERS)
-def test_controllers(kind, examples):
+def test_controllers(kind):
     """Random laws behind the plant shell or bare, in a plant that goes wrong in every way."""
 
-    @settings(FIXED, max_examples=examples)
+    @settings(FIXED, max_examples=2)
     @given(CONTROLLERS[kind](), fmu_or_none)
     def every_controller(written: Written, more: tuple[str, ...]) -> None:
         proved(ProofItem("random", written.period, written.program()), USUAL + more)
@@ -204,10 +197,9 @@ process_targets = st.tuples(
 
 
 @pytest.mark.thorough
-@in_tiers(2, 6)
-def test_processes(examples):
-    @settings(FIXED, max_examples=examples)
-    @given(processes(most=1 if examples < 5 else 4), process_targets)
+def test_processes():
+    @settings(FIXED, max_examples=3)
+    @given(processes(most=2), process_targets)
     def every_process(written: ProcessFile, targets: tuple[str, ...]) -> None:
         item = process_item(written.point())
         # Nearly empty, the tip of a cone fills too quickly for any step.

@@ -1,7 +1,6 @@
 """Start and stop levels in C and Structured Text, equal to the engine in every bit."""
 
 import numpy as np
-import pytest
 from deployed import all_bits, run_both
 from plants import designed
 
@@ -16,7 +15,6 @@ def spoilt(random, values):
     return np.where(random.random(len(values)) < 0.02, wrong, values)
 
 
-@pytest.mark.thorough
 def test_the_engine_c_and_structured_text_agree_in_every_bit(tmp_path):
     program = designed("start_stop_levels", "wet-well:start-stop").program()
     random = np.random.default_rng(3)

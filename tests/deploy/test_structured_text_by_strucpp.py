@@ -18,7 +18,6 @@ from clepsydra.deploy.proof.scans import random_scans
 from clepsydra.deploy.proof.text.tree import content, parse, walk
 from clepsydra.deploy.structured_text.printer import print_structured_text
 
-#: The others need minutes of the compiler of C++.
 OFTEN = ("PI, SIMC", "Smith predictor, PI")
 NAMES = [
     pytest.param(name, marks=[] if name in OFTEN else [pytest.mark.thorough]) for name in PROCESSES

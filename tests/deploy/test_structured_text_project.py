@@ -2,10 +2,12 @@
 
 import dataclasses
 import re
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from plants import designed, plant
 from refusals import refused
 from tools import need
 
@@ -19,31 +21,34 @@ from clepsydra.deploy.proof.text.scl import standard_text
 from clepsydra.deploy.structured_text.loop_program import wired
 from clepsydra.deploy.structured_text.project import print_test_project
 from clepsydra.deploy.structured_text.time_literal import LONGEST, milliseconds, time_literal
-from clepsydra.designs.simc import design_simc
-from clepsydra.linear.analysis import analyse
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
-from clepsydra.process.reader import load_process
 from clepsydra.program.program import Block, Program
-from clepsydra.studies.designs import DESIGNS
 
 SCANS, SUBSTEPS = 240, 2
 FACTOR = 1.05
 
 
+@cache
+def controlled():
+    """PI in its plant shell, and the programs of controller and quadruple tank."""
+    controller = with_plant_shell(designed("simc", "quadruple-tank"), 1.0)
+    process = process_program(plant("quadruple-tank").point, SUBSTEPS)
+    return controller, dataclasses.replace(controller.program(), name="tank_pi"), process
+
+
 def project(dialect="matiec", precision="double", period=1.0):
     """A quadruple tank under PI in its plant shell; the wires as the loop has them."""
-    analysis = analyse(load_process("quadruple-tank"))
-    controller = with_plant_shell(design_simc(analysis.model, analysis.pairing), 1.0)
+    controller, law, process = controlled()
     text = print_test_project(
-        dataclasses.replace(controller.program(), name="tank_pi"),
-        process_program(analysis.operating_point, SUBSTEPS),
+        law,
+        process,
         controller.input_wires | controller.output_wires,
         period,
         dialect=dialect,
         precision=precision,
     )
-    return analysis, controller, text
+    return plant("quadruple-tank").analysis, controller, text
 
 
 def run_in_text(text: str, step: dict[str, float]) -> dict[str, np.ndarray]:
@@ -59,7 +64,6 @@ def run_in_text(text: str, step: dict[str, float]) -> dict[str, np.ndarray]:
     return dict(zip(seen, np.array(rows).T, strict=True))
 
 
-@pytest.mark.thorough
 def test_it_moves_as_the_loop_of_the_engine():
     need("tree_sitter_iec61131_3_st")
     analysis, controller, text = project()
@@ -82,8 +86,9 @@ def test_it_moves_as_the_loop_of_the_engine():
     assert set(found["status_1"]) == {1.0} and found["watchdog"][-1] == SCANS
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("precision", ["double", "single"])
+@pytest.mark.parametrize(
+    "precision", ["double", pytest.param("single", marks=pytest.mark.thorough)]
+)
 def test_all_dialects_run_the_same(precision):
     need("tree_sitter_iec61131_3_st")
     texts = {name: project(name, precision)[2] for name in ("matiec", "codesys", "scl")}
@@ -96,7 +101,6 @@ def test_all_dialects_run_the_same(precision):
     assert tables["matiec"]["manipulated_1"][-1] == 2.5
 
 
-@pytest.mark.thorough
 def test_each_system_gets_its_own_frame():
     texts = {name: project(name)[2] for name in ("matiec", "codesys", "scl")}
     assert texts["matiec"].endswith(
@@ -170,10 +174,10 @@ KINDS = {"mode": "DINT", "start": "DINT", "sensor": "BOOL", "acknowledge": "BOOL
 PAGE = Path(__file__).parents[2] / "docs" / "plc.md"
 
 
+@cache
 def exported() -> str:
     """What `clepsydra export quadruple-tank --controller "PI, SIMC" --to st` prints as its test."""
-    analysis = analyse(load_process("quadruple-tank"))
-    ready = exportable(DESIGNS["PI, SIMC"](analysis), analysis.operating_point)
+    ready = exportable(designed("simc", "quadruple-tank"), plant("quadruple-tank").point)
     return export_structured_text(ready).files[f"{ready.program.name}_test.st"].decode()
 
 

@@ -17,8 +17,6 @@ from clepsydra.deploy.printing.entries import is_ring, signal_of
 
 SCANS = 1200
 
-pytestmark = pytest.mark.thorough
-
 
 def simulated(program, inputs) -> np.ndarray:
     """Outputs, then states that are no rings, after each scan [scans, entries]."""
@@ -47,10 +45,8 @@ PROGRAMS = {
 }
 
 
-QUICK = [("PI in its shell", "3.0"), ("PI in its shell", "2.0"), ("Smith predictor", "3.0")]
-
-
-@pytest.mark.parametrize(("name", "version"), cases(QUICK, PROGRAMS))
+@pytest.mark.thorough
+@pytest.mark.parametrize(("name", "version"), cases(PROGRAMS))
 def test_every_bit_is_that_of_the_engine(name, version, tmp_path):
     program, period = PROGRAMS[name](), 0.7
     path = written(controller_model(program, origin("a process", period)), tmp_path, version)

@@ -6,16 +6,15 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from fmus import VERSIONS, Imported, all_bits, cases, written
 from models import FRICTIONS, drawn, origin, process_of, rig
-from plants import plant
+from plants import STRUCTURES, plant
 from refusals import refused
 
 from clepsydra import Kernel
 from clepsydra.deploy.fmi.process import process_model
 from clepsydra.deploy.process_program import process_program
 from clepsydra.loop.step_size import substeps_for
-from clepsydra.process.catalogue_names import catalogue_names
 
-SAMPLES = 1000
+SAMPLES = 300
 
 pytestmark = pytest.mark.thorough
 
@@ -42,25 +41,13 @@ def proven(point, substeps: int, folder, version: str, samples: int = SAMPLES) -
     assert np.array_equal(all_bits(found), all_bits(expected))
 
 
-def every_variant() -> list[str]:
-    names = []
-    for name in catalogue_names():
-        names += [name, *(f"{name}:{variant}" for variant in plant(name).process.variants)]
-    return names
-
-
-QUICK = [("averaging-tank", "3.0"), ("wet-well", "2.0")]
-
-
-@pytest.mark.parametrize(("name", "version"), cases(QUICK, every_variant()))
+@pytest.mark.parametrize(("name", "version"), cases(STRUCTURES))
 def test_every_bit_is_that_of_the_engine(name, version, tmp_path):
     """Square roots, concentrations, pumps that run dry and start."""
     proven(plant(name).point, substeps_for(plant(name).linear), tmp_path, version)
 
 
-@pytest.mark.parametrize(
-    ("friction", "version"), cases([(FRICTIONS[0], "2.0"), (FRICTIONS[1], "3.0")], FRICTIONS)
-)
+@pytest.mark.parametrize(("friction", "version"), cases(FRICTIONS))
 def test_a_rig_with_a_delay_and_every_switch(friction, version, tmp_path):
     proven(rig(tmp_path, friction, delay=True), 24, tmp_path, version)
 

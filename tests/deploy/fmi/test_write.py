@@ -7,6 +7,7 @@ import subprocess
 import sys
 import zipfile
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import fmpy
@@ -31,12 +32,29 @@ def functions_of(version: str) -> set[str]:
     return set(re.findall(rf"\bfmi{number}[A-Z]\w*TYPE\s+(fmi{number}\w+);", text))
 
 
+MODELS = {"controller": pi_model, "exchange": lambda: exchange_of("wet-well")}
+each = pytest.mark.parametrize(
+    ("kind", "version"), [(kind, version) for kind in MODELS for version in VERSIONS]
+)
+
+
+@pytest.fixture(scope="module")
+def unpacked(tmp_path_factory):
+    """Return a function that writes a model once; it returns model, path, unpacked folder."""
+
+    @cache
+    def of(kind: str, version: str):
+        folder, model = tmp_path_factory.mktemp(kind), MODELS[kind]()
+        path = written(model, folder, version)
+        return model, path, fmpy.extract(str(path), str(folder / "unpacked"))
+
+    return of
+
+
 @pytest.mark.thorough
-@pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("make", [pi_model, lambda: exchange_of("quadruple-tank")])
-def test_the_binary_has_every_function_of_the_standard_and_no_other(make, version, tmp_path):
-    model = make()
-    folder = fmpy.extract(str(written(model, tmp_path, version)), str(tmp_path / "unpacked"))
+@each
+def test_the_binary_has_every_function_of_the_standard_and_no_other(kind, version, unpacked):
+    model, _, folder = unpacked(kind, version)
     (binary,) = Path(folder, "binaries").glob("*/*")
     assert binary.stem == model.name
     library = ctypes.CDLL(str(binary))
@@ -49,11 +67,10 @@ def test_the_binary_has_every_function_of_the_standard_and_no_other(make, versio
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("make", [pi_model, lambda: exchange_of("wet-well")])
-def test_the_functions_fit_the_prototypes_of_the_standard(make, version, tmp_path):
+@each
+def test_the_functions_fit_the_prototypes_of_the_standard(kind, version, unpacked):
     """The standard's headers come first, and the compiler checks every definition by them."""
-    folder = fmpy.extract(str(written(make(), tmp_path, version)), str(tmp_path / "unpacked"))
+    _, _, folder = unpacked(kind, version)
     number = version[0]
     command = [
         *find_compiler("tests").command, "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror",
@@ -67,9 +84,9 @@ def test_the_functions_fit_the_prototypes_of_the_standard(make, version, tmp_pat
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("version", VERSIONS)
-def test_several_models_can_be_linked_into_one_program(version, tmp_path):
+def test_several_models_can_be_linked_into_one_program(version, tmp_path, unpacked):
     """With a prefix on the command line, as the standard has it for static linking."""
-    folder = fmpy.extract(str(written(pi_model(), tmp_path, version)), str(tmp_path / "unpacked"))
+    _, _, folder = unpacked("controller", version)
     number, target = version[0], tmp_path / "object.so"
     command = [
         *find_compiler("tests").command, "-std=c99", f"-DFMI{number}_FUNCTION_PREFIX=own_",
@@ -83,12 +100,9 @@ def test_several_models_can_be_linked_into_one_program(version, tmp_path):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("version", VERSIONS)
-def test_the_same_model_gives_the_same_file(version, tmp_path):
-    contents = []
-    for place in ("one", "two"):
-        (tmp_path / place).mkdir()
-        contents.append(written(pi_model(), tmp_path / place, version).read_bytes())
-    assert contents[0] == contents[1]
+def test_the_same_model_gives_the_same_file(version, tmp_path, unpacked):
+    _, path, _ = unpacked("controller", version)
+    assert written(pi_model(), tmp_path, version).read_bytes() == path.read_bytes()
 
 
 @pytest.mark.thorough

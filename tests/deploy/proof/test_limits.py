@@ -4,12 +4,11 @@ import dataclasses
 from importlib import resources
 
 import pytest
-from spoilt_programs import item, level_control, quick_proof
+from spoilt_programs import FMUS, item, level_control, quick_proof, quickly
 from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra import InputError, Signal
 from clepsydra.deploy.proof import interpreted_text
-from clepsydra.deploy.proof import proof as proof_module
 from clepsydra.deploy.proof.item import ProofItem, process_item
 from clepsydra.deploy.proof.limits import LIMITS, limit_met
 from clepsydra.deploy.proof.proof import prove
@@ -63,7 +62,7 @@ REFUSED = {
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_a_target_cannot_express_it_refuses_by_name(name, monkeypatch):
     program, limits = REFUSED[name]
-    proof = quick_proof(monkeypatch, program)
+    proof = quick_proof(monkeypatch, program, without=FMUS)
     assert proof.holds
     refused = 0
     for row in proof.rows:
@@ -83,7 +82,7 @@ def test_transport_delays_have_no_model_exchange(tmp_path, monkeypatch):
     text = text.replace('destination = "tank_1"', 'destination = "pipe"', 1)
     path = tmp_path / "late.toml"
     path.write_text(text + '\n[delays.pipe]\ndestination = "tank_1"\ntime = "20 s"\n')
-    monkeypatch.setattr(proof_module, "FEWEST", 300)
+    quickly(monkeypatch, 300, without=FMUS)
     proof = prove([process_item(find_equilibrium(load_process(path)))], scans=300)
     refused = {row.target: row.limit for row in proof.refusals}
     assert set(refused) == {"FMU 3.0 exchange", "FMU 2.0 exchange"} and proof.holds
@@ -98,7 +97,7 @@ def test_a_printer_that_refuses_without_need_fails_the_proof(monkeypatch):
         raise InputError("program law", "anything", "something else", "print it in C")
 
     monkeypatch.setattr(interpreted_text, "print_structured_text", refuse)
-    proof = quick_proof(monkeypatch)
+    proof = quick_proof(monkeypatch, without=FMUS)
     assert not proof.holds and not proof.refusals
     assert {row.target for row in proof.failures} >= {TEXT, "Structured Text"}
     assert all(row.verdict == "refused" for row in proof.failures)

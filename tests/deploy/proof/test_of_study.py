@@ -4,6 +4,7 @@ import json
 
 import pytest
 from refusals import refused
+from spoilt_programs import FMUS, quickly
 from tools import need_compiler, need_grammar, need_importer
 
 import clepsydra as cl
@@ -30,8 +31,7 @@ def study():
     return cl.study("quadruple-tank", only="PI, SIMC")
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("settings", [None, SETTINGS])
+@pytest.mark.parametrize("settings", [None, pytest.param(SETTINGS, marks=pytest.mark.thorough)])
 def test_the_files_of_an_export_are_those_that_are_proved(settings, study, tmp_path):
     need_compiler()
     need_grammar()
@@ -78,6 +78,8 @@ def test_the_commands_prove_what_they_export_with_the_same_options(tmp_path, mon
     (tmp_path / "one.toml").write_text(
         'process = "equalisation-tank"\n[controllers.slow]\ndesign = "arrest_time"\n', "utf-8"
     )
+
+    quickly(monkeypatch, without=(*FMUS, *(f"{name} exchange" for name in FMUS)))
 
     def said(*arguments: str) -> dict:
         with pytest.raises(SystemExit) as ended:
