@@ -56,6 +56,18 @@ def whatever_comes(signal, random, period):
     return np.where(spoilt, random.choice(BROKEN, SCANS), values)
 
 
+def whatever_all_bring(program, random, period):
+    """Values of all inputs; half of the time measurements are near their setpoints [scans]."""
+    found = {signal.name: whatever_comes(signal, random, period) for signal in program.inputs}
+    signals = {signal.name: signal for signal in program.inputs}
+    for name, measured in found.items():
+        asked = signals.get(name.replace("measurement_", "setpoint_"))
+        if asked is not None and asked.name != name and asked.high == signals[name].high:
+            near = held(random, 100.0, lambda n: random.random(n)) < 0.5
+            measured[near] = found[asked.name][near]
+    return found
+
+
 def tuned(signal, random):
     """Values of a parameter that somebody changes; another limit would be another test."""
     value = signal.initial
@@ -89,10 +101,8 @@ def manipulated(controller):
 def test_outputs_stay_within_limits_and_all_is_finite_whatever_comes_in(name):
     controller, plant = designed(name, APPLIES_TO.get(name, "quadruple-tank"))
     program, random = controller.program(), np.random.default_rng(3)
-    inputs = {
-        signal.name: whatever_comes(signal, random, plant.process.sampling_period)
-        for signal in program.inputs
-    } | {signal.name: tuned(signal, random) for signal in program.parameters}
+    inputs = whatever_all_bring(program, random, plant.process.sampling_period)
+    inputs |= {signal.name: tuned(signal, random) for signal in program.parameters}
     found = recorded(program, inputs)
     assert np.isfinite(found).all()
     for signal, values in zip(program.outputs, found.T, strict=False):
