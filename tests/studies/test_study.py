@@ -278,6 +278,14 @@ def without_sensor(number: int, folder: Path) -> Path:
     return path
 
 
+A_MINUTE = """[scenario]
+duration = "1 min"
+noise = false
+[[scenario.setpoint]]
+signal = "level_1"
+at = "10 s"
+by = "5 %"
+"""
 NAMED = {
     "LQI, Bryson": "lqi",
     "PI, SIMC": "simc",
@@ -287,10 +295,10 @@ NAMED = {
 
 
 def study_of(path: Path, *names: str) -> cl.Study:
-    """Return the study of some designs on a process file."""
+    """Return the study of some designs on a process file, for a step of a minute."""
     text = "".join(f'[controllers."{name}"]\ndesign = "{NAMED[name]}"\n' for name in names)
     file = path.with_name("study.toml")
-    file.write_text(f'process = "{path.name}"\n{text}')
+    file.write_text(f'process = "{path.name}"\n{A_MINUTE}{text}')
     return cl.study(file)
 
 
