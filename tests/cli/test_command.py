@@ -12,7 +12,6 @@ from pathlib import Path
 import pandas
 import pytest
 
-import clepsydra
 from clepsydra.cli.output import print_json
 from clepsydra.studies.designs import DESIGNS
 
@@ -30,19 +29,6 @@ action = "reverse"
 gain = "2 V/cm"
 integral_time = "1 min"
 """
-HEAVY = {
-    "numpy",
-    "casadi",
-    "scipy",
-    "control",
-    "matplotlib",
-    "pandas",
-    "pyarrow",
-    "llvmlite",
-    "xarray",
-    "pint",
-    "jinja2",
-}
 
 
 def names(folder: Path) -> list[str]:
@@ -75,50 +61,6 @@ def process(code: str, *arguments: str, folder: Path, **environment: str):
 
 
 COMMAND = "from clepsydra.cli import main; main()"
-#: What answers at once: no numeric library is loaded for it.
-LIGHT = [
-    ["--help"], ["-h"], ["--version"], ["study", "--help"], ["analyse", "--help"],
-    ["identify", "--help"], ["simulate", "--help"], ["new", "--help"], ["draw", "--help"],
-    ["processes"],
-]  # fmt: skip
-
-
-def test_help_version_and_the_list_of_processes_load_nothing_numeric(tmp_path):
-    code = (
-        "import contextlib, json, sys\n"
-        "from clepsydra.cli import main\n"
-        "for arguments in json.loads(sys.argv[1]):\n"
-        "    with contextlib.suppress(SystemExit):\n"
-        "        main(arguments)\n"
-        "    loaded = sorted({name.partition('.')[0] for name in sys.modules})\n"
-        "    print(*arguments, json.dumps(loaded), sep='\\t', file=sys.stderr)\n"
-    )
-    done = process(code, json.dumps(LIGHT), folder=tmp_path)
-    found = [line.split("\t") for line in done.stderr.splitlines()]
-    assert (done.returncode, [arguments for *arguments, _ in found]) == (0, LIGHT), done.stderr
-    for *arguments, loaded in found:
-        assert not HEAVY & set(json.loads(loaded)), arguments
-    assert "typer" in json.loads(found[0][-1])
-
-
-OPTIONS = {
-    "study": ("--json", "--output", "PROCESS"),
-    "identify": ("--manipulated", "--measured", "--process", "--parameters", "--write"),
-    "simulate": ("--input", "--profile", "--duration", "--start", "--state", "--solver"),
-}
-
-
-def test_help_names_the_verbs_and_their_options(command):
-    status, output, _ = command("--help")
-    assert status == 0 and "study" in output and "analyse" in output
-    for verb, words in OPTIONS.items():
-        status, output, _ = command(verb, "--help")
-        assert status == 0, verb
-        assert [word for word in words if word not in output] == [], verb
-
-
-def test_the_version(command):
-    assert command("--version") == (0, f"clepsydra {clepsydra.__version__}\n", "")
 
 
 @pytest.fixture
