@@ -62,8 +62,7 @@ def sampled_peak(model, pairing, controller, period=1.0):
         return math.inf
     z = np.exp(1j * np.concatenate([np.geomspace(1e-5, np.pi, 6000), [np.pi]]))
     process = evaluate_transfer(A, B, C, D, z)
-    gains = np.array([[k * (1 + period / (t * (x - 1))) for k, t in settings_of(controller)]
-                      for x in z])  # fmt: skip
+    gains = np.stack([k * (1 + period / (t * (z - 1))) for k, t in settings_of(controller)], axis=1)
     loops = np.eye(len(C)) + process * gains[:, None, :]
     return 1.0 / np.linalg.svd(loops, compute_uv=False)[:, -1].min()
 
