@@ -34,8 +34,8 @@ def identification_screen(found: Identification | ProcessFit) -> RenderableType:
     >>> from rich.console import Console
     >>> from clepsydra.identification.identification import identify_model
     >>> from clepsydra.identification.simulated_record import record_of
-    >>> steps = [cl.step("pump_1", "+0.5 V", at="1 min"), cl.step("pump_1", "-0.5 V", at="8 min")]
-    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps)
+    >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
     >>> console = Console(width=100, record=True, file=io.StringIO())
     >>> console.print(identification_screen(found))

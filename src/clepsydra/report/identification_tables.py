@@ -20,11 +20,11 @@ def models_grid(found: Identification) -> Grid:
     >>> import clepsydra as cl
     >>> from clepsydra.identification.identification import identify_model
     >>> from clepsydra.identification.simulated_record import record_of
-    >>> steps = [cl.step("pump_1", "+0.5 V", at="1 min"), cl.step("pump_1", "-0.5 V", at="8 min")]
-    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps)
+    >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
     >>> models_grid(found).rows[0][:2]
-    ('1  FOPDT', '96.7 %')
+    ('1  FOPDT', '96.9 %')
     """
     rows = [
         (
@@ -49,8 +49,8 @@ def estimates_grid(found: Identification) -> Grid:
     >>> import clepsydra as cl
     >>> from clepsydra.identification.identification import identify_model
     >>> from clepsydra.identification.simulated_record import record_of
-    >>> steps = [cl.step("pump_1", "+0.5 V", at="1 min"), cl.step("pump_1", "-0.5 V", at="8 min")]
-    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps)
+    >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> found = identify_model(record_of(run, {"level_1": 0.02}), "pump_1", "level_1")
     >>> estimates_grid(found).rows[0][0]
     'FOPDT, static gain'
@@ -71,11 +71,11 @@ def parameters_grid(fit: ProcessFit) -> Grid:
     >>> import clepsydra as cl
     >>> from clepsydra.identification.process_fit import fit_process
     >>> from clepsydra.identification.simulated_record import record_of
-    >>> steps = [cl.step("pump_1", "+0.5 V", at="1 min"), cl.step("pump_1", "-0.5 V", at="8 min")]
-    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps)
+    >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
     >>> parameters_grid(fit).rows[0][:3]
-    ('outlet_1.area', '0.0710', '0.071007')
+    ('outlet_1.area', '0.0710', '0.071025')
     """
     rows = []
     for estimate, before in zip(fit.estimates, fit.before, strict=True):
@@ -93,8 +93,8 @@ def start_grid(fit: ProcessFit) -> Grid:
     >>> import clepsydra as cl
     >>> from clepsydra.identification.process_fit import fit_process
     >>> from clepsydra.identification.simulated_record import record_of
-    >>> steps = [cl.step("pump_1", "+0.5 V", at="1 min"), cl.step("pump_1", "-0.5 V", at="8 min")]
-    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps)
+    >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
     >>> start_grid(fit).rows[0][0]
     'tank_1.level'
@@ -111,8 +111,8 @@ def outputs_grid(fit: ProcessFit) -> Grid:
     >>> import clepsydra as cl
     >>> from clepsydra.identification.process_fit import fit_process
     >>> from clepsydra.identification.simulated_record import record_of
-    >>> steps = [cl.step("pump_1", "+0.5 V", at="1 min"), cl.step("pump_1", "-0.5 V", at="8 min")]
-    >>> run = cl.simulate(cl.load("quadruple-tank"), None, steps)
+    >>> step = [cl.step("pump_1", "+0.5 V", at="20 s")]
+    >>> run = cl.simulate(cl.load("quadruple-tank"), None, step, duration="2 min")
     >>> fit = fit_process(run.process, record_of(run, {"level_1": 0.02}), ["outlet_1.area"])
     >>> outputs_grid(fit).rows[0][0]
     'level_1'
