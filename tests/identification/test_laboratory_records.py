@@ -52,7 +52,7 @@ def check(fit, names, truth):
 
 @pytest.mark.thorough  # a fast one is in tests/cli/test_identify.py
 def test_filling_from_empty_at_constant_input_tells_the_holes(laboratory):
-    fit = fitted(laboratory, HOLES, 6.0, start="empty", duration="8 min")
+    fit = fitted(laboratory, HOLES, 6.0, start="empty", duration="4 min")
     check(fit, HOLES, AREAS)
     assert any("no input moved" in note for note in fit.notes)
 

@@ -388,13 +388,6 @@ def test_only_the_controller_that_is_asked_for_is_made():
     assert [candidate.controller.name for candidate in result.ranking] == ["PI, SIMC"]
 
 
-@pytest.mark.thorough
-def test_a_tuned_controller_comes_with_the_one_it_starts_from():
-    result = cl.study("equalisation-tank", only="PI, arrest time, tuned")
-    names = {candidate.controller.name for candidate in result.ranking}
-    assert names == {"PI, arrest time", "PI, arrest time, tuned"}
-
-
 def test_a_name_of_no_controller_is_refused():
     with refused(remedy="perhaps 'PI, SIMC' was meant"):
         cl.study("quadruple-tank", only="PI SIMC")

@@ -178,7 +178,7 @@ def test_no_pair_of_weights_on_a_grid_is_better(vessel):
     # Where wear counts as well there is a best within the bounds.
     objective = weighted_sum({"ise[level]": 1.0, "total_variation[feed]": 50.0})
     start = lqi_by_bryson(vessel)
-    found = tuned_lqi(vessel, scenario, objective=objective, limits=Limits(), generations=15)
+    found = tuned_lqi(vessel, scenario, objective=objective, limits=Limits(), generations=8)
     assert found.binding == ()
     design = LqiWeights(start)
     state, moved, _ = design.numbers
@@ -268,8 +268,6 @@ def tuned_vessel(vessel: LinearModel, **options):
 @pytest.mark.thorough
 def test_the_same_seed_gives_the_same_weights_and_a_break_changes_nothing(vessel, tmp_path):
     first = tuned_vessel(vessel, generations=2, seed=3)
-    again = tuned_vessel(vessel, generations=2, seed=3)
-    assert first.tuned == again.tuned and first.controller.values == again.controller.values
     kept = tmp_path / "tuning.json"
     seen, stages = [], []
 
@@ -283,6 +281,7 @@ def test_the_same_seed_gives_the_same_weights_and_a_break_changes_nothing(vessel
     whole = tuned_vessel(vessel, generations=2, seed=3, progress=stages.append, state_file=kept)
     assert not whole.interrupted
     assert whole.tuned == first.tuned and whole.evaluations == first.evaluations
+    assert whole.controller.values == first.controller.values
     assert {each.stage for each in stages} >= {"global search", "local search"}
 
 

@@ -31,6 +31,7 @@ def controller(basin):
 @pytest.mark.thorough
 def test_a_study_tunes_a_basin_for_the_scores_that_rank_it():
     study = cl.study("equalisation-tank", only="PI, arrest time, tuned")
+    assert len(study.ranking) == 2  # with the one that it starts from
     start, tuned = study["PI, arrest time"], study["PI, arrest time, tuned"]
     assert tuned.standing is start.standing and tuned.rank < start.rank
     ratios = [tuned.scores[name] / start.scores[name] for name in SCORES]
