@@ -22,7 +22,9 @@ ROOT = Path(__file__).parents[1]
 #: Lines that take long, each with the tests that run what it shows.
 ELSEWHERE = {
     "clepsydra papers": "tests/cli/test_papers.py",
+    "clepsydra study my-tanks.toml --json": "tests/cli/test_command.py",
     "clepsydra verify compare.toml": "tests/cli/test_verify.py",
+    "clepsydra verify quadruple-tank": "tests/cli/test_verify.py",
 }
 PAGES = [
     path.relative_to(ROOT).as_posix()

@@ -43,7 +43,7 @@ def test_a_process_with_dead_time_has_a_page(page):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", ["quadruple-tank", "wet-well"])
+@pytest.mark.parametrize("name", ["quadruple-tank", "averaging-tank"])
 def test_every_process_has_a_page(name):
     check_page(analysis_page_text(cl.load(name).analysis))
 
