@@ -47,7 +47,6 @@ def reason(
     --------
     `clepsydra.studies.ranking.rank` gives each candidate its reason:
 
-    >>> from dataclasses import replace
     >>> first = Candidate(None, None, {}, 1.5, Standing.ROBUST, 1.0, 1, "", (), {"error": 1.0})
     >>> reason(first, None, None, tied=False)
     'Robust (max|S| 1.50). Error 1.00 times the best; the least total variation.'
