@@ -127,7 +127,7 @@ some_targets = st.sampled_from(
 fmu_or_none = st.sampled_from([(), (), (), ("FMU 3.0",), ("FMU 2.0",)])
 
 
-@pytest.mark.parametrize("examples", [4, pytest.param(30, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("examples", [2, pytest.param(30, marks=pytest.mark.thorough)])
 def test_programs_of_every_statement(examples):
     @settings(FIXED, max_examples=examples)
     @given(programs(), some_targets)

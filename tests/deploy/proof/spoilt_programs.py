@@ -10,6 +10,7 @@ from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.deploy.proof import proof
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.targets import targets_of
+from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Conditional, Loop, Operation, Program
 
@@ -28,6 +29,7 @@ def item(program: Program | None = None) -> ProofItem:
 
 #: The slowest targets to build.
 FMUS = ("FMU 3.0", "FMU 2.0")
+TEXTS = tuple(f"Structured Text, {dialect}" for dialect in DIALECT_NAMES)
 
 
 def quickly(monkeypatch, scans: int = 1000, *, without: Iterable[str] = ()) -> None:

@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from spoilt_programs import quick_proof
+from spoilt_programs import FMUS, TEXTS, quick_proof
 from tools import need_compiler, need_grammar, need_importer
 
 from clepsydra import Signal
-from clepsydra.deploy.proof import proof
 from clepsydra.deploy.proof.screen import proof_screen
-from clepsydra.deploy.proof.targets import targets_of
 from clepsydra.deploy.proof.words import notes, result_sentence
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Operation, Program
@@ -16,12 +14,15 @@ from clepsydra.program.program import Block, Operation, Program
 U, Y = Signal("u", low=0.0, high=1.0), Signal("y", low=0.0, high=1.0)
 
 
+#: All but C.
+OTHERS = (*TEXTS, "Structured Text", *FMUS)
+
+
 @pytest.fixture(autouse=True)
-def _single_c_only(monkeypatch):
+def _tools():
     need_compiler()
     need_grammar()
     need_importer()
-    monkeypatch.setattr(proof, "targets_of", lambda *given: targets_of(*given)[-1:])
 
 
 def constant(target: int, value: float) -> Operation:
@@ -35,7 +36,7 @@ def test_what_diverges_is_marked_and_named(monkeypatch):
         Block(1, (constant(1, 1e9), Operation(2, "add", (0, 1)), Operation(3, "subtract", (2, 1))),
               (3,)),
     )  # fmt: skip
-    found = quick_proof(monkeypatch, lost)
+    found = quick_proof(monkeypatch, lost, without=OTHERS)
     (row,) = found.diverging
     assert (row.target, row.precision, row.verdict) == ("C", "single", "diverges")
     assert found.holds and not found.failures
@@ -69,7 +70,9 @@ def test_a_law_that_is_unstable_by_itself_is_compared_in_single_scans(monkeypatc
          Operation(11, "less", (2, 5)), Operation(12, "select", (11, 6, 10))),
         (12, 0, 12), frozenset({11}),
     )  # fmt: skip
-    found = quick_proof(monkeypatch, Program("grows", (x, ring), (U,), (), (Y,), block))
+    found = quick_proof(
+        monkeypatch, Program("grows", (x, ring), (U,), (), (Y,), block), without=OTHERS
+    )
     row = found.rows[-1]
     assert (row.target, row.precision, row.verdict) == ("C", "single", "reported")
     # A few roundings of numbers within ten ranges.
