@@ -199,7 +199,7 @@ process_targets = st.tuples(
 @pytest.mark.thorough
 def test_processes():
     @settings(FIXED, max_examples=3)
-    @given(processes(most=2), process_targets)
+    @given(processes(most=1), process_targets)
     def every_process(written: ProcessFile, targets: tuple[str, ...]) -> None:
         item = process_item(written.point())
         # Nearly empty, the tip of a cone fills too quickly for any step.
