@@ -23,8 +23,9 @@ def resting_states(loop: Loop, values: Mapping[str, np.ndarray]) -> dict[str, np
 
     With other gains another integral makes the same output, and a law that changes its gains
     without a bump remembers the last ones. In manual every law follows what stands at its
-    output, so that a few samples in manual at rest tell where its states belong; the
-    difference that the values make is added to the controller's own initial state.
+    output, or takes it up in its first sample in automatic, so that a few samples in manual at
+    rest and one in automatic tell where its states belong; the difference that the values make is
+    added to the controller's own initial state.
 
     Parameters
     ----------
@@ -51,8 +52,8 @@ def resting_states(loop: Loop, values: Mapping[str, np.ndarray]) -> dict[str, np
     """
     controller = loop.controller
     law = controller.law
-    own = _in_manual(loop, {name: np.array([value]) for name, value in controller.values.items()})
-    other = _in_manual(loop, {**controller.values, **values})
+    own = _taken_over(loop, {name: np.array([value]) for name, value in controller.values.items()})
+    other = _taken_over(loop, {**controller.values, **values})
     found = {}
     for place, entry in enumerate(law.state):
         moved = other[place] - own[place]
@@ -66,8 +67,8 @@ def resting_states(loop: Loop, values: Mapping[str, np.ndarray]) -> dict[str, np
 def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
     """Return the initial state of the other loop's controller, whose law is the same.
 
-    As in `resting_states`, with other values or on another process: samples in manual at rest tell
-    where its states belong, as many as an observer needs to come to rest as well.
+    As in `resting_states`, with other values or on another process, and with as many samples in
+    manual as an observer needs to come to rest as well.
 
     Parameters
     ----------
@@ -88,7 +89,7 @@ def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
     9.197
     """
     before, after = (
-        _in_manual(
+        _taken_over(
             loop, {k: np.array([v]) for k, v in loop.controller.values.items()}, _MOST_SAMPLES
         )[:, 0]
         for loop in (own, other)
@@ -102,25 +103,29 @@ def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
     return state
 
 
-def _in_manual(
+def _taken_over(
     loop: Loop, values: Mapping[str, np.ndarray | float], most: int = _SAMPLES
 ) -> np.ndarray:
-    """Return the state of a law after some samples in manual at rest [states, candidates].
+    """Return the state of a law that took over from manual at rest [states, candidates].
 
-    After that it goes on until nothing moves any more, up to `most` samples.
+    It stays in manual until nothing moves any more, for at least `_SAMPLES` and at most `most`
+    samples.
     """
     controller, law = loop.controller, loop.controller.law
-    now = {**loop.at_rest(), **loop.point.as_dict()}
-    now |= {f"{name}.mode": float(Mode.MANUAL) for name in controller.manipulated}
+    at_rest = {**loop.at_rest(), **loop.point.as_dict()}
     columns = np.broadcast_arrays(*(values[p.name] for p in law.parameters))
     parameters = np.reshape(columns, (len(law.parameters), -1))
-    count = parameters.shape[1]
-    inputs = np.repeat(loop.law_inputs(now)[:, None], count, axis=1)
+
+    def after(state: np.ndarray, mode: Mode) -> np.ndarray:
+        now = at_rest | {f"{name}.mode": float(mode) for name in controller.manipulated}
+        inputs = np.repeat(loop.law_inputs(now)[:, None], parameters.shape[1], axis=1)
+        return np.array(law.function(state, inputs, parameters)[0])
+
     start = np.array([controller.initial_state[entry.name] for entry in law.state])
-    state = np.repeat(start[:, None], count, axis=1)
+    state = np.repeat(start[:, None], parameters.shape[1], axis=1)
     for sample in range(most):
-        before, state = state, np.array(law.function(state, inputs, parameters)[0])
+        before, state = state, after(state, Mode.MANUAL)
         still = np.abs(state - before) <= _ROUNDING * np.maximum(1.0, np.abs(state))
         if sample >= _SAMPLES and np.all(still):
             break
-    return state
+    return after(state, Mode.AUTOMATIC)
