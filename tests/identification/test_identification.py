@@ -257,6 +257,7 @@ BY_ITSELF = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("case", BY_ITSELF)
 def test_a_level_that_moves_by_itself_tells_nothing_of_the_pump(case):
     """On some processors: IPDT, slope 1.49e-13, pump that holds level -3.37e+14 V."""

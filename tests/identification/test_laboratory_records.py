@@ -84,6 +84,7 @@ def test_a_plugged_outlet_is_no_parameter_to_fit(laboratory):
     assert refusal.value.place == "parameters, outlet_1.area" and refusal.value.value == "0 cm^2"
 
 
+@pytest.mark.thorough
 def test_a_sensor_at_the_end_of_its_range_is_noted(laboratory):
     record = record_of(cl.simulate(laboratory, duration="40 s"))
     high = laboratory.process.signal("level_4").high

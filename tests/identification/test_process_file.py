@@ -58,6 +58,7 @@ def laboratory():
 VOLTS = {"5 s": "7.2 V", "60 s": "6 V"}
 
 
+@pytest.mark.thorough
 def test_variants_in_force_stay_in_force(laboratory, tmp_path):
     fit = fitted(laboratory, VOLTS, ["outlet_1.area"], duration="2 min")
     path = tmp_path / "fitted.toml"

@@ -377,6 +377,7 @@ lag = "10 s"
 """
 
 
+@pytest.mark.thorough
 def test_feedforward_adds_to_a_loop_from_the_operating_point_on(study):
     found = study(FEEDFORWARD)
     controller, model = made(found)

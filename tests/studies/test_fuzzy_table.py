@@ -40,6 +40,7 @@ def test_a_controller_runs_from_its_file_and_starts_without_a_bump(tmp_path):
     assert candidate.controller.name == "rules"
 
 
+@pytest.mark.thorough
 def test_a_position_begins_at_rest_and_fades_to_what_the_rules_say(tmp_path):
     """At rest the rules say 0 V and the pump stands at 3 V, a tenth of which goes in a sample."""
     rules = RULES.replace('action = "increment"\nunit = "V/min"', 'action = "position"\nunit = "V"')

@@ -262,6 +262,7 @@ def test_poles_are_read_as_complex_numbers(study):
     assert made(found).values == direct.values
 
 
+@pytest.mark.thorough
 def test_starts_an_hour_may_have_a_unit(study):
     text = 'process = "wet-well:start-stop"\n[controllers.a]\ndesign = "start_stop_levels"\n'
     bare, hours, minutes = (

@@ -164,6 +164,7 @@ def test_a_negative_gain_is_named_without_its_sign():
     assert found.binding == (f"level.gain at least {0.8 * abs(gain):.4g} %/%",)
 
 
+@pytest.mark.thorough
 def test_the_minimax_of_opposing_scores_stands_where_they_are_equal(model):
     """A higher gain lowers ISE and raises the total variation; they are made to meet at 4."""
     meeting = 4.0
@@ -189,6 +190,7 @@ def test_a_weighted_sum_is_least_where_its_slope_is_zero(model):
     assert abs(b / (2 * a)) < 1e-3 and a > 0
 
 
+@pytest.mark.thorough
 def test_over_several_scenarios_integrals_add_up_and_the_largest_overshoot_counts(model):
     steps = [step_of_volume(), step_of_volume(2 * STEP, 150)]
     limits = Limits(overshoot=10.0)
