@@ -62,7 +62,7 @@ def test_a_level_left_open_is_one_point(make_process):
     assert found[0].state[0] == pytest.approx(0.3)
 
 
-@pytest.mark.parametrize("share", np.linspace(0.03, 0.97, 24).round(3).tolist())
+@pytest.mark.parametrize("share", np.linspace(0.03, 0.97, 12).round(3).tolist())
 @pytest.mark.parametrize("law", ["wavy", "cubic"])
 def test_pseudo_transient_ends_where_the_motion_does(make_process, three_rests, law, share):
     """Between rests that attract it does not stay at the one that repels, nor jump over it."""

@@ -95,7 +95,7 @@ def test_direct_term():
     assert maximum_sensitivity(-ONE, 0 * ONE, ONE, -0.5 * ONE).peak == pytest.approx(2.0)
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(12))
 def test_random_loops_against_a_dense_grid_and_a_local_search(random_system, seed):
     raw = random_system(seed, 6, 2, 2)
     system = raw.A, raw.B, 0.3 * raw.C, raw.D

@@ -60,7 +60,7 @@ def test_a_loop_without_fused_operations_is_casadi_bit_for_bit(name, substeps):
     """The kernel against CasADi's own evaluation of the same step law, sensors and RK4."""
     loop = make_loop(name)
     process, controller = loop.process, loop.controller
-    scenario = step_scenario(loop, 200, size=3.0, noise=0.05)
+    scenario = step_scenario(loop, 120, size=3.0, noise=0.05)
     program = closed_loop(process, controller, substeps=substeps)
     at_rest = loop.at_rest()
     given = {

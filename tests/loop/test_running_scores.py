@@ -19,7 +19,11 @@ from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.scenario import Segment
 from clepsydra.process.reader import load_process
 
-PROCESSES = ["quadruple-tank", "averaging-tank", "equalisation-tank"]
+PROCESSES = [
+    "quadruple-tank",
+    pytest.param("averaging-tank", marks=pytest.mark.thorough),
+    "equalisation-tank",
+]
 
 
 def all_scores(process) -> RunningScores:

@@ -324,7 +324,7 @@ def loose(basin):
 
 
 def long_rain():
-    inflow = np.full(3000, 0.307)
+    inflow = np.full(2000, 0.307)
     inflow[100:1200] = 0.48
     inflow[1200:1800] = 0.2
     return inflow
@@ -334,13 +334,13 @@ def long_rain():
 def overridden(basin):
     """The override in the long rain: what the plant does, and what is inside the law."""
     made = override(basin)
-    found = run(made, basin.model, 3000, inflow=long_rain())
+    found = run(made, basin.model, 2000, inflow=long_rain())
     return found, scanned(made, basin.model, found)
 
 
 def test_override_keeps_the_limit_and_otherwise_leaves_the_averaging_loop_alone(basin, overridden):
     found, inner = overridden
-    without = run(loose(basin), basin.model, 3000, inflow=long_rain())
+    without = run(loose(basin), basin.model, 2000, inflow=long_rain())
     assert without["level"].max() > 0.9
     assert found["level"].max() < 0.83
     limits = inner["unlimited_2"] > inner["unlimited_1"]

@@ -320,7 +320,10 @@ level = "1 m"
 """
 
 
-@pytest.mark.parametrize("friction", ["", 'stiction = "6 %"\nslip_jump = "3 %"'])
+@pytest.mark.parametrize(
+    "friction",
+    [pytest.param("", marks=pytest.mark.thorough), 'stiction = "6 %"\nslip_jump = "3 %"'],
+)
 def test_limit_cycle(tmp_path: Path, friction: str) -> None:
     """PI control of an integrating level comes to rest, but cycles for ever with stiction."""
     path = tmp_path / "integrating.toml"
