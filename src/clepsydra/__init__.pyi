@@ -9,6 +9,7 @@ from clepsydra.controllers.pid_form import PidForm as PidForm
 from clepsydra.controllers.python_law import PythonLaw as PythonLaw
 from clepsydra.controllers.python_law import python_law as python_law
 from clepsydra.designs.applicability import NotApplicable as NotApplicable
+from clepsydra.designs.virtual_settings import VirtualSettings as VirtualSettings
 from clepsydra.engine.kernel import Kernel as Kernel
 from clepsydra.interface import design as design
 from clepsydra.interface.analyse import analyse as analyse

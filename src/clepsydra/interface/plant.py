@@ -86,7 +86,7 @@ class Plant(Shown):
         Parameters
         ----------
         values : mapping
-            Parameter, "tank_1.area", to text with a unit or to a number in SI.
+            Parameter, "tank_1.area", to text with a unit or to a number in its display unit.
 
         Examples
         --------

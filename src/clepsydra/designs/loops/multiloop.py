@@ -177,7 +177,18 @@ class MultiloopPid:
             measurements=outputs,
             setpoints=outputs,
             manipulated=inputs,
+            free_inputs=self._remote_setpoints(),
         )
+
+    def _remote_setpoints(self) -> dict[str, float]:
+        """Return what a host computer would give, which is not in force at first."""
+        if not self.form.remote_setpoint:
+            return {}
+        at = self.point.as_dict()
+        given: dict[str, float] = {}
+        for i, loop in enumerate(self.loops, start=1):
+            given |= {f"remote_setpoint_{i}": at[loop.output.name], f"setpoint_source_{i}": 0.0}
+        return given
 
     def _decoupled(self, joined: str) -> str:
         return "" if self.decoupling is None else f"{joined}{self.decoupling} decoupling"
