@@ -60,7 +60,7 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> list[Row]:
             "Table 5", "caption", "Rules of the fuzzy controller regarding V(t)", "regarding C(t)",
             upper == {"e_V", "de_V"},
             "Its rows and columns are eC and deC/dt, and section 3.3 has “for the variable C(t) "
-            "(see Tab. 5)”.",
+            "(see Tab. 5)”. The caption of Table 4 is the other way round.",
         ),
         stated(
             "Table 4", "name of the set small", "S", "S0", "S" in _TABLE_3,

@@ -17,6 +17,7 @@ from clepsydra.process.reader import load_process
 
 #: The documents' kmol/m³ in mol/m³.
 KMOL = 1e3
+_LOST = "One letter is lost; whether in print or in conversion, the text cannot tell."
 
 
 def run() -> Findings:
@@ -81,14 +82,14 @@ def _balances() -> list[Row]:
                 "(3)", "left side", d_volume / t * C + V * Derivative(C, t), product,
                 reason="Derivative of V C by the product rule: dV/dt, not dV/t.",
             ),
-            "One letter is lost.",
+            _LOST,
         ),
         damaged(
             compared_formula(
                 "(4)", "left side", (inflow - outflow) * C + V * d_concentration / t, mixed,
                 reason="(3) with dV/dt from (1): dC/dt, not dC/t.",
             ),
-            "One letter is lost.",
+            _LOST,
         ),
         compared_formula("(6)", "dC/dt", inflow / V * (inlet - C), solved, reason="(1) and (2)."),
         compared_formula("(10)", "f_V", inflow - outflow, volume_balance, reason="(1)."),
@@ -123,8 +124,8 @@ def _linear_model() -> list[Row]:
     ]  # fmt: skip
     A = Matrix([[-u1 / x2, 0], [0, 0]])
     why = (
-        "Derivatives of (6) at the equilibrium: that of dC/dt by V is zero by (14), and dV/dt has "
-        "neither C nor V."
+        "Derivatives of (6) at the equilibrium: that of dC/dt by V is zero by (14), and dV/dt is "
+        "f_in - f_out, with neither C nor V."
     )
     for name, text, matrix in (
         ("A", "[-u10 0; x20 0; 0 0]", outflow_constant.A),

@@ -16,7 +16,7 @@ from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.papers.averaging_tank.continuous_pi import Constants
-from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, gains
+from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, PRINTED_Q3, gains
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL, pi_controller
 from clepsydra.papers.averaging_tank.step_run import model_of
@@ -31,6 +31,8 @@ _LONGEST, _SHORTEST, _HALVINGS = 10.0, 1e-5, 16
 _VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
 _TUNINGS = ("by hand", "optimal")
 _LAWS = ("PI", "LQI")
+#: The optimal LQI with Q3 of (101a) as it is printed.
+_PRINTED = "as printed"
 
 
 def sampling_rows() -> list[Row]:
@@ -54,13 +56,17 @@ def sampling_rows() -> list[Row]:
         peaks.append(f"{law}: {_words(found)}, {_words(without)} without them")
     return [
         remark(
-            "section 5", "sampling", "an average PLC is sufficient hardware", "; ".join(periods),
+            "section 5", "sampling",
+            "An average Programmable Logic Controller (PLC) would be sufficient hardware",
+            "; ".join(periods),
             reason="Longest sampling period at which the linear model under the sampled law is "
             f"stable, inputs held and errors summed up to the one before; {1e3 * CYCLE:g} ms is a "
-            "usual cycle. With the present error in the sum PI optimal bears "
+            "usual cycle. LQI optimal, f_in constant, has Q3 of (101a) as 10.92, see there; as "
+            f"printed, 0.1092, it is {_milliseconds(longest_period('inflow', 'LQI', _PRINTED))} "
+            "ms. With the present error in the sum PI optimal bears "
             f"{_milliseconds(longest_with_present_error(OPTIMAL['outflow']))} and "
             f"{_milliseconds(longest_with_present_error(OPTIMAL['inflow']))} ms. The document says "
-            "of the hardware what it can compute, not how often.",
+            "of PID and IC what hardware they need, and no sampling period.",
         ),
         remark(
             "section 5", "actuators and transport delay", "should be considered in the model",
@@ -145,9 +151,12 @@ def _controller(constant: Variant, law: str, tuned: str, period: float) -> Contr
     if law == "PI":
         constants = (BY_HAND if tuned == "by hand" else OPTIMAL)[constant]
         return pi_controller(constants, model)
-    place = 2 * _VARIANTS.index(constant) + _TUNINGS.index(tuned)
+    if tuned == _PRINTED:
+        weights = PRINTED_Q3
+    else:
+        weights = COLUMNS[2 * _VARIANTS.index(constant) + _TUNINGS.index(tuned)]
     to_input, from_output = np.array([1.0, KMOL]), np.array([KMOL, 1.0])
-    scaled = gains(COLUMNS[place]).reshape(2, 2, 2) * to_input[:, None, None] / from_output
+    scaled = gains(weights).reshape(2, 2, 2) * to_input[:, None, None] / from_output
     measured = ("concentration", "volume")
     return lqi_controller("LQI", model, measured, scaled[:, 0], scaled[:, 1], [1.0, 1.0], "none")
 

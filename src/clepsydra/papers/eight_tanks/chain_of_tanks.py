@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from functools import cache
 
 import numpy as np
@@ -82,6 +83,7 @@ def _formulas() -> list[Row]:
 
     s, T, K1, F = symbols("s T K_1 F", positive=True)
     inflow, outflow, level = symbols("q_I q_O h")
+    second_inflow, first_level = symbols("q_2I h_1")
 
     def tank(into: object) -> dict[object, object]:
         """Solve equations (2) of one tank for its level and outflow."""
@@ -91,7 +93,6 @@ def _formulas() -> list[Row]:
         return {name: value.subs(F, T * K1) for name, value in found.items()}
 
     first = tank(inflow)
-    second = tank(first[outflow])
     last, into = first, inflow
     for _ in range(TANKS):
         last = tank(into)
@@ -104,14 +105,19 @@ def _formulas() -> list[Row]:
         ),
         compared_formula("(4)", "level of tank 1", one * inflow, first[level], reason=why),
         compared_formula(
-            "(5)", "level of tank 2", one * first[outflow], second[level], reason=why
+            "(5)", "level of tank 2", one * second_inflow, tank(second_inflow)[level], reason=why
         ),
-        compared_formula(
-            "(5)", "level of tank 2 by that of tank 1", one * K1 * first[level], second[level],
-            reason=why,
+        dataclasses.replace(
+            compared_formula(
+                "(5)", "level of tank 2 by that of tank 1", one * K1 * first_level,
+                tank(K1 * first_level)[level],
+                reason=f"{why}; the inflow is K_1 h_1 by the second of them",
+            ),
+            printed="1/(K_1*(T*s + 1))*K_1*h_1",
         ),
         compared_formula(
             "(6), (7)", "level of tank n over inflow of tank 1, n = 8",
-            (1 / K1) / (T * s + 1) ** TANKS, last[level] / inflow, reason=why,
+            (1 / K1) / (T * s + 1) ** TANKS, last[level] / inflow,
+            reason=f"{why}; K_g is 1/K_1, as below (7)",
         ),
     ]  # fmt: skip

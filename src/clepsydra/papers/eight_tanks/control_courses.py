@@ -112,8 +112,8 @@ def _trend(
         words = f" The first move is the largest in a minute too, {moves} m³/min/m."
     return claimed(
         place, name, claim, holds, "; ".join(found),
-        reason="After a step of the setpoint, the predictor with (21) on the true chain: "
-        f"{settings}.{words}",
+        reason="After a step of the setpoint, the predictor with (21) on (8), which section 2 "
+        f"takes for the simulation of control: {settings}.{words}",
     )  # fmt: skip
 
 
@@ -124,8 +124,8 @@ def _amplitude() -> Row:
         "section 5", "amplitude of the controller output", "decreases with q_u",
         all(a > b for a, b in pairwise(peaks)),
         ", ".join(f"{peak:.3f}" for peak in peaks), "m³/min/m",
-        reason="Largest change of the inflow per metre of setpoint, for q_u = 1, 5, 10 and 100 of "
-        "Figs. 10, 11, 8 and 12.",
+        reason="Largest change of the inflow per metre of setpoint, on (8), for q_u = 1, 5, 10 and "
+        "100 of Figs. 10, 11, 8 and 12.",
     )  # fmt: skip
 
 
@@ -140,7 +140,7 @@ def _prevented() -> Row:
         "a suitable one prevents oscillations of the actuator",
         "; ".join(f"γ = {pole:g}: {counts} swings" for pole, counts in swings.items()),
         reason=(
-            f"For q_u = 1, 10, 100, 10⁴, 10⁶, on the true chain.{_COUNTED} It holds with γ = 0.9, "
+            f"For q_u = 1, 10, 100, 10⁴, 10⁶, on the chain (8).{_COUNTED} It holds with γ = 0.9, "
             "and with γ = 0.5, with which the document varies q_u, it does not: a large q_u takes "
             "two roots of D to those of the open loop and leaves the third."
         ),

@@ -80,9 +80,9 @@ def _shapes() -> list[Row]:
         damaged(
             stated(
                 "(11)", "regression", "y = F e + e", "y = F Θ + e", parameters == errors,
-                "F has 2n columns and e N−n−d entries, as the text below (11) says of F and y, "
-                f"here {parameters} and {errors}, so that F e does not exist; the estimate that "
-                "(12) gives is Θ.",
+                "F has 2n columns and y, as e, N−n−d entries, as the text below (11) says: 4 or 16 "
+                "columns, as n is 2 or 8, and a long record has more entries. So F e does not "
+                "exist; the estimate that (12) gives is Θ.",
             ),
             "A bold Θ looks like an e.",
         ),

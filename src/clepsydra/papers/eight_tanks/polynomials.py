@@ -59,7 +59,8 @@ def _counts() -> list[Row]:
             f"{counts[0]} with B(1), {counts[1]} with the full B", 7 in counts or not exact,
             f"(29) has degree {D.degree}, as A K: with B(1), as in Fig. 5, P is 1 and Q has "
             f"{counts[0]} coefficients; with the full B P has one more beside its 1. With (28) it "
-            "is the same, with d3 = 0; P's leading 1 counted, it is one more.",
+            "is the same, with d3 = 0; P's leading 1 counted, it is one more. A 7 looks like none "
+            "of these, so that it is no letter misread.",
         ),
     ]  # fmt: skip
 

@@ -167,7 +167,8 @@ def _robust() -> list[Row]:
             "section 7", "robustness of Figs. 7 to 12", "very good robustness", not weak,
             f"max|S| {', '.join(f'{design.peak:.2f}' for design in _six())}",
             reason=(
-                f"On the true chain. Of the usual bounds, max|S| up to {_ROBUST:g} and a gain "
+                f"On (8), the “high-order process” of section 7. Of the usual bounds, max|S| up to "
+                f"{_ROBUST:g} and a gain "
                 f"margin of {_ROBUST:g} or more, {len(weak)} of {len(SIX)} keep neither, nor would "
                 f"they with bounds of {_LENIENT_PEAK:g} and {_LENIENT_GAIN:g}: the loops become "
                 "unstable when the chain's gain is "
