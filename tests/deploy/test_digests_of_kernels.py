@@ -9,8 +9,11 @@ from pathlib import Path
 import pytest
 from digests_of_designs import digests
 
-#: What OpenBLAS can be told, and the instructions that a processor needs for it.
-KERNELS = {"Nehalem": "sse4_2", "Haswell": "avx2", "Zen": "avx2", "SkylakeX": "avx512f"}
+from clepsydra.process.catalogue_names import catalogue_names
+
+#: What OpenBLAS can be told, and the instructions that a processor needs for it. For Zen it takes
+#: the kernels of Haswell.
+KERNELS = {"Nehalem": "sse4_2", "Zen": "avx2", "SkylakeX": "avx512f"}
 CPU = Path("/proc/cpuinfo")
 
 
@@ -30,15 +33,9 @@ def digests_under(kernel, threads, process):
     return json.loads(found.stdout)
 
 
-@pytest.fixture(scope="module")
-def here():
-    """The digests as the process of the tests finds them."""
-    return digests("three-tanks")
-
-
 @pytest.mark.thorough
-@pytest.mark.parametrize(
-    ("kernel", "threads"), [("Haswell", 2), ("SkylakeX", 1), ("Zen", 2), ("Nehalem", 1)]
-)
-def test_every_design(kernel, threads, here):
-    assert digests_under(kernel, threads, "three-tanks") == here
+@pytest.mark.parametrize("process", catalogue_names())
+def test_every_design(process):
+    expected = digests(process)
+    for kernel, threads in (("Zen", 2), ("SkylakeX", 2), ("Nehalem", 1)):
+        assert digests_under(kernel, threads, process) == expected, f"{kernel}, {threads} threads"

@@ -80,17 +80,16 @@ def drawn(tmp_path_factory):
     return runs
 
 
-#: Of one to five tanks; an estimate of the second difference alone is below the true error of some,
-#: one that takes every misfit for a higher power of the step, and one of order four for all.
-DRAWN = (1, 2, 3, 4, 5, 7, 10, 13, 16, 17, 18, 19, 21, 22, 23)
 #: Of one or two tanks, with a weir, an outlet above the floor, a curve, a rate or a trip each.
 SMALL = (11, 14, 30, 35, 48, 118, 120, 121, 142, 157)
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", DRAWN)
-def test_the_estimate_covers_the_true_error_of_random_plants_with_corners(drawn, seed):
-    assert ratio(*drawn(seed)) > 1.0
+@pytest.mark.parametrize("first", range(0, 200, 10))
+def test_the_estimate_covers_the_true_error_of_random_plants_with_corners(first, tmp_path):
+    """Two hundred plants of one to five tanks."""
+    runs = (drawn_run(tmp_path, seed) for seed in range(first, first + 10))
+    assert min(ratio(run, truth(run)) for run in runs) > 1.0
 
 
 @pytest.mark.sampled
