@@ -89,10 +89,14 @@ def test_at_rest_nothing_moves(controller):
         assert law.state[name] == pytest.approx(value, rel=1e-5, abs=1e-9), name
 
 
-@pytest.mark.parametrize("levels", [(8.0, 3.0, 1.0, 4.0), (2.0, 9.0, 5.0, 0.5)])
-def test_at_a_frozen_state_the_gains_come_to_those_of_the_stationary_regulator(controller, levels):
+@pytest.mark.parametrize(
+    ("levels", "period"), [((8.0, 3.0, 1.0, 4.0), 1.0), ((2.0, 9.0, 5.0, 0.5), 2.0)]
+)
+def test_at_a_frozen_state_the_gains_come_to_those_of_the_stationary_regulator(
+    controller, levels, period
+):
     """By hand the pumps stand at 4 and 1 V; the levels [V] are anything."""
-    law = ScannedLaw(controller, 1.0)
+    law = ScannedLaw(controller, period)
     hand = {"mode_1": 0, "mode_2": 0, "manual_1": 4.0, "manual_2": 1.0}
     shown = {f"measurement_{k}": value for k, value in enumerate(levels, start=1)}
     for _ in range(2500):
@@ -110,10 +114,10 @@ def test_at_a_frozen_state_the_gains_come_to_those_of_the_stationary_regulator(c
     both[:4, :4], both[:4, 4:] = A, B
     S = np.diag([0.0] * 4 + list(moves**-2.0))
     S[:4, :4] = C.T @ np.diag(errors**-2.0) @ C
-    block = expm(np.block([[-both.T, S], [np.zeros((6, 6)), both]]))
+    block = expm(period * np.block([[-both.T, S], [np.zeros((6, 6)), both]]))
     whole = block[6:, 6:]
-    W = whole.T @ block[:6, 6:]
-    held = np.block([[whole[:4, :4], np.zeros((4, 2))], [C, np.eye(2)]])
+    W = whole.T @ block[:6, 6:] / period
+    held = np.block([[whole[:4, :4], np.zeros((4, 2))], [period * C, np.eye(2)]])
     moved = np.vstack([whole[:4, 4:], np.zeros((2, 2))])
     Q = np.diag([0.0] * 4 + list((errors * horizon) ** -2.0))
     Q[:4, :4] = W[:4, :4]

@@ -43,6 +43,8 @@ class Objective:
     --------
     >>> minimax("iae[level_1]", "iae[level_2]").words
     'the larger of IAE of level_1 and IAE of level_2, each relative to the start'
+    >>> minimax("iae[a]", "iae[b]", "overshoot[a]", relative=False).words
+    'the largest of IAE of a, IAE of b and overshoot of a'
     """
 
     kind: Literal["minimax", "weighted"]
