@@ -10,6 +10,7 @@ import numpy as np
 from clepsydra.controllers.virtual_input import AlphaOn, VirtualAntiWindup
 from clepsydra.papers.four_tank_variable_structure.rig import (
     ALPHA,
+    SAMPLED,
     VOLTS_PER_METRE,
     Filling,
     fill,
@@ -21,10 +22,24 @@ from clepsydra.papers.four_tank_variable_structure.rig import (
 LIMITS = np.linspace(4.0, 20.0, 33)
 #: What the rows on the decoupled tanks rest on.
 READING = (
-    "After decoupling by (9), as Figs. 3 to 6 are. What is not printed is read as: ν from "
-    "Johansson's PI controllers times E, 0.5 V/cm, integrals that start at zero, pumps from 0 to "
-    f"10 V, α = {ALPHA:g} 1/s on ν with K_1 of (14) as K/Ti, tanks from empty to 12.4 and 12.7 cm."
+    "After decoupling by (9), as Figs. 3 to 6 are. What is not printed is read as: Johansson's "
+    "tanks P−, ν from his PI controllers times E, 0.5 V/cm, a sample every "
+    f"{SAMPLED:g} s, integrals that start at zero, pumps from 0 to 10 V, α = {ALPHA:g} 1/s on ν "
+    "with K_1 of (14) as K/Ti, tanks from empty to 12.4 and 12.7 cm."
 )
+#: The other reading of α.
+IN_VOLTS = "α in volts takes u_n − u_s of (14) in volts and K_1 as that of ν."
+
+
+def sooner(one: float, other: float) -> bool:
+    """Return whether a time is smaller by a sampling period; what is nearer is the same.
+
+    Examples
+    --------
+    >>> sooner(82.67, 82.81), sooner(114.3897, 114.3900)
+    (True, False)
+    """
+    return one < other - SAMPLED
 
 
 class DecoupledReading(NamedTuple):

@@ -9,6 +9,7 @@ from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.four_tank_variable_structure.decoupled import (
     DECOUPLED_READINGS,
+    IN_VOLTS,
     LIMITS,
     READING,
     at_limit,
@@ -98,7 +99,7 @@ def _overshoots() -> list[Row]:
             both(new, "overshoot", lane=_LANE),
             "%",
             reason=f"h1 and h2. {READING} It hangs on the reading: with α in volts it is "
-            f"{both(in_volts, 'overshoot', lane=_LANE)} %. {UNDECOUPLED} it is "
+            f"{both(in_volts, 'overshoot', lane=_LANE)} %. {IN_VOLTS} {UNDECOUPLED} it is "
             f"{both(plain, 'overshoot', lane=_PLAIN)} %, and at most {most:.1f} % in the "
             f"{len(lanes)} of {len(READINGS)} readings ({OTHERS}) in which the pumps saturate for "
             f"{SATURATED:g} s or more.",

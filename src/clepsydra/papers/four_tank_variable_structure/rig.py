@@ -35,6 +35,8 @@ SETTINGS = (PidSettings(3.0, 30.0), PidSettings(2.7, 40.0))
 #: The document's α; in volts it acts on a level in centimetres, so that here it counts k_c.
 ALPHA = 0.1
 DURATION = 600.0
+#: Sampling period of the controllers [s].
+SAMPLED = 0.05
 #: One sample in so many is kept.
 KEPT = 2
 

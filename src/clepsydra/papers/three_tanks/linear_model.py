@@ -137,8 +137,8 @@ def _transfer_function() -> list[Row]:
     gain = NUMERATOR / DENOMINATOR[3]
     rest = np.linalg.solve(_companion(), -np.array([0.0, 0.0, 1.0]))
     evidence = (
-        f"with B3 = 1 the static gain would be {rest[0]:.4g} instead of the "
-        f"{gain:.4g} s/m² of (3), and x3 is driven by 0.054 u in the line above (4)",
+        "x3 is driven by 0.054 u in the line above (4), and with B3 = 1 the static gain to x1, the "
+        f"level of tank 3, would be {rest[0]:.4g} instead of the {gain:.4g} s/m² of (3)",
         abs(rest[0] / gain - 1.0) > 0.5,
     )
     rows.append(compared("(4)", "B3", "1", NUMERATOR, "1/(m² s²)", right_if=[evidence]))
@@ -171,8 +171,9 @@ def _controllability() -> list[Row]:
     squared = np.array(_A, dtype=float) @ by_print
     second = [
         (
-            f"the A of (2) and 64.94 of Qc give {squared[0]:.4f}, and the -0.2 and 0.05 below it",
-            round(squared[0], 2) == 0.13 and round(squared[1], 1) == -0.2,
+            f"the A of (2) and 64.94 of Qc give {squared[0]:.4f}, with the -2.1 that Qc12 has to "
+            "be",
+            round(squared[0], 2) == 0.13 and round(by_print[0], 1) == -2.1,
         )
     ]
     # Both entries follow from one wrong rate, so that neither is a digit lost on the way to us.

@@ -71,7 +71,8 @@ def _table() -> list[Row]:
         full = loop.gain[0].tolist()
         why = [f"{ROUNDED}; the exact constants of (2) give {value:.6g}." for value in full]
         rows += [
-            compared("Table 3", f"K1, {loop.label}", first, gain[0], "m²/s", why=why[0]),
+            compared("Table 3", f"K1, {loop.label}", first, gain[0], "m²/s",
+                     why=why[0] + (" Printed to 1 digit." if first == "0.2" else "")),
             compared("Table 3", f"K2, {loop.label}", second, gain[1], "m²/s", why=why[1]),
             compared("Table 3", f"K3, {loop.label}", third, gain[2], "m²/s", why=why[2]),
             compared("Table 3", f"real eigenvalue, {loop.label}", pole, alone, "1/s",

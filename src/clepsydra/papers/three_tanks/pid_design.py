@@ -100,7 +100,8 @@ def _settings() -> list[Row]:
         abs(point.frequency - 0.034) < 5e-4,
     )
     gains_need = (
-        "the printed Ki and Kd follow from Kc and these times, and not from the printed ones",
+        f"τi = Pu/2 and τd = Pu/8 with the {period:.1f} s that Pu of (5) is, and the printed Ki "
+        "and Kd follow from Kc and these times, not from the printed ones",
         abs(GAIN / integral - INTEGRAL_GAIN) < 5e-7
         and abs(GAIN * derivative - DERIVATIVE_GAIN) < 5e-4
         and abs(GAIN / 0.017 - INTEGRAL_GAIN) > 1e-2,

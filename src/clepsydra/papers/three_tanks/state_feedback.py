@@ -132,8 +132,9 @@ def _claims() -> list[Row]:
             "simulation results", "Nyquist plot", "no contour encloses -1",
             all(loop.margins.stable for loop in loops),
             f"nearest distance to -1: {nearest:.3f}",
-            reason="All closed loops are stable, as is the open one. Opened at the feed; L comes "
-            "nearest to -1 where it vanishes, at the highest frequencies.",
+            reason="Of the three loops of Table 2, as the figure. All closed loops are stable, as "
+            "is the open one. Opened at the feed; L comes nearest to -1 where it vanishes, at the "
+            "highest frequencies.",
         ),
     ]  # fmt: skip
 
