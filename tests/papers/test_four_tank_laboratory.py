@@ -39,7 +39,7 @@ FAILED = {
 HOLDS = {
     ("(13)", "zeros for 1 < γ1 + γ2 ≤ 2"),
     ("(14)", "zeros for 0 < γ1 + γ2 ≤ 1"),
-    ("Exercise 2.1.5", "the two set-ups"),
+    ("Exercise 2.1.6", "the two set-ups"),
     ("Exercise 2.2.2, Fig. 1", "minimum phase, pump 1 alone"),
     ("Exercise 2.2.2, Fig. 2", "minimum phase, pump 2 alone"),
     ("Exercise 2.2.2, Fig. 3", "non-minimum phase, pump 1 alone"),

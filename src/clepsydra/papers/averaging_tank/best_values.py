@@ -29,7 +29,7 @@ def best_values() -> Row:
     asked = " and ".join(f"{each:.3f}" for each in steps_by_one_set())
     return claimed(
         "Table 6", "best values of the indices",
-        "best values of integral indices, with optimal constants",
+        "Best values of integral indices for the best controller type (PI) with optimal constants",
         not lower, "; ".join(lower) or "no smaller ones",
         reason="For steps of 0.25 kmol/m³ and 0.1 m³ up, as in Table 7; Table 6 names none, and "
         "its ISE of V with f_in constant, 1.670E-03, leaves none of V above 0.1001 m³ while f_out "

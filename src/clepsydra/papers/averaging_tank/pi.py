@@ -331,7 +331,8 @@ def _claims() -> list[Row]:
         ),
         claimed(
             "section 3.1.3", "PI, what IE chooses",
-            "the constants (81) are optimal with respect to IE",
+            "the optimal values of the constants (optimal with respect to IE) were as given in "
+            "(81)",
             _error_of(smaller) >= _error_of(OPTIMAL["outflow"]),
             f"a tenth of T_iC makes IE of C {_error_of(smaller):.1e}",
             reason="Once both rest, with C_in free, IE of C is Ti/Kp ΔC and that of V zero, "

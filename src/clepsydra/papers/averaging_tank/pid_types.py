@@ -26,7 +26,9 @@ def run() -> Findings:
         (
             best_values(),
             remark(
-                "section 3.1.3", "best type of controller", "best results were achieved with PI",
+                "section 3.1.3", "best type of controller",
+                "Best results were achieved for PI-type controllers for both versions of the "
+                "control system",
                 "; ".join(shown),
                 reason="PI is nowhere beaten by 1 %, nor does it beat PID, which contains it. P is "
                 "as good where the limit of the flow leaves no room: by that alone IAE of V is at "

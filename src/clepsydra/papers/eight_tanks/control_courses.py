@@ -75,13 +75,25 @@ def _trends() -> list[Row]:
     of_y = _LEVEL_SWINGS, _OVERSHOOT
     of_u = _SWINGS, _VARIATION
     return [
-        _trend("section 6.1", "output by γ", "y slows down", POLES, (_RISE,), rises=True),
-        _trend("section 6.1", "oscillations of y by γ", "they are suppressed", POLES, of_y),
-        _trend("section 6.1", "oscillations of u by γ", "they are suppressed", POLES, of_u),
-        _trend("section 6.2", "output by q_u", "y slows down", PENALTIES, (_RISE,), rises=True),
-        _trend("section 6.2", "inflow by q_u", "u slows down", PENALTIES, (_SPEED,)),
         _trend(
-            "section 6.2", "oscillations by q_u", "they are suppressed", PENALTIES,
+            "section 6.1", "output by γ", "a slowdown of the process output y",
+            POLES, (_RISE,), rises=True,
+        ),
+        _trend("section 6.1", "oscillations of y by γ", "suppression of oscillations", POLES, of_y),
+        _trend(
+            "section 6.1", "oscillations of u by γ",
+            "Oscillations of the controller output were also suppressed", POLES, of_u,
+        ),
+        _trend(
+            "section 6.2", "output by q_u", "a slowdown of both the process output y",
+            PENALTIES, (_RISE,), rises=True,
+        ),
+        _trend(
+            "section 6.2", "inflow by q_u", "a slowdown of … the manipulated variable u",
+            PENALTIES, (_SPEED,),
+        ),
+        _trend(
+            "section 6.2", "oscillations by q_u", "also suppression of oscillations", PENALTIES,
             (*of_y, *of_u),
         ),
     ]  # fmt: skip
@@ -121,7 +133,8 @@ def _amplitude() -> Row:
     choices = sorted((*PENALTIES, POLES[1]), key=lambda choice: choice.penalty)
     peaks = [_run(choice).largest_inflow for choice in choices]
     return claimed(
-        "section 5", "amplitude of the controller output", "decreases with q_u",
+        "section 5", "amplitude of the controller output",
+        "the amplitude of the controller output decreases",
         all(a > b for a, b in pairwise(peaks)),
         ", ".join(f"{peak:.3f}" for peak in peaks), "m³/min/m",
         reason="Largest change of the inflow per metre of setpoint, on (8), for q_u = 1, 5, 10 and "
@@ -137,7 +150,8 @@ def _prevented() -> Row:
     }
     return remark(
         "section 7", "penalisation of the manipulated variable",
-        "a suitable one prevents oscillations of the actuator",
+        "suitable penalization of the manipulated variable which prevents oscillations of the "
+        "actuator",
         "; ".join(f"γ = {pole:g}: {counts} swings" for pole, counts in swings.items()),
         reason=(
             f"For q_u = 1, 10, 100, 10⁴, 10⁶, on the chain (8).{_COUNTED} It holds with γ = 0.9, "

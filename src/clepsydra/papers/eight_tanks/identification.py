@@ -124,7 +124,7 @@ def _delay() -> list[Row]:
         undecided(row, hangs_on) if agreeing else row,
         remark(
             "section 3.1", "delay steps by the step response",
-            "the criterion J(d) represents the accuracy of identification", f"d = {best}",
+            "This criterion represents accuracy of process identification", f"d = {best}",
             reason=(
                 "J(d) judges the prediction of one sample ahead. A model that runs by itself fits "
                 f"the first {_STEP_MINUTES} min of the step of section 3.2 best with d = {best}, "
@@ -154,7 +154,7 @@ def _gain() -> Row:
     printed, free = printed_model().static_gain, _free_fit(PRINTED_D).model
     return remark(
         "section 3.2", "least squares against fminsearch",
-        "better identification quality by fminsearch",
+        "better the identification quality is obtained using “fminsearch” method",
         f"gain {mean:.2f} by least squares at d = 5, {printed:.3f} of (21), {GAIN} of (8)",
         "min/m²",
         reason=(

@@ -168,7 +168,8 @@ def _factor() -> list[Row]:
         ),
         claimed(
             "section 7", "design without numerical methods",
-            "the controller is derived analytically",
+            "The polynomial controller was derived purposely by the analytical way (without "
+            "utilization of numerical methods)",
             _largest_error() < _ROUNDING, f"largest difference below {_ROUNDING:g}",
             reason=(
                 "d1, d2 by a quadratic equation, compared with the stable roots of the whole "
@@ -177,7 +178,8 @@ def _factor() -> list[Row]:
             ),
         ),
         remark(
-            "(30), (31)", "two different real poles from (27)", "the first of two possibilities",
+            "(30), (31)", "two different real poles from (27)",
+            "Polynomial (29) has two different real poles α, β (computed from (27))",
             f"complex for every q_u above {real_below():.1e}",
             reason="None of the designs of section 6 reaches the branch with real poles.",
         ),

@@ -152,7 +152,8 @@ def _other_plants() -> list[Row]:
     return [
         claimed(
             "section 1", "integrating and unstable processes",
-            "the classical analog Smith predictor is not suitable for them",
+            "the classical analog Smith predictor is not suitable for control of unstable and "
+            "integrating time-delay processes",
             abs(offset) > 1e-3 and unstable > 1.0,
             f"integrating: offset {offset:.3f} under a load of {_LOAD}; unstable: largest root "
             f"{unstable:.3f}",

@@ -164,7 +164,8 @@ def _robust() -> list[Row]:
     pid, best = _others()[0], min(_six(), key=lambda design: design.peak)
     return [
         claimed(
-            "section 7", "robustness of Figs. 7 to 12", "very good robustness", not weak,
+            "section 7", "robustness of Figs. 7 to 12",
+            "very good control quality and robustness", not weak,
             f"max|S| {', '.join(f'{design.peak:.2f}' for design in _six())}",
             reason=(
                 f"On (8), the “high-order process” of section 7. Of the usual bounds, max|S| up to "

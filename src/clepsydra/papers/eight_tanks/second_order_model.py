@@ -82,7 +82,7 @@ def _coefficients() -> list[Row]:
     b1, b2 = free.model.numerator
     rows.append(
         remark(
-            "section 3.2", "how (21) was found", "it was obtained by fminsearch",
+            "section 3.2", "how (21) was found", "is obtained using this method",
             f"b1 = {b1:.4f}, b2 = {b2:.4f}, gain {free.model.static_gain:.3f}",
             reason=(
                 f"On the first {_MINUTES} min of the step. With all four coefficients free the "
@@ -141,7 +141,7 @@ def _quality() -> list[Row]:
     return [
         remark(
             "section 7", "low-order model of the chain",
-            "a high-order chain can be approximated by a low-order model with delay",
+            "a high-order system … can be approximated by a low-order model with time-delay",
             f"{worst:.1f} % of the rise at the most by (21), {longer:.1f} % with 7 samples of "
             "delay",
             reason=(
@@ -153,7 +153,7 @@ def _quality() -> list[Row]:
         ),
         remark(
             "section 4", "zero of B, which B(1) replaces",
-            "a B which has non-minimum-phase zeros", f"z = {zero:.3f}",
+            "a B(z^-1), which has non-minimum phase zeros", f"z = {zero:.3f}",
             reason=(
                 "It may be said in general: the zero of (21) lies inside the unit circle, so that "
                 "this model is minimum-phase. To cancel it would still make the inflow ring, as "

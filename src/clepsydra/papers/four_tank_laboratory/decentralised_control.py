@@ -5,6 +5,7 @@ from __future__ import annotations
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.four_tank_laboratory.readings import (
     DESIGNED,
+    MEDIANS,
     PRINTED,
     READINGS,
     USUAL,
@@ -34,10 +35,16 @@ def _claims() -> list[Row]:
         (
             "rise",
             "response",
-            "lower response reaction in the non-minimum phase, whose rise time is always larger",
+            "the non-minimum one has lower response reaction …; the non-minimum phase case's … "
+            "rise time are always larger than the minimum one",
         ),
-        ("recovery", "recovery", "slower in the non-minimum phase"),
-        ("overshoot", "oscillation", "its amplitude is always larger in the non-minimum phase"),
+        ("recovery", "recovery", "the non-minimum one has … higher recovery time"),
+        (
+            "overshoot",
+            "oscillation",
+            "the non-minimum phase case's oscillation amplitude … are always larger than the "
+            "minimum one",
+        ),
     ):
         values = {
             reading: [
@@ -67,7 +74,7 @@ def _claims() -> list[Row]:
                     for set_up, (one, two) in zip(SET_UPS, values[USUAL], strict=True)
                 ),
                 reason=f"{score.capitalize()}{' of the step' if score == 'overshoot' else ''} of "
-                "tanks 1 and 2 with PI controllers of ours, medians in percent"
+                f"tanks 1 and 2 with PI controllers of ours, {MEDIANS}"
                 + (", for each of them." if score != "overshoot" else
                    "; that of tank 1 is smaller, printed 15.17 and 6.67 %, so that it is not "
                    "“always”."),

@@ -211,7 +211,8 @@ def _coupling(
 def _by_relative_gains() -> Row:
     array = relative_gain_array(static_gain(course_model(MINIMUM)))
     return claimed(
-        "Exercise 2.2.2", "coupling of tanks 1 and 4", "can be read from the RGA (19)",
+        "Exercise 2.2.2", "coupling of tanks 1 and 4",
+        "We can also get this conclusion from the RGA matrix in equation 19",
         array.shape[0] >= 4,
         f"an array of {array.shape[0]} outputs, the levels of tanks 1 and 2",
         reason="The upper levels are no outputs of the array, so that it says nothing of tank 4; "
@@ -331,21 +332,23 @@ def _differences() -> list[Row]:
     first, later = (_HELD[set_up][1] for set_up in SET_UPS)
     return [
         claimed(
-            "Exercise 2.2.4", "upper holes", "a3 and a4 are not the same in the two set-ups",
+            "Exercise 2.2.4", "upper holes", "a_3 and a_4 are not the same",
             min(ratios) > 1.0 + 2.0 * max(spreads),
             " and ".join(f"{100.0 * (ratio - 1.0):.1f} %" for ratio in ratios) + " larger",
             reason="The printed holes; those of the lower tanks, a1 and a2, differ by "
             + " and ".join(f"{100.0 * spread:.1f} %" for spread in spreads) + ".",
         ),
         claimed(
-            "Exercise 2.2.4", "zero in the right half-plane", "the non-minimum phase has one",
+            "Exercise 2.2.4", "zero in the right half-plane",
+            "the non-minimum phase will have a RHP zero",
             zero > 0.0, f"{zero:+.4f} rad/s",
             reason="Transmission zero of the linear model at levels of the course's exercise, "
             "which the report does not print; at any others it is positive as well.",
         ),
         remark(
             "Exercise 2.2.4", "manual control",
-            "it can be found in section 2.2.3, where the non-minimum phase is more difficult",
+            "It can be found in section 2.2.3, where Non-minimum are more difficult to be "
+            "manually controlled",
             "; ".join(
                 f"{set_up.phase} {time:.0f} s" for set_up, time in zip(SET_UPS, times, strict=True)
             ),

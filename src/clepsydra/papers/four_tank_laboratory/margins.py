@@ -107,7 +107,7 @@ def _guarantee() -> Row:
     """Ask whether the robust controllers keep the norm that they promise."""
     found = {set_up: _norm(set_up) for set_up in SET_UPS}
     return remark(
-        "Exercise 4.2.2", "Glover-McFarlane", "guarantees robust stabilisation",
+        "Exercise 4.2.2", "Glover-McFarlane", "Glover-McFarlane guarantee robust stabilization",
         "; ".join(
             f"{set_up.phase}: γ_min = {smallest:.3f}, γ = {gamma:.3f}, norm {designed:.3f} in "
             f"volts and {tripled:.3g} at three times the gain"

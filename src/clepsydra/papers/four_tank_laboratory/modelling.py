@@ -43,7 +43,13 @@ def _linear_model() -> list[Row]:
     # One formula for four tanks: the row shows one that differs, if any does.
     tank = next((i for i in range(4) if sp.simplify(printed_times[i] - times[i]) != 0), 0)
     rows.append(
-        compared_formula("(10)", "T_i", printed_times[tank], times[tank], reason="Jacobian of (4)")
+        compared_formula(
+            "(10)",
+            "T_i",
+            printed_times[tank],
+            times[tank],
+            reason="Jacobian of (4); of tank 1, and the other three agree.",
+        )
     )
     in_times = {a[i]: A[i] / T[i] * sp.sqrt(2 * h[i] / g) for i in range(4)}
     state = sp.simplify(state.subs(in_times))
@@ -183,7 +189,7 @@ def _zeros() -> list[Row]:
     }
     return [
         claimed(
-            "(13)", "zeros for 1 < γ1 + γ2 ≤ 2", "both zeros have negative real parts",
+            "(13)", "zeros for 1 < γ1 + γ2 ≤ 2", "holds for zeros with negative real part",
             bool(np.all(rightmost[above] < 0.0)),
             f"largest real part {rightmost[above].max():.3g} rad/s",
             reason=f"Roots of (12) for {above.sum()} pairs of splits, with T3 and T4 of the "
@@ -205,7 +211,9 @@ def _zeros() -> list[Row]:
             "by the name of Vieta, which nothing in the report says.",
         ),
         claimed(
-            "Exercise 2.1.5", "the two set-ups", "γ = 0.625 is minimum phase, 0.375 is not",
+            "Exercise 2.1.6", "the two set-ups",
+            "For the minimum phase we have γ1 = γ2 = 0.625 …; for the non-minimum phase case we "
+            "have γ1 = γ2 = 0.375",
             found["minimum phase"] < 0.0 < found["non-minimum phase"],
             ", ".join(f"{phase}: {value:+.4f} rad/s" for phase, value in found.items()),
             reason="Rightmost transmission zero of the linear model at levels of the course's "

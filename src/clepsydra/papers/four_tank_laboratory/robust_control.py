@@ -8,6 +8,7 @@ from clepsydra.papers.comparison import remark
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.four_tank_laboratory.readings import (
     DESIGNED,
+    MEDIANS,
     PRINTED,
     READINGS,
     USUAL,
@@ -47,9 +48,13 @@ def run() -> Findings:
 def _beside_decentralised() -> list[Row]:
     rows = []
     for score, claim, sign in (
-        ("overshoot", "smaller with Glover-McFarlane", -1.0),
-        ("rise", "longer with Glover-McFarlane", 1.0),
-        ("recovery", "Glover-McFarlane attenuates the disturbance faster", -1.0),
+        ("overshoot", "Glover-McFarlane have smaller overshoot", -1.0),
+        ("rise", "have a longer rise time as a result", 1.0),
+        (
+            "recovery",
+            "attenuate the disturbance faster as you can see in the recovery time column",
+            -1.0,
+        ),
     ):
         pairs = {
             reading: {set_up: _beside(score, set_up, reading) for set_up in SET_UPS}
@@ -71,8 +76,8 @@ def _beside_decentralised() -> list[Row]:
                 "; ".join(
                     f"{set_up.phase} {_pairs(each, unit)}" for set_up, each in pairs[USUAL].items()
                 ),
-                reason="PI to Glover-McFarlane, controllers of ours, tank 1 and tank 2, medians in "
-                "percent; in volts "
+                reason="PI to Glover-McFarlane, controllers of ours, tank 1 and tank 2, "
+                f"{MEDIANS}; in volts "
                 + "; ".join(_pairs(each, unit) for each in pairs[DESIGNED].values())
                 + ". The printed tables have "
                 + "; ".join(_printed(score, set_up, unit) for set_up in SET_UPS) + ".",
@@ -119,7 +124,7 @@ def _trade() -> Row:
     }
     return claimed_in_all(
         "Exercise 4.2.2", "trade of overshoot for rise time",
-        "much more significant in the non-minimum phase",
+        "This is shown much more significantly for non-minimum phase case",
         {
             reading: all(
                 other < one
@@ -136,8 +141,8 @@ def _trade() -> Row:
             f"and {rise[1]:.2f}"
             for set_up, (over, rise) in shares[USUAL].items()
         ),
-        reason="Glover-McFarlane over PI, controllers of ours, tank 1 and tank 2, medians in "
-        "percent; judged as more in each tank, by both.",
+        reason=f"Glover-McFarlane over PI, controllers of ours, tank 1 and tank 2, {MEDIANS}; "
+        "judged as more in each tank, by both, since how much is much is not said.",
     )  # fmt: skip
 
 
@@ -152,10 +157,11 @@ def _beside_minimum() -> list[Row]:
         (
             "rise",
             "response",
-            "lower response reaction in the non-minimum phase, whose rise time is always larger",
+            "the non-minimum one has lower response reaction …; the non-minimum phase case's rise "
+            "time are always larger than the minimum one",
         ),
-        ("recovery", "recovery", "slower in the non-minimum phase"),
-        ("overshoot", "overshoot", "much larger in the minimum phase"),
+        ("recovery", "recovery", "the non-minimum one has … higher recovery time"),
+        ("overshoot", "overshoot", "the minimum phase system has much larger overshoot value"),
     ):
         values = {
             reading: [
@@ -185,8 +191,12 @@ def _beside_minimum() -> list[Row]:
                     for set_up, (one, two) in zip(SET_UPS, values[USUAL], strict=True)
                 ),
                 reason=f"{score.capitalize()} of tanks 1 and 2 with Glover-McFarlane controllers "
-                f"of ours, medians in percent; judged for each"
-                + (", as larger." if score == "overshoot" else "."),
+                f"of ours, {MEDIANS}; judged for each"
+                + (
+                    ", as larger, since how much is much is not said."
+                    if score == "overshoot"
+                    else "."
+                ),
             )
         )  # fmt: skip
     return rows

@@ -209,9 +209,11 @@ def _within(spreads: dict[Reading, list[_Spread]], printed: str) -> str:
             "The print lies within our runs in every reading, but they spread by more than "
             f"{100 * _WIDEST:g} % of the median, so that this decides nothing."
         )
+    both = len({reading.holes for reading in spreads}) > 1
+    what = "noise and holes" if both else "the noise (holes are fitted in the minimum phase alone)"
     return (
-        f"The print lies within our runs in {len(holding)} of {len(spreads)} readings of noise "
-        "and holes, so that it is neither reproduced nor contradicted."
+        f"The print lies within our runs in {len(holding)} of {len(spreads)} readings of {what}, "
+        "so that it is neither reproduced nor contradicted."
     )
 
 

@@ -61,7 +61,7 @@ def _rule() -> Row:
     return remark(
         "section 4, feature (2)",
         "α = 0.1 by the rule of experience",
-        "2 to 5 times faster than the closed loop; that 0.1 is so is not said",
+        "2 to 5 times faster than the design of the closed-loop system; that 0.1 is so is not said",
         "; ".join(found),
         "times",
         reason="Loops 1 and 2 under Johansson's PI controllers: the time to 2 % of the closed loop "
@@ -82,7 +82,7 @@ def _adjusts(volts: Filling, nu: Filling) -> Row:
     return claimed(
         "section 4, feature (2)",
         "settling time of h1 over α",
-        "α can easily adjust the closed-loop performance",
+        "can easily adjust the closed-loop performance index",
         all(float(each.max()) > 2.0 * float(each.min()) for each in settled),
         f"without decoupling {ranges[0]}; after decoupling, α in ν {ranges[1]}",
         "s",

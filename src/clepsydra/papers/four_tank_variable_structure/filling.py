@@ -128,7 +128,7 @@ def _saturation() -> Row:
     return claimed(
         PLACE,
         "time of the pumps at a limit",
-        "returns within the constrained range much faster",
+        "returns to the control range within a constrained range …. The PID control is much faster",
         max(shares) < 1.0 and max(undecoupled) < 1.0,
         _pumps(new, old, _LANE),
         "s",
@@ -162,7 +162,8 @@ def _without_saturation() -> Row:
     return claimed(
         "section 4, feature (1)",
         "behaviour without saturation",
-        "the same as the linear analysis",
+        "If saturation does not occur, the behavior of the closed-loop system and the linear "
+        "analysis result are the same",
         max(apart) == 0.0,
         f"{max(apart):.1g}",
         "cm",
@@ -208,7 +209,7 @@ def _overflow() -> Row:
     return claimed(
         PLACE,
         "water over the rims",
-        "conventional PID is prone to overflow when the target level is high",
+        "the conventional PID control is prone to overflow when the target liquid level is high",
         min(old.spilt(), limited.spilt()) > 0.0,
         f"{old.spilt():.0f}",
         "cm³",

@@ -147,7 +147,8 @@ def _balances(s: Derived) -> list[Row]:
                 "dy1/dt, read without its second plus sign",
                 first,
                 s.rates[0],
-                reason=f"The balance of tank 1 has both. {_INPUTS}",
+                reason="The balance of tank 1 has both; the index is restored here, where the text "
+                f"has √(2 g h). {_INPUTS}",
             ),
             "There is a gap where the index of h3 and a plus sign have to stand.",
         ),
@@ -211,7 +212,7 @@ def _decoupling(s: Derived) -> list[Row]:
         claimed(
             "section 3",
             "determinant of E",
-            "E is non-singular, so that the system can be decoupled",
+            "E is non-singular so that the four-capacity system can be decoupled",
             bool(regular),
             str(determinant),
             reason="It depends on no level, so that E is regular at every one and each input of "
@@ -278,7 +279,8 @@ def _new_inputs(s: Derived) -> list[Row]:
                 upto,
                 m[0] * s.h[0],
                 reason="With r1 = 1 the sum ends at r1 − 1 = 0, as (13) has no derivative above "
-                "r − 1; n − 1 = 3 would bring in three further Lie derivatives.",
+                "r − 1, so that M1 is m0 h1, L_f^0 h1 being h1; n − 1 = 3 would bring in three "
+                "further Lie derivatives.",
             ),
             "The place is garbled: n may be a misread r_i, and L_f^h beside it a misread L_f^k.",
         )
@@ -301,9 +303,10 @@ def _new_inputs(s: Derived) -> list[Row]:
             "rate of the integral part K_I η while it saturates",
             "K_1 is explained nowhere",
             told,
-            reason="The excess is u_n − u_s. α is said to be the speed at which u_n converges to "
-            "its range: so it is with K_I in the place of K_1, whose 1 may be an I, and K_I above "
-            "zero; with K_P it is not.",
+            reason="The excess is u_n − u_s, the law K_P e + K_I η, of which Fig. 2 is missing. α "
+            "is said to be the speed at which u_n converges to its range: so it is with K_I in the "
+            "place of K_1, whose 1 may be an I; with K_P it is not. K_I is taken as positive, as "
+            "the condition e (u_n − ū) > 0 asks for.",
         )
     )
     return rows

@@ -83,7 +83,7 @@ def _returns(runs: dict[str, dict[str, Filling]]) -> Row:
     return claimed(
         "section 4, feature (3)",
         "time of the pumps at a limit, from 4 to 20 V",
-        "returns to the linear range faster than the normal saturation method",
+        "returns to the linear range. The speed is faster than the normal saturation method",
         all(max(each) < 1.0 for each in shares.values())
         and all(max(_shares(found, _SHORTEST)) <= 1.0 for found in runs.values()),
         "; ".join(

@@ -56,7 +56,7 @@ def robustness() -> Findings:
     row = remark(
         "section 6",
         "worst overshoot and settling time",
-        "improves the robust performance with control constraints",
+        "improving the robust performance of the system with control constraints",
         _words(others),
         reason="No measure is printed: pump gains and lower outlets each 20 % more or less than "
         f"assumed, 16 corners, both levels. {READING} {UNDECOUPLED} with {USUAL} it is "

@@ -72,19 +72,22 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
     slower = " and ".join(f"{placed[distance].overshoot:.1f}" for distance in (10, 5))
     return [
         remark(
-            "conclusion", "settling time", "FSFB tracks the setpoint in the desired settling time",
+            "conclusion", "settling time",
+            "the FSFB controller with pre compensator tracks the set point in desired settling "
+            "time",
             f"{best.settling:.3f} s to within 2 %, {best.settling_closely:.3f} s to within 1 %",
             reason="“At least 0.2 seconds” is desired, and can only mean at most. Which band is "
             f"not said: it holds to within 2 % and fails to within 1 %. {on_model}",
         ),
         claimed(
-            "conclusion", "overshoot", "FSFB overshoots less than PID",
+            "conclusion", "overshoot", "it exhibits less overshoot than PID controller",
             best.overshoot < pid.overshoot, f"{best.overshoot:.1f} % against {pid.overshoot:.1f} %",
             reason=with_pid,
         ),
         claimed(
             "conclusion", "desired specifications",
-            "FSFB comes closer to them than the other controllers",
+            "the time domain specifications are close to the desired specifications with FSFB "
+            "controller than with conventional other controllers",
             _excess(best) < min(map(_excess, others)),
             f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s; "
             + "; ".join(f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
@@ -94,14 +97,18 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
             f"{slower} %.",
         ),
         claimed(
-            "conclusion", "settling time, ISE and IAE", "FSFB is superior to PID",
-            all(one < other for one, other in zip(best[1:5], pid[1:5], strict=True)),
+            "conclusion", "settling time, ISE and IAE",
+            "The execution with respect to settling time, peak overshoot, ISE, IAE are superior "
+            "over PID controller",
+            all(one < other for one, other in zip(best[:5], pid[:5], strict=True)),
             f"{best.settling:.2f} against {pid.settling:.0f} s, ISE {best.squared:.2g} against "
             f"{pid.squared:.0f} cm² s, IAE {best.absolute:.2g} against {pid.absolute:.0f} cm s",
-            reason=f"Setpoint step of 1 cm; settling to within 2 %. {with_pid}",
+            reason=f"Setpoint step of 1 cm; settling to within 2 %, overshoot as above. {with_pid}",
         ),
         remark(
-            "conclusion", "disturbance", "FSFB rejects it better than the other controllers",
+            "conclusion", "disturbance",
+            "The disturbance rejection capability of FSFB controller is more beneficial than "
+            "other controller",
             f"FSFB {', '.join(f'{each.moved:.2g}' for each in placed.values())}; "
             + "; ".join(f"{name} {each.moved:.2g}"
                         for name, each in zip(names, others, strict=True)),

@@ -100,7 +100,7 @@ def _matrices() -> list[Row]:
     eigenvalues = np.linalg.eigvals(model.A)
     rows.append(
         claimed(
-            "simulation results", "open loop", "the open loop is stable",
+            "simulation results", "open loop", "the open loop system is stable",
             bool(np.all(eigenvalues < 0.0)),
             ", ".join(f"{value:.4f}" for value in sorted(eigenvalues.real)), "1/s",
             reason="Eigenvalues of (2).",
@@ -194,7 +194,7 @@ def _controllability() -> list[Row]:
     ]  # fmt: skip
     rows.append(
         claimed(
-            "controllability", "rank", "the system is controllable",
+            "controllability", "rank", "the system under consideration is controllable",
             np.linalg.matrix_rank(matrix) == 3, f"rank {np.linalg.matrix_rank(matrix)}",
             reason="Rank of B, AB, A²B.",
         )

@@ -102,13 +102,14 @@ def _claims() -> list[Row]:
     shares = [float(weight) * effort for weight, effort in zip(_SIZES, efforts, strict=True)]
     return [
         claimed(
-            "Table 3", "speed", "a small R moves the eigenvalues farther from the axis",
+            "Table 3", "speed",
+            "small values of 'R' moves the Eigen values farther from imaginary axis",
             slowest[0] > slowest[1] > slowest[2],
             ", ".join(f"{value:.2f} 1/s" for value in slowest),
             reason="Real part of the slowest eigenvalue for R = 0.1, 0.01 and 0.001.",
         ),
         remark(
-            "design of the LQC", "effort", "small values of R make the control effort less",
+            "design of the LQC", "effort", "Small values of 'R' make the control effort less",
             ", ".join(f"{effort:.3g} m⁶/s" for effort in efforts),
             reason="∫(u - u∞)² dt after a setpoint step of 1 cm for R = 0.1, 0.01 and 0.001: it "
             "grows, and so does the feed at the step, "
@@ -118,7 +119,8 @@ def _claims() -> list[Row]:
         ),
         claimed(
             "stability analysis", "VGM of both controllers",
-            "FSFB with a greater dominant pole and LQC with a very small R within 3.5 to 9.5 dB",
+            "the FSFB controller with greater dominant pole value and linear quadratic controller "
+            "with very small 'R' value yields VGM value which is well within the tolerance",
             any(min(pair) >= 3.5 and max(pair) <= 9.5 for pair in zip(*fast.values(), strict=True)),
             "; ".join(
                 f"{name} {', '.join(f'{each:.2f}' for each in found)} dB"
@@ -130,7 +132,8 @@ def _claims() -> list[Row]:
         ),
         remark(
             "simulation results", "magnitude plots",
-            "a greater dominant pole has less gain margin, which gives more bandwidth",
+            "the greater dominant pole value yields a lesser gain margin (GM). The lesser GM "
+            "results in greater bandwidth",
             "; ".join(
                 f"{kind} "
                 + ", ".join(

@@ -179,7 +179,8 @@ def _loop() -> list[Row]:
     assert math.isinf(margins.gain_margin_up or 0.0)
     rows += [
         claimed(
-            place, "internal stability", "not ensured, because GM and PM are not finite",
+            place, "internal stability",
+            "the internal stability is not ensured because GM & PM are not finite",
             bool(poles.real.max() >= 0.0) or not margins.stable,
             f"stable, poles of the printed denominator at most at {poles.real.max():.4f} 1/s",
             reason="Of the loop of (3) and the printed Kc, Ki and Kd: GM is infinite, which is no "
@@ -193,7 +194,9 @@ def _loop() -> list[Row]:
             "instead is not said.",
         ),
         claimed(
-            place, "VGM of the PID", "88.3 dB, above the limit of 9.5 dB", peak > 9.5,
+            place, "VGM of the PID",
+            "The VGM is calculated as 88.3dB, which lies above the limit specified in equation "
+            "(6)", peak > 9.5,
             f"{peak:.2f} dB",
             reason="|S| of the loop of (3) and the printed settings stays below 9.5 dB at every "
             "frequency.",

@@ -119,7 +119,7 @@ def _demands() -> list[Row]:
     unsaid = "no size of the feed is printed"
     for place, group, printed in (
         ("Table 2", fast, unsaid),
-        ("Table 3", calm, f"{unsaid}; small values of R make the control effort less"),
+        ("Table 3", calm, f"{unsaid}; Small values of 'R' make the control effort less"),
     ):
         found = []
         for name, loop, end in group:

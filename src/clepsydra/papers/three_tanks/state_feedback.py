@@ -124,12 +124,15 @@ def _claims() -> list[Row]:
     nearest = min(1.0 / loop.margins.sensitivity.peak for loop in loops)
     return [
         claimed(
-            "Table 2", "speed", "poles farther from the axis respond faster",
+            "Table 2", "speed",
+            "as the dominant poles are moved farther from imaginary axis, the speed of response "
+            "increases",
             settled[0] < settled[1] < settled[2], ", ".join(f"{each:.2f} s" for each in settled),
             reason="Settling to within 2 % on the linear model for -25, -10 and -5.",
         ),
         claimed(
-            "simulation results", "Nyquist plot", "no contour encloses -1",
+            "simulation results", "Nyquist plot",
+            "all the contours … do not enclose the -1+j0 point",
             all(loop.margins.stable for loop in loops),
             f"nearest distance to -1: {nearest:.3f}",
             reason="Of the three loops of Table 2, as the figure. All closed loops are stable, as "
