@@ -17,8 +17,6 @@ s = symbols("s")
 #: C, V, f_in, C_in at the equilibrium, as (28) names them.
 x1, x2, u1, u3 = symbols("x_10 x_20 u_10 u_30", positive=True)
 K1, K2, Ti1, Ti2, Td1, Td2 = symbols("K_p1 K_p2 T_i1 T_i2 T_d1 T_d2", positive=True)
-#: The equilibrium of section 2.2.
-AT_REST = {x1: 5, x2: 2, u1: 0.2, u3: 5}
 
 
 @dataclass(frozen=True)
