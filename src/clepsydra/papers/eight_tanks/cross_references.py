@@ -6,12 +6,14 @@ from clepsydra.papers.comparison import remark, stated
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.row import Row
 
+#: Its caption calls it (20), the text of section 3.2 "discrete model (21)".
+_DISCRETE = "discrete model of Fig. 4, (21) in section 3.2"
 #: What stands under each number.
 EQUATIONS = {
     17: "criterion of identification",
     18: "model with estimated coefficients",
     20: "static gain",
-    21: "model with numbers",
+    21: _DISCRETE,
     22: "first Diophantine equation",
     23: "second Diophantine equation",
     24: "feedforward gain r0",
@@ -33,9 +35,9 @@ FIGURES = {
 #: Place, the words around, the number that is printed, and what they speak of.
 _TO_EQUATIONS = (
     ("section 3.1", "minimum of the criterion", 21, "criterion of identification"),
-    ("Fig. 4", "step responses of models (8) and", 20, "model with numbers"),
-    ("section 3.2", "linear model obtained without hysteresis", 20, "model with numbers"),
-    ("section 4", "second-order linear model", 20, "model with numbers"),
+    ("Fig. 4", "step responses of models (8) and", 20, _DISCRETE),
+    ("section 3.2", "linear model obtained without hysteresis", 20, _DISCRETE),
+    ("section 4", "second-order linear model", 20, _DISCRETE),
     ("section 5", "R from equation, with z = 1", 24, "second Diophantine equation"),
 )  # fmt: skip
 _TO_FIGURES = (

@@ -46,7 +46,8 @@ _COUPLED = (
 #: Where the figures of a level come from.
 _SPREAD = (
     "with the noise of 30 % that the course's simulator gives the flow of its pumps and the report "
-    "does not speak of, mean and three standard deviations of one reading"
+    f"does not speak of, drawn every 0.05 s and held, in tanks of {AREA:.2f} cm² (with a longer "
+    "hold the spread is wider), mean and three standard deviations of one reading"
 )
 #: A reading of two tables of one run may differ by the noise, three standard deviations of it.
 _DEVIATIONS = 3.0
@@ -105,9 +106,9 @@ def _table(set_up: SetUp) -> list[Row]:
 def _held_down(tank: int) -> str:
     """Say what keeps levels with the fitted holes, and what the holes leave no choice of."""
     words = (
-        "With the fitted holes, which keep levels 1 and 2 at 15 cm in exercise 2.2.3, tank 2 would "
-        "run over, and the course's simulator stops both pumps "
-        "above 27.5 cm, which is not in the report. "
+        "In all four the course's simulator stops both pumps above 27.5 cm, until 27 cm, which is "
+        "not in the report; with the fitted holes, which keep levels 1 and 2 at 15 cm in exercise "
+        "2.2.3, tank 2 would run over otherwise. "
     )
     if tank > 2:
         return words
