@@ -105,7 +105,9 @@ class RunningScores:
     They follow the rule of `clepsydra.scores`: the setpoint is held during a sample, the
     output moves on a straight line to its next value, and errors are those of the true output,
     without noise. Their last values therefore are those that `clepsydra.scores.evaluate` finds
-    on the stored trajectories of the same run, but for rounding.
+    on the stored trajectories of the same run, but for rounding, except for three: IE is signed
+    over the whole run, there the magnitudes of its segments are added; ITAE and ITSE go on
+    through a segment of noise with the time since the last step, there they start again.
 
     Parameters
     ----------
