@@ -96,7 +96,7 @@ def verify(
     )
     scenario = scenario or scenario_of(plant)
     chosen = (to,) if isinstance(to, str) else tuple(to)
-    part = "" if set(chosen) == set(EXPORTS) else f"-{'-'.join(chosen)}"
+    part = "" if set(chosen) == set(EXPORTS) else "-" + "-".join(sorted(set(chosen)))
     items = [controller_item(of_plant(each, plant), plant.point, scenario, shell) for each in many]
     found = prove(
         [*items, process_item_of(plant.point)],

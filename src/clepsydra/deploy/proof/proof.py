@@ -169,8 +169,7 @@ def prove(
     ------
     InputError
         There is no compiler or no such export, a package is missing, too few scans, a negative
-        seed, or the
-        folder cannot be written.
+        seed, or the folder cannot be written.
 
     Examples
     --------
@@ -185,9 +184,14 @@ def prove(
     for what, value, least in (("scans", scans, FEWEST), ("seed", seed, 0)):
         if value < least:
             raise InputError(f"proof, {what}", value, f"at least {least:,}", "choose more")
-    for export in to:
-        if export not in EXPORTS:
-            raise InputError("proof, to", export, f"some of {', '.join(EXPORTS)}", "choose those")
+    unknown = [export for export in to if export not in EXPORTS]
+    if unknown or not to:
+        raise InputError(
+            "proof, to",
+            unknown[0] if unknown else "nothing",
+            f"one or more of {', '.join(EXPORTS)}",
+            "name what is to be run, or leave it out: then all is",
+        )
     compiler = find_compiler("proof")
     jobs = {
         kind: [target for target in targets_of(kind, compiler) if target.to in to]
