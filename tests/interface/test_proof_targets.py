@@ -22,7 +22,8 @@ def test_one_target_runs_alone_and_keeps_its_own_files(plant, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("to", "value"), [(["c", "plc"], "plc"), ("cst", "cst"), ([], "nothing"), ((), "nothing")]
+    ("to", "value"),
+    [(["c", "plc"], "plc"), ("cst", "cst"), ([], "nothing"), (3, 3), (["c", 3], 3)],
 )
 def test_a_target_that_is_none(plant, to, value):
     """Nothing run would be a proof that holds."""

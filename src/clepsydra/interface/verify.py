@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ from clepsydra.controllers import controller as inner
 from clepsydra.deploy.proof import proof as inner_proof
 from clepsydra.deploy.proof.of_study import controller_item, process_item_of
 from clepsydra.deploy.proof.proof import FEWEST, ProofProgress, prove
-from clepsydra.deploy.proof.targets import EXPORTS, Export
+from clepsydra.deploy.proof.targets import EXPORTS, Export, exports_of
 from clepsydra.interface.controller import of_plant
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.scenario import scenario_of
@@ -36,7 +36,7 @@ def verify(
     controllers: inner.Controller | Sequence[inner.Controller],
     plant: Plant,
     *,
-    to: Export | Collection[Export] = EXPORTS,
+    to: Export | Sequence[Export] = EXPORTS,
     scans: int = FEWEST,
     seed: int = 1,
     fail_safe: Settings = None,
@@ -95,8 +95,8 @@ def verify(
         rate_limit=rate_limit,
     )
     scenario = scenario or scenario_of(plant)
-    chosen = (to,) if isinstance(to, str) else tuple(to)
-    part = "" if set(chosen) == set(EXPORTS) else "-" + "-".join(sorted(set(chosen)))
+    chosen = exports_of(to)
+    part = "" if chosen == EXPORTS else f"-{'-'.join(chosen)}"
     items = [controller_item(of_plant(each, plant), plant.point, scenario, shell) for each in many]
     found = prove(
         [*items, process_item_of(plant.point)],

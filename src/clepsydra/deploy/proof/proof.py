@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import tempfile
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,7 +23,7 @@ from clepsydra.deploy.proof.limits import limit_met
 from clepsydra.deploy.proof.memory import read_memory
 from clepsydra.deploy.proof.row import ProofRow
 from clepsydra.deploy.proof.scans import FEWEST
-from clepsydra.deploy.proof.targets import EXPORTS, Export, Target, targets_of
+from clepsydra.deploy.proof.targets import EXPORTS, Export, Target, exports_of, targets_of
 
 
 class ProofProgress(NamedTuple):
@@ -122,7 +122,7 @@ def prove(
     *,
     scans: int = FEWEST,
     seed: int = 1,
-    to: Collection[Export] = EXPORTS,
+    to: Export | Sequence[Export] = EXPORTS,
     progress: Callable[[ProofProgress], None] | None = None,
     folder: Path | None = None,
     stem: str = "proof",
@@ -149,8 +149,8 @@ def prove(
         At least 10,000.
     seed : int
         Of the scans.
-    to : collection of str
-        The exports that are run, of `EXPORTS`.
+    to : {"c", "st", "fmu"} or several
+        The exports that are run.
     progress : callable, optional
         Takes a `ProofProgress` before each row.
     folder : Path, optional
@@ -184,17 +184,10 @@ def prove(
     for what, value, least in (("scans", scans, FEWEST), ("seed", seed, 0)):
         if value < least:
             raise InputError(f"proof, {what}", value, f"at least {least:,}", "choose more")
-    unknown = [export for export in to if export not in EXPORTS]
-    if unknown or not to:
-        raise InputError(
-            "proof, to",
-            unknown[0] if unknown else "nothing",
-            f"one or more of {', '.join(EXPORTS)}",
-            "name what is to be run, or leave it out: then all is",
-        )
+    chosen = exports_of(to)
     compiler = find_compiler("proof")
     jobs = {
-        kind: [target for target in targets_of(kind, compiler) if target.to in to]
+        kind: [target for target in targets_of(kind, compiler) if target.to in chosen]
         for kind in ("controller", "process")
     }
     versions = sorted({target.version for target in (*jobs["controller"], *jobs["process"])})

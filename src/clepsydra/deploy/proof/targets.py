@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import importlib.metadata
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
+from clepsydra.base.arguments import sequence_of
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.c99.printer import CSource
 from clepsydra.deploy.compiler import Compiler
@@ -106,6 +107,28 @@ class Target:
             verdict=_verdict(difference, bound),
             **more,
         )
+
+
+def exports_of(to: Export | Sequence[Export]) -> tuple[Export, ...]:
+    """Return the exports that are asked for, each once and in the order of `EXPORTS`.
+
+    Raises
+    ------
+    InputError
+        There is none, or one that is not known.
+
+    Examples
+    --------
+    >>> exports_of(["fmu", "c", "c"])
+    ('c', 'fmu')
+    """
+    place, expected = "proof, to", f"one or more of {', '.join(EXPORTS)}"
+    remedy = "name what is to be run, or leave it out: then all is"
+    asked = (to,) if isinstance(to, str) else sequence_of(to, str, place, expected, remedy)
+    unknown = next((each for each in asked if each not in EXPORTS), None)
+    if unknown is not None or not asked:
+        raise InputError(place, unknown or "nothing", expected, remedy)
+    return tuple(each for each in EXPORTS if each in asked)
 
 
 def targets_of(kind: str, compiler: Compiler) -> list[Target]:
