@@ -105,31 +105,39 @@ def test_what_the_document_does_not_say_is_a_remark(verdicts):
         assert any(words in name for name in remarks), words
 
 
+#: The tanks in plain Python: areas and holes [cm²], pumps [cm³/(s V)], valves, levels asked for.
+A, HOLES = np.array([28.0, 32.0, 28.0, 32.0]), np.array([0.071, 0.057, 0.071, 0.057])
+PUMPS, SPLIT = np.array([3.33, 3.35]), np.array([0.7, 0.6])
+TARGET = np.array([12.4, 12.7])
+
+
+def outflows(h):
+    """Return what runs out of each tank [cm³/s]."""
+    return HOLES * np.sqrt(2 * 981.0 * np.maximum(h, 0.0))
+
+
+def moved(h, v, step):
+    """Return the levels a sample later [cm], by five steps of Euler."""
+    direct, across = SPLIT * PUMPS * v, (1 - SPLIT) * PUMPS * v
+    for _ in range(5):
+        out = outflows(h)
+        h = h + step / 5 * (np.concatenate([direct + out[2:], across[::-1]]) - out) / A
+    return h
+
+
 def test_without_anti_windup_the_overshoot_grows_as_the_limit_falls(findings):
     """A limiter alone, by plain Python: forward Euler of 10 ms, PI in volts."""
-    A, a = np.array([28.0, 32.0, 28.0, 32.0]), np.array([0.071, 0.057, 0.071, 0.057])
-    k, split, target = np.array([3.33, 3.35]), np.array([0.7, 0.6]), np.array([12.4, 12.7])
     gain, time, step = np.array([3.0, 2.7]), np.array([30.0, 40.0]), 0.05
     wanted = {}
     for limit in (4.0, 6.0):
         h, integral, highest = np.zeros(4), np.zeros(2), np.zeros(2)
         for _ in range(12000):
-            error = 0.5 * (target - h[:2])
+            error = 0.5 * (TARGET - h[:2])
             v = np.clip(gain * error + integral, 0.0, limit)
             integral += step * gain / time * error
-            for _ in range(5):
-                out = a * np.sqrt(2 * 981.0 * np.maximum(h, 0.0))
-                into = np.array(
-                    [
-                        split[0] * k[0] * v[0] + out[2],
-                        split[1] * k[1] * v[1] + out[3],
-                        (1 - split[1]) * k[1] * v[1],
-                        (1 - split[0]) * k[0] * v[0],
-                    ]
-                )
-                h = h + step / 5 * (into - out) / A
+            h = moved(h, v, step)
             highest = np.maximum(highest, h[:2])
-        wanted[limit] = 100.0 * (highest / target - 1.0)
+        wanted[limit] = 100.0 * (highest / TARGET - 1.0)
     (row,) = [
         r
         for r in findings["pump-limits"].rows
@@ -144,14 +152,12 @@ def test_without_anti_windup_the_overshoot_grows_as_the_limit_falls(findings):
 
 def settled_after_decoupling(sensor, limit, rate, in_volts):
     """By plain Python: both levels under (9), ν by PI on the level error, to 2 % [s]."""
-    A, a = np.array([28.0, 32.0, 28.0, 32.0]), np.array([0.071, 0.057, 0.071, 0.057])
-    k, split, target = np.array([3.33, 3.35]), np.array([0.7, 0.6]), np.array([12.4, 12.7])
-    E = split * k / A[:2]
+    E = SPLIT * PUMPS / A[:2]
     gain, time, step = E * np.array([3.0, 2.7]) * sensor, np.array([30.0, 40.0]), 0.05
     h, integral, levels = np.zeros(4), np.zeros(2), []
     for _ in range(6000):
-        error = target - h[:2]
-        out = a * np.sqrt(2 * 981.0 * np.maximum(h, 0.0))
+        error = TARGET - h[:2]
+        out = outflows(h)
         nu = gain * error + integral
         asked = (nu - (out[2:] - out[:2]) / A[:2]) / E
         v = np.clip(asked, 0.0, limit)
@@ -159,19 +165,9 @@ def settled_after_decoupling(sensor, limit, rate, in_volts):
         # α in volts is no more than takes back what exceeds the range in one step.
         excess = (asked - v) * (np.minimum(rate * step, E) / step if in_volts else rate * E)
         integral += step * np.where(away, -excess, gain / time * error)
-        for _ in range(5):
-            out = a * np.sqrt(2 * 981.0 * np.maximum(h, 0.0))
-            into = np.array(
-                [
-                    split[0] * k[0] * v[0] + out[2],
-                    split[1] * k[1] * v[1] + out[3],
-                    (1 - split[1]) * k[1] * v[1],
-                    (1 - split[0]) * k[0] * v[0],
-                ]
-            )
-            h = h + step / 5 * (into - out) / A
+        h = moved(h, v, step)
         levels.append(h[:2])
-    outside = np.abs(np.array(levels) / target - 1.0) > 0.02
+    outside = np.abs(np.array(levels) / TARGET - 1.0) > 0.02
     return [step * (1 + int(np.flatnonzero(each)[-1])) for each in outside.T]
 
 
@@ -199,30 +195,18 @@ def test_the_response_is_faster_after_decoupling_unless_alpha_is_in_volts_and_th
 
 def test_what_hangs_on_the_reading_of_sensor_bias_and_limit(findings):
     """By plain Python, without decoupling: at 1 V/cm h1 settles later."""
-    A, a = np.array([28.0, 32.0, 28.0, 32.0]), np.array([0.071, 0.057, 0.071, 0.057])
-    k, split, target = np.array([3.33, 3.35]), np.array([0.7, 0.6]), np.array([12.4, 12.7])
     gain, time, step = np.array([3.0, 2.7]), np.array([30.0, 40.0]), 0.05
     settled = {}
     for sensor in (0.5, 1.0):
         for rate in (0.0, 0.1):
             h, integral, levels = np.zeros(4), np.zeros(2), []
             for _ in range(6000):
-                error = sensor * (target - h[:2])
+                error = sensor * (TARGET - h[:2])
                 wanted = gain * error + integral
                 v = np.clip(wanted, 0.0, 10.0)
                 away = (wanted != v) & (error * (wanted - 5.0) > 0.0) & (rate > 0.0)
                 integral += step * np.where(away, -rate * (wanted - v), gain / time * error)
-                for _ in range(5):
-                    out = a * np.sqrt(2 * 981.0 * np.maximum(h, 0.0))
-                    into = np.array(
-                        [
-                            split[0] * k[0] * v[0] + out[2],
-                            split[1] * k[1] * v[1] + out[3],
-                            (1 - split[1]) * k[1] * v[1],
-                            (1 - split[0]) * k[0] * v[0],
-                        ]
-                    )
-                    h = h + step / 5 * (into - out) / A
+                h = moved(h, v, step)
                 levels.append(h[0])
             outside = np.abs(np.array(levels) / 12.4 - 1.0) > 0.02
             settled[sensor, rate] = step * (1 + int(np.flatnonzero(outside)[-1]))
