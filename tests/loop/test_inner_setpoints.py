@@ -5,39 +5,13 @@ from functools import cache
 import numpy as np
 import pandas
 import pytest
+from flow_cascade import flow_cascade
 
 import clepsydra as cl
 
 # The gain of the outer loop, 3 % of 60 l/s for 1 % of 16 mA [m³/(s A)].
 GAIN = -3.0 * 0.06 / 0.016
 NAME = "duty_flow.inner_setpoint"
-
-
-def study(high: str = "35 l/s", by: str = "5 %", noise: str = "false") -> str:
-    return f"""
-process = "wet-well:flow-meters"
-[scenario]
-duration = "20 min"
-noise = {noise}
-[[scenario.setpoint]]
-signal = "level"
-at = "2 min"
-by = "{by}"
-[controllers.cascade.loops.level]
-measurement = "level"
-output = "flow.setpoint"
-actions = "P"
-action = "direct"
-gain = "3 %/%"
-[controllers.cascade.loops.flow]
-measurement = "duty_flow"
-output = "duty"
-actions = "PI"
-action = "reverse"
-gain = "0.3 %/%"
-integral_time = "6 s"
-setpoint_high = "{high}"
-"""
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +21,7 @@ def cascade(tmp_path_factory):
     @cache
     def tried(**words: str) -> cl.Candidate:
         path = tmp_path_factory.mktemp("cascade") / "study.toml"
-        path.write_text(study(**words), encoding="utf-8")
+        path.write_text(flow_cascade(**words), encoding="utf-8")
         return cl.study(path).best
 
     return tried

@@ -1,33 +1,14 @@
 """What the page of one controller shows."""
 
 import pytest
+from flow_cascade import flow_cascade
 
 import clepsydra as cl
 from clepsydra.report.controller_page import controller_page
 
-STUDY = """
-process = "wet-well:flow-meters"
-[scenario]
-duration = "1 min"
-noise = false
-[[scenario.setpoint]]
-signal = "level"
-at = "10 s"
-by = "2 %"
-[controllers.cascade.loops.level]
-measurement = "level"
-output = "flow.setpoint"
-actions = "P"
-action = "direct"
-gain = "3 %/%"
-[controllers.cascade.loops.flow]
-measurement = "duty_flow"
-output = "duty"
-actions = "PI"
-action = "reverse"
-gain = "0.3 %/%"
-integral_time = "6 s"
-setpoint_high = "35 l/s"
+STUDY = (
+    flow_cascade(duration="1 min", at="10 s", by="2 %")
+    + """\
 [controllers.single.loops.level]
 measurement = "level"
 output = "duty"
@@ -35,6 +16,7 @@ actions = "P"
 action = "direct"
 gain = "3 %/%"
 """
+)
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,7 @@
 """Pictures of a cascade: the setpoint of its inner loop beside what that loop measures."""
 
 import pytest
+from flow_cascade import flow_cascade
 
 import clepsydra as cl
 from clepsydra.report.colours import INK
@@ -12,36 +13,12 @@ from clepsydra.report.trend_svg import trend_svg
 from clepsydra.report.trends import trend_figure
 
 NAME = "duty_flow.inner_setpoint"
-STUDY = """
-process = "wet-well:flow-meters"
-[scenario]
-duration = "20 min"
-noise = false
-[[scenario.setpoint]]
-signal = "level"
-at = "2 min"
-by = "5 %"
-[controllers.cascade.loops.level]
-measurement = "level"
-output = "flow.setpoint"
-actions = "P"
-action = "direct"
-gain = "3 %/%"
-[controllers.cascade.loops.flow]
-measurement = "duty_flow"
-output = "duty"
-actions = "PI"
-action = "reverse"
-gain = "0.3 %/%"
-integral_time = "6 s"
-setpoint_high = "35 l/s"
-"""
 
 
 @pytest.fixture
 def run(tmp_path):
     path = tmp_path / "study.toml"
-    path.write_text(STUDY, encoding="utf-8")
+    path.write_text(flow_cascade(), encoding="utf-8")
     return cl.study(path).best.run
 
 
