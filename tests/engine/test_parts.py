@@ -177,6 +177,18 @@ def test_a_loop_that_is_larger_than_a_part_stands_between_parts(monkeypatch):
     assert root == pytest.approx(2.0, rel=1e-15)  # x = √(x + 2)
 
 
+@pytest.mark.parametrize("largest", [1, 4])
+def test_an_adjustable_loop_makes_the_turns_of_the_run(largest, monkeypatch):
+    """x = 2x + 1 in each turn, which is a part of its own or smaller than one."""
+    turn, builder = BlockBuilder(1), BlockBuilder(1)
+    body = turn.finish([turn.operation("add", turn.operation("add", 0, 0), turn.constant(1.0))])
+    block = builder.finish(builder.loop("steps", body, 2, (), [0], [], adjustable=True))
+    program = Program("steps", (Signal("x"),), (), (), (), block)
+    in_parts(monkeypatch, largest)
+    kernel = Kernel(program)
+    assert [kernel.run(1, turns=n).state("x")[0] for n in (None, 1, 5)] == [3.0, 1.0, 31.0]
+
+
 def test_what_only_outputs_need_is_not_computed_where_none_are_recorded(monkeypatch):
     in_parts(monkeypatch, 1)
     program = fused_across_parts()

@@ -4,11 +4,12 @@ import casadi as ca
 import numpy as np
 import pytest
 from block_interpreter import bits, evaluate_block
+from refusals import refused
 
 from clepsydra import Kernel, Signal, program_of
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.counted_loop import counted_loop, recover_loop
-from clepsydra.program.program import Block, Loop
+from clepsydra.program.program import Block, Loop, Operation, Program
 from clepsydra.program.reader import inline
 from clepsydra.program.step_law import Equations, step_law
 
@@ -201,3 +202,26 @@ def test_a_table_of_another_length_is_refused(table):
         counted_loop(
             "polynomial", 3, horner(), carried=ca.SX(0), tables=[table], invariants=ca.SX(1)
         )
+
+
+def test_an_adjustable_loop_has_no_tables_and_stands_at_the_top_only():
+    turn = Block(2, (), (1,))
+    with pytest.raises(ValueError, match="sum: the length of rings and tables fixes its turns"):
+        BlockBuilder(1).loop("sum", turn, 2, [[1.0, 2.0]], [0], [], adjustable=True)
+    builder, outer = BlockBuilder(1), BlockBuilder(1)
+    inner = builder.finish(
+        builder.loop("keep", Block(1, (), (0,)), 2, (), [0], [], adjustable=True)
+    )
+    with pytest.raises(ValueError, match="outer: the loop keep is adjustable"):
+        outer.loop("outer", inner, 3, (), [0], [])
+
+
+def test_an_adjustable_loop_makes_the_turns_of_the_run():
+    doubled = Block(1, (Operation(1, "add", (0, 0)),), (1,))
+    builder = BlockBuilder(1)
+    block = builder.finish(builder.loop("doubled", doubled, 3, (), [0], [], adjustable=True))
+    kernel = Kernel(Program("doubled", (Signal("x", initial=1.0),), (), (), (), block))
+    assert [kernel.run(1, turns=n).state("x")[0] for n in (None, 1, 5)] == [8.0, 2.0, 32.0]
+    assert kernel.run(2, turns=2, state={"x": np.arange(20.0)}).state("x")[7] == 16 * 7.0
+    with refused(place="run of doubled, turns", value=0):
+        kernel.run(1, turns=0)

@@ -98,4 +98,4 @@ def compile_object(code: str) -> bytes:
 def kernel_signature() -> Any:
     """Return the ctypes form of a kernel's signature."""
     pointer, count = ctypes.c_void_p, ctypes.c_int64
-    return ctypes.CFUNCTYPE(None, *[pointer] * 6, *[count] * 3)
+    return ctypes.CFUNCTYPE(None, *[pointer] * 6, *[count] * 4)

@@ -82,6 +82,7 @@ class Kernel:
         parameters: Mapping[str, ArrayLike] | None = None,
         state: Mapping[str, ArrayLike] | None = None,
         every: int = 1,
+        turns: int | None = None,
     ) -> Job:
         """Lay out a run in memory.
 
@@ -96,12 +97,16 @@ class Kernel:
             number of a delay ring, of the state or of a loop, is its whole initial content.
         every : int
             Outputs are stored in samples 0, every, 2·every, …
+        turns : int, optional
+            Of the adjustable loops of the program, if not those that they have.
 
         Raises
         ------
         InputError
-            An unknown name, a shape that does not fit, or no sample at all.
+            An unknown name, a shape that does not fit, no sample or no turn at all.
         """
+        turns = _turns(self.program) if turns is None else turns
+        self._check("turns", turns, "leave it out")
         self._check("samples", samples, "ask for a longer run")
         self._check("every", every, "store every sample, or every second, third, …")
         inputs, parameters, state = inputs or {}, parameters or {}, state or {}
@@ -114,6 +119,7 @@ class Kernel:
             scenarios=scenarios,
             lanes=lanes,
             every=every,
+            turns=turns,
             initial=layout.state(state, scenarios, lanes),
             parameters=layout.parameters(parameters, scenarios, lanes),
             shared=layout.shared(inputs, samples),
@@ -128,6 +134,7 @@ class Kernel:
         parameters: Mapping[str, ArrayLike] | None = None,
         state: Mapping[str, ArrayLike] | None = None,
         every: int = 1,
+        turns: int | None = None,
         threads: int | None = None,
     ) -> Trajectories:
         """Run all scenarios from their initial state; arguments as in `prepare`.
@@ -139,7 +146,9 @@ class Kernel:
         """
         threads = available_threads() if threads is None else threads
         self._check("threads", threads, "leave it out")
-        job = self.prepare(samples, inputs=inputs, parameters=parameters, state=state, every=every)
+        job = self.prepare(
+            samples, inputs=inputs, parameters=parameters, state=state, every=every, turns=turns
+        )
         return job.run(threads)
 
     def _check(self, name: str, value: int, remedy: str) -> None:
@@ -175,6 +184,12 @@ def _batch_lanes(program: Program) -> int:
     return host().lanes * (2 if _always_computed(program.block) < _LARGE_PROGRAM else 1)
 
 
+def _turns(program: Program) -> int:
+    """Return the turns of the adjustable loops; one where there is no such loop."""
+    loops = (statement for statement in program.block.statements if isinstance(statement, Loop))
+    return next((loop.count for loop in loops if loop.adjustable), 1)
+
+
 def _always_computed(block: Block) -> int:
     return sum(
         _always_computed(statement.body) if isinstance(statement, Loop) else 1
@@ -190,7 +205,7 @@ class Job:
     Parameters
     ----------
     kernel : Kernel
-    samples, scenarios, lanes, every : int
+    samples, scenarios, lanes, every, turns : int
     initial : ndarray [groups, n + r, lanes]
         The state, then the rings of loops.
     parameters : ndarray [groups, p, lanes]
@@ -203,6 +218,7 @@ class Job:
     scenarios: int
     lanes: int
     every: int
+    turns: int
     initial: Array
     parameters: Array
     shared: Array
@@ -229,6 +245,7 @@ class Job:
                 stop - start,
                 self.samples,
                 self.every,
+                self.turns,
             )
 
         in_threads(part, groups, threads, cost=self.samples)

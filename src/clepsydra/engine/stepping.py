@@ -84,7 +84,7 @@ class SteppedKernel:
             job.shared[0, self._columns[name]] = value
         record = np.empty((1, 1, len(self._names), 1))
         addresses = (a.ctypes.data for a in (job.shared, job.individual, record, rings))
-        self._call(state.ctypes.data, job.parameters.ctypes.data, *addresses, 1, 1, 1)
+        self._call(state.ctypes.data, job.parameters.ctypes.data, *addresses, 1, 1, 1, job.turns)
         return dict(zip(self._names, record.ravel().tolist(), strict=True))
 
 

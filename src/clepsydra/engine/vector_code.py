@@ -45,12 +45,14 @@ def vector_code(program: Program, form: KernelForm) -> str:
 
         void clepsydra_kernel(double *state, const double *parameters, const double *shared,
                               const double *individual, double *record, double *rings,
-                              int64_t groups, int64_t samples, int64_t every)
+                              int64_t groups, int64_t samples, int64_t every,
+                              int64_t turns)
 
     with the last index a lane: state [groups, n, lanes] is read and left at its final value,
     parameters [groups, p, lanes], shared inputs [samples, s], individual inputs
     [groups, samples, i, lanes], record [groups, ceil(samples / every), q, lanes], rings
-    [groups, sum of lengths, lanes], first those of the state, then those of loops.
+    [groups, sum of lengths, lanes], first those of the state, then those of loops. `turns` are
+    those of adjustable loops.
 
     Statements that read only parameters and constants stand outside the time loop. A large
     program is printed as many functions, so that compiling takes time in proportion to its size.
@@ -89,7 +91,7 @@ class _KernelPrinter:
             f"ptr noalias %{name}"
             for name in ("state", "parameters", "shared", "individual", "record", "rings")
         )
-        counts = ", ".join(f"i64 %{name}" for name in ("groups", "samples", "every"))
+        counts = ", ".join(f"i64 %{name}" for name in ("groups", "samples", "every", "turns"))
         return "\n".join(
             [
                 *text.globals,

@@ -279,7 +279,7 @@ def _length(statement: Statement) -> int:
 
 
 def _stands_between(statement: Statement, length: int) -> bool:
-    """Whether a statement has no room in a part, or reaches for the kernel's rings."""
-    if isinstance(statement, Operation):
-        return False
-    return length > LARGEST_PART or (isinstance(statement, Loop) and bool(statement.rings))
+    """Whether a statement has no room in a part, or reaches for the kernel's rings or turns."""
+    if isinstance(statement, Loop) and (statement.rings or statement.adjustable):
+        return True
+    return length > LARGEST_PART

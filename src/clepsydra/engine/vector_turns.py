@@ -68,6 +68,7 @@ class TurnPrinter:
         for number in self._numbers:
             self._rings.advance(number, f"%ring{number}.turn")
         text.line(f"%{label}.next = add i64 %{label}.i, 1")
-        text.line(f"%{label}.more = icmp slt i64 %{label}.next, {self._loop.count}")
+        turns = "%turns" if self._loop.adjustable else self._loop.count
+        text.line(f"%{label}.more = icmp slt i64 %{label}.next, {turns}")
         text.line(f"br i1 %{label}.more, label %{label}, label %{label}.done")
         text.begin(f"{label}.done")

@@ -31,6 +31,7 @@ def closed_loop(
     running_scores: bool = False,
     scores: RunningScores | None = None,
     statuses: bool = False,
+    adjustable: bool = False,
 ) -> Program:
     """Join a process and a controller to the program of one sampling period.
 
@@ -59,6 +60,8 @@ def closed_loop(
     statuses : bool
         Check each integration step and keep a status of the scenario, see
         `clepsydra.loop.lane_status`.
+    adjustable : bool
+        Let each run say how many steps it takes, see `clepsydra.loop.motion_block`.
 
     Returns
     -------
@@ -92,7 +95,15 @@ def closed_loop(
     check_substeps(substeps, process)
     given = dict(constant or {})
     _check_constant(given, process, controller)
-    return _Join(process, controller, given, substeps, running_scores, scores, statuses).program()
+    motion = MotionBlock(
+        process.motion,
+        process.sampling_period,
+        substeps,
+        tuple(process.spilt.values()),
+        process if statuses else None,
+        adjustable,
+    )
+    return _Join(process, controller, given, motion, running_scores, scores).program()
 
 
 def check_signals(controller: Controller, process: Process) -> None:
@@ -221,12 +232,11 @@ class _Join:
         process: Process,
         controller: Controller,
         constant: dict[str, float],
-        substeps: int,
+        motion: MotionBlock,
         running_scores: bool,
         scores: RunningScores | None,
-        statuses: bool,
     ) -> None:
-        self.process, self.controller, self.substeps = process, controller, substeps
+        self.process, self.controller, self.motion = process, controller, motion
         law = controller.law
         self.scored = process.controlled if running_scores else ()
         measured = [process.signal(name) for name in self.scored]
@@ -239,13 +249,6 @@ class _Join:
         told = self.scores.inputs if self.scores.names else ()
         every = (*loop_inputs(process), *free_inputs(controller), *told)
         self.inputs = tuple(s for s in every if s.name not in constant)
-        self.motion = MotionBlock(
-            process.motion,
-            process.sampling_period,
-            substeps,
-            tuple(process.spilt.values()),
-            process if statuses else None,
-        )
         self.state = (
             *self.motion.state,
             *(_renamed(entry) for entry in law.state),
@@ -255,6 +258,7 @@ class _Join:
         self.parameters = (
             *process.parameters,
             *(replace(p, name=controller_name(p.name)) for p in law.parameters),
+            *motion.parameters,
         )
         names = [s.name for s in (*self.state, *self.inputs, *self.parameters)]
         self.builder = BlockBuilder(len(names))
@@ -286,7 +290,8 @@ class _Join:
         value |= {each.name: next_law[place[each.state]] for each in inner}
         moved = [value[u.name] for u in process.inputs]
         disturbed = [value[d.name] for d in process.disturbances]
-        next_state = self.motion.move(builder, moving, [*moved, *disturbed, *parameters])
+        told = [value[p.name] for p in self.motion.parameters]
+        next_state = self.motion.move(builder, moving, [*moved, *disturbed, *parameters, *told])
         readings = {y.name: v for y, v in zip(process.measurements, true, strict=True)}
         recorded = (
             *process.state,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +25,7 @@ from clepsydra.loop.closed_loop import (
     loop_inputs,
 )
 from clepsydra.loop.inner_setpoints import inner_setpoints
-from clepsydra.loop.motion_block import motion_at_rest, recorded_signals
+from clepsydra.loop.motion_block import motion_at_rest, recorded_signals, step_told
 from clepsydra.loop.python_loop import naming_sample, python_loop
 from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.refinement import LARGEST_REFINEMENT, TOLERANCE, refined
@@ -116,7 +117,9 @@ class Loop:
         check_substeps(count, self.process)
         if solver == "reference":
             return self._collect(scenario, self._by_reference(scenario, count), substeps=0)
-        return self._collect(scenario, self._by_kernel(scenario, count), substeps=count)
+        if isinstance(self.controller.law, PythonLaw):
+            return self._collect(scenario, python_loop(self, scenario, count), substeps=count)
+        return self._by_kernel(scenario, self._kernel(scenario, count), count, {})
 
     def run_checked(self, scenario: Scenario, largest: int = LARGEST_REFINEMENT) -> Run:
         """Simulate, estimate the error by halving the step, and refine until it is small.
@@ -127,13 +130,18 @@ class Loop:
         smallest step is returned.
         """
         run, estimate = refined(
-            self.process,
-            lambda count: self.run(scenario, substeps=count),
-            self.substeps,
-            TOLERANCE,
-            largest,
+            self.process, self._refinable(scenario), self.substeps, TOLERANCE, largest
         )
         return replace(run, error_estimate=estimate)
+
+    def _refinable(self, scenario: Scenario) -> Callable[[int], Run]:
+        """Return steps in a sampling period → run; one kernel makes them all where it can."""
+        if isinstance(self.controller.law, PythonLaw) or self.process.motion.delays:
+            return lambda count: self.run(scenario, substeps=count)
+        self.check(scenario)
+        kernel = self._kernel(scenario, self.substeps, adjustable=True)
+        period = self.process.sampling_period
+        return lambda count: self._by_kernel(scenario, kernel, count, step_told(period, count))
 
     def check(self, scenario: Scenario) -> None:
         """Refuse a scenario that is none of this process, see `run`."""
@@ -167,19 +175,28 @@ class Loop:
             **{f"{y.name}.noise": scenario.noise[:, i] for i, y in enumerate(process.measurements)},
         }
 
-    def _by_kernel(self, scenario: Scenario, substeps: int) -> dict[str, np.ndarray]:
-        if isinstance(self.controller.law, PythonLaw):
-            return python_loop(self, scenario, substeps)
+    def _kernel(self, scenario: Scenario, substeps: int, *, adjustable: bool = False) -> Kernel:
         given = self.inputs_of(scenario)
         constant = {k: v for k, v in self.at_rest().items() if k not in given}
-        program = closed_loop(self.process, self.controller, substeps=substeps, constant=constant)
-        result = Kernel(program).run(
+        return Kernel(
+            closed_loop(
+                self.process, self.controller, substeps=substeps, constant=constant,
+                adjustable=adjustable,
+            )
+        )  # fmt: skip
+
+    def _by_kernel(
+        self, scenario: Scenario, kernel: Kernel, substeps: int, told: dict[str, float]
+    ) -> Run:
+        result = kernel.run(
             scenario.samples,
-            inputs=given,
+            inputs=self.inputs_of(scenario),
             state=self.initial_state(),
-            parameters=self.law_parameters(),
+            parameters=self.law_parameters() | told,
+            turns=substeps,
         )
-        return {signal.name: result.output(signal.name)[0] for signal in program.outputs}
+        computed = {signal.name: result.output(signal.name)[0] for signal in kernel.program.outputs}
+        return self._collect(scenario, computed, substeps=substeps)
 
     def initial_state(self) -> dict[str, float]:
         """Return the initial state of the closed loop by name: everything at rest."""

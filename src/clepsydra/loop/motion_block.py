@@ -22,6 +22,8 @@ from clepsydra.program.reader import inline
 
 #: Number of integration steps since the start of a run, which dates the events.
 CLOCK = "clock.steps"
+#: Parameter of a program whose number of integration steps each run is told.
+STEP_LENGTH = Signal("integration.step_length", "s")
 #: What a ring keeps of a delayed quantity for each integration step.
 RING_PARTS = ("start", "mean", "end")
 
@@ -42,6 +44,9 @@ class MotionBlock:
     watched : Process or None
         The process, where each step is to be checked for a status, see
         `clepsydra.loop.lane_status`.
+    adjustable : bool
+        Whether each run is told how many turns the loop of steps makes, and as a parameter how
+        long a step then is. Not where there is a delay, whose rings are as long as it has steps.
 
     Examples
     --------
@@ -56,6 +61,7 @@ class MotionBlock:
     substeps: int
     totals: tuple[str, ...] = ()
     watched: Process | None = None
+    adjustable: bool = False
 
     @property
     def step_length(self) -> float:
@@ -81,6 +87,11 @@ class MotionBlock:
         )
 
     @property
+    def parameters(self) -> tuple[Signal, ...]:
+        """What a run is told beside the parameters of the process."""
+        return (STEP_LENGTH,) if self.adjustable else ()
+
+    @property
     def rings(self) -> tuple[DelayRing, ...]:
         """Start, mean and end of every delayed quantity, kept for its time."""
         return tuple(
@@ -103,9 +114,9 @@ class MotionBlock:
         state : sequence of int
             Values of `state`.
         outside : sequence of int
-            Values of inputs, disturbances and parameters, held over the period.
+            Values of inputs, disturbances, parameters and `parameters`, held over the period.
         """
-        if self.substeps == 1 and not self.motion.delays:
+        if self.substeps == 1 and not self.motion.delays and not self.adjustable:
             return tuple(self._step(builder, list(state), [], list(outside))[0])
         size, rings = len(self.state), len(self.rings)
         inner = BlockBuilder(size + rings + len(outside))
@@ -117,8 +128,9 @@ class MotionBlock:
         )
         body = inner.finish([*following, *written])
         return builder.loop(
-            "integration", body, self.substeps, (), state, outside, rings=self.rings
-        )
+            "integration", body, self.substeps, (), state, outside, self.rings,
+            adjustable=self.adjustable,
+        )  # fmt: skip
 
     def _step(
         self, builder: BlockBuilder, state: list[int], ring: list[int], outside: list[int]
@@ -133,7 +145,9 @@ class MotionBlock:
         flags = len(STATUS_SIGNALS) if self.watched else 0
         dates = state[integrated + memories : len(state) - flags]
         status = state[len(state) - flags :]
-        h, zero, one = (builder.constant(v) for v in (self.step_length, 0.0, 1.0))
+        invariants = [*ring, *outside]
+        h, outside = self._held(builder, outside)
+        zero, one = builder.constant(0.0), builder.constant(1.0)
         after = inline(
             builder, step.advance, [h, zero, one, *integral, *ring, *m, *outside], fused=True
         )
@@ -149,7 +163,7 @@ class MotionBlock:
                 fires = builder.operation("less_equal", zero, guard)
                 happens = builder.operation("or", happens, fires)
             carried = [*after, *count, *time, *m, *too_long]
-            invariants = [clock, *integral, *ring, *outside]
+            invariants = [clock, *integral, *invariants]
             body = self._located(step, check, len(carried), len(invariants))
             changed = builder.conditional("event", happens, body, carried, invariants)
             after = list(changed[: step.size])
@@ -176,6 +190,12 @@ class MotionBlock:
             )
         return [*after[:integrated], *following, *dates, *status], written
 
+    def _held(self, builder: BlockBuilder, outside: list[int]) -> tuple[int, list[int]]:
+        """Return the length of a step, and what else is held."""
+        if self.adjustable:
+            return outside[-1], outside[:-1]
+        return builder.constant(self.step_length), outside
+
     def _located(
         self, step: MotionStep, check: ca.Function | None, carried: int, invariants: int
     ) -> Block:
@@ -188,10 +208,19 @@ class MotionBlock:
         clock, *rest = range(carried, carried + invariants)
         integral, rest = rest[: step.size], rest[step.size :]
         ring, outside = rest[: step.ring.numel()], rest[step.ring.numel() :]
-        h = inner.constant(self.step_length)
+        h, outside = self._held(inner, outside)
         now = inner.operation("multiply", clock, h)
         arguments = [h, now, *integral, *ring, *count, *time, *m, *outside]
         return inner.finish(inline(inner, located_step(step, check), arguments, fused=True))
+
+
+def step_told(period: float, substeps: int) -> dict[str, float]:
+    """Return the parameter by which a run is told how long a step is.
+
+    >>> step_told(1.0, 4)
+    {'integration.step_length': 0.25}
+    """
+    return {STEP_LENGTH.name: period / substeps}
 
 
 def motion_at_rest(point: OperatingPoint) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,12 @@ from clepsydra.engine.kernel import Kernel
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.balance import Balance, balances
 from clepsydra.loop.happenings import Happening, happenings
-from clepsydra.loop.motion_block import MotionBlock, motion_at_rest, recorded_signals
+from clepsydra.loop.motion_block import (
+    MotionBlock,
+    motion_at_rest,
+    recorded_signals,
+    step_told,
+)
 from clepsydra.loop.process_period import process_period
 from clepsydra.loop.reference_motion import ReferenceMotion
 from clepsydra.loop.solver import Solver, check_solver
@@ -119,8 +124,29 @@ def simulate(
     """
     check_solver(solver)
     check_substeps(substeps, point.process)
-    run = _OpenLoop(point, profiles, substeps, state or {})
-    return run.by_reference() if solver == "reference" else run.by_kernel()
+    run = _OpenLoop(point, profiles, state or {})
+    return run.by_reference(substeps) if solver == "reference" else run.by_kernel(substeps)
+
+
+def simulations(
+    point: OperatingPoint, profiles: Mapping[str, np.ndarray], state: Mapping[str, float]
+) -> Callable[[int], Simulation]:
+    """Return steps in a sampling period → what `simulate` returns, by one kernel where it can.
+
+    Examples
+    --------
+    >>> from clepsydra.linear.equilibrium import find_equilibrium
+    >>> from clepsydra.process.reader import load_process
+    >>> point = find_equilibrium(load_process("quadruple-tank"))
+    >>> runs = simulations(point, {"pump_1": np.full(600, 3.2)}, {})
+    >>> round(100 * float(runs(1).values["tank_1.level"][-1]), 3), runs(2).substeps
+    (13.323, 2)
+    """
+    run = _OpenLoop(point, profiles, state)
+    if point.process.motion.delays:
+        return run.by_kernel
+    kernel = run.kernel(1, adjustable=True)
+    return lambda substeps: run.moved(kernel, substeps, step_told(run.period, substeps))
 
 
 class _OpenLoop:
@@ -128,10 +154,9 @@ class _OpenLoop:
         self,
         point: OperatingPoint,
         profiles: Mapping[str, np.ndarray],
-        substeps: int,
         state: Mapping[str, float],
     ) -> None:
-        self.point, self.process, self.substeps = point, point.process, substeps
+        self.point, self.process = point, point.process
         process = self.process
         self.outside = (*process.inputs, *process.disturbances)
         self._check(profiles, state)
@@ -143,10 +168,8 @@ class _OpenLoop:
             )
             for signal in self.outside
         }
-        totals = tuple(signal.name for signal in process.motion.totals)
-        self.motion = MotionBlock(process.motion, process.sampling_period, substeps, totals)
-        states = {signal.name for signal in process.state}
-        self.recorded = tuple(s for s in self.motion.state if s.name not in states)
+        self.period = process.sampling_period
+        self.totals = tuple(signal.name for signal in process.motion.totals)
         self.start = point.state.copy()
         for place, signal in enumerate(process.state):
             self.start[place] = state.get(signal.name, self.start[place])
@@ -154,22 +177,37 @@ class _OpenLoop:
             process.motion.to_contents(self.start, process.parameter_values)
         ).ravel()
 
-    def by_kernel(self) -> Simulation:
-        process, rest = self.process, motion_at_rest(self.point)
-        contents = {
-            s.name: float(v) for s, v in zip(process.motion.contents, self.contents, strict=True)
-        }
-        kernel = Kernel(process_period(process, self.motion, self.recorded, shown="start"))
-        given = {name: np.append(values, values[-1]) for name, values in self.profiles.items()}
-        result = kernel.run(self.samples + 1, inputs=given, state=rest | contents)
-        values = {s.name: result.output(s.name)[0] for s in kernel.program.outputs}
-        return self._collect(values, self.substeps)
-
-    def by_reference(self) -> Simulation:
+    def kernel(self, substeps: int, *, adjustable: bool = False) -> Kernel:
         process = self.process
-        motion = ReferenceMotion(
-            self.point, self.substeps, self.motion.totals, contents=self.contents
+        motion = MotionBlock(
+            process.motion, self.period, substeps, self.totals, adjustable=adjustable
         )
+        states = {signal.name for signal in process.state}
+        recorded = tuple(s for s in motion.state if s.name not in states)
+        return Kernel(process_period(process, motion, recorded, shown="start"))
+
+    def by_kernel(self, substeps: int) -> Simulation:
+        return self.moved(self.kernel(substeps), substeps, {})
+
+    def moved(self, kernel: Kernel, substeps: int, told: dict[str, float]) -> Simulation:
+        """Return the run by a kernel that is told about its steps, or knows them."""
+        contents = {
+            s.name: float(v)
+            for s, v in zip(self.process.motion.contents, self.contents, strict=True)
+        }
+        result = kernel.run(
+            self.samples + 1,
+            inputs={name: np.append(values, values[-1]) for name, values in self.profiles.items()},
+            state=motion_at_rest(self.point) | contents,
+            parameters=told,
+            turns=substeps,
+        )
+        values = {s.name: result.output(s.name)[0] for s in kernel.program.outputs}
+        return self._collect(values, substeps)
+
+    def by_reference(self, substeps: int) -> Simulation:
+        process = self.process
+        motion = ReferenceMotion(self.point, substeps, self.totals, contents=self.contents)
         rows = []
         moved = self._columns(process.inputs)
         disturbed = self._columns(process.disturbances)

@@ -19,12 +19,12 @@ from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import time_constants
 from clepsydra.loop.duration import pretty_duration, read_duration, samples_before
-from clepsydra.loop.open_loop import Simulation, simulate
+from clepsydra.loop.open_loop import Simulation, simulate, simulations
 from clepsydra.loop.profile import Change, check_range, profiles_of
 from clepsydra.loop.refinement import TOLERANCE as TOLERANCE
 from clepsydra.loop.refinement import refined
 from clepsydra.loop.residence_times import residence_times
-from clepsydra.loop.solver import Solver
+from clepsydra.loop.solver import Solver, check_solver
 from clepsydra.loop.step_size import substeps_for
 from clepsydra.process.process import Process
 
@@ -110,13 +110,12 @@ class Plan:
         before = {signal.name: at[signal.name] for signal in outside}
         profiles = profiles_of(self.changes, before, period, self.samples)
 
-        def simulated(substeps: int) -> Simulation:
-            return simulate(
-                self.point, profiles, substeps=substeps, state=self.state, solver=solver
-            )
-
+        check_solver(solver)
         if solver == "reference":
-            return simulated(self.substeps).until_end()
+            return simulate(
+                self.point, profiles, substeps=self.substeps, state=self.state, solver=solver
+            ).until_end()
+        simulated = simulations(self.point, profiles, self.state)
         run, estimate = refined(self.process, simulated, self.substeps, TOLERANCE)
         return replace(run, error_estimate=estimate).until_end()
 

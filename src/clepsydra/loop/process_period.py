@@ -47,7 +47,8 @@ def process_period(
     ['tank_4.level', 'level_1']
     """
     state, outside = motion.state, (*process.inputs, *process.disturbances)
-    names = [s.name for s in (*state, *outside, *process.parameters)]
+    told = (*process.parameters, *motion.parameters)
+    names = [s.name for s in (*state, *outside, *told)]
     builder = BlockBuilder(len(names))
     value = {name: index for index, name in enumerate(names)}
     parameters = [value[p.name] for p in process.parameters]
@@ -61,13 +62,13 @@ def process_period(
         return [*states, *measured, *(by_name[s.name] for s in recorded)]
 
     results = outputs(before) if shown == "start" else []
-    after = motion.move(builder, before, [*(value[s.name] for s in outside), *parameters])
+    after = motion.move(builder, before, [value[s.name] for s in (*outside, *told)])
     block = builder.finish([*after, *(results or outputs(after))])
     return Program(
         f"{process.name}, open loop",
         state,
         outside,
-        process.parameters,
+        told,
         (*process.state, *process.measurements, *recorded),
         block,
     )

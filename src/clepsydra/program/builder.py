@@ -100,13 +100,15 @@ class BlockBuilder:
         carried: Sequence[int],
         invariants: Sequence[int],
         rings: Sequence[DelayRing] = (),
+        *,
+        adjustable: bool = False,
     ) -> tuple[int, ...]:
-        """Return the carried values after `count` turns of a body, which may have rings."""
+        """Return the carried values after `count` turns of a body, see `Loop`."""
         start, held = self._numbers(carried), self._numbers(invariants)
         targets = self._targets(len(start))
         rows = tuple(tuple(float(entry) for entry in table) for table in tables)
         self._statements.append(
-            Loop(targets, count, body, rows, start, held, name, rings=tuple(rings))
+            Loop(targets, count, body, rows, start, held, name, tuple(rings), adjustable)
         )
         return targets
 

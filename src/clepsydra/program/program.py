@@ -73,6 +73,9 @@ class Loop:
     written n turns before, in this sample or an earlier one. Such a loop stands in the block
     of a program, not inside another loop or a conditional, so that it runs in every sample.
 
+    An adjustable loop has neither rings nor tables and stands in the block of a program too. A
+    kernel may be told another number of turns for a run; everything else takes `count`.
+
     Parameters
     ----------
     targets : tuple of int
@@ -85,11 +88,12 @@ class Loop:
         Values outside the loop.
     name : str
     rings : tuple of DelayRing
+    adjustable : bool
 
     Raises
     ------
     ValueError
-        A loop in the body has rings.
+        A loop in the body has rings or is adjustable, or this one is and has rings or tables.
 
     Examples
     --------
@@ -109,9 +113,12 @@ class Loop:
     invariants: tuple[int, ...]
     name: str
     rings: tuple[DelayRing, ...] = ()
+    adjustable: bool = False
 
     def __post_init__(self) -> None:
-        _refuse_rings(self.name, self.body)
+        if self.adjustable and (self.rings or self.tables):
+            raise ValueError(f"{self.name}: the length of rings and tables fixes its turns")
+        _refuse_outermost(self.name, self.body)
 
 
 @dataclass(frozen=True)
@@ -136,7 +143,7 @@ class Conditional:
     Raises
     ------
     ValueError
-        A loop in the body has rings.
+        A loop in the body has rings or is adjustable.
 
     Examples
     --------
@@ -156,7 +163,7 @@ class Conditional:
     name: str
 
     def __post_init__(self) -> None:
-        _refuse_rings(self.name, self.body)
+        _refuse_outermost(self.name, self.body)
 
 
 Statement = Operation | Loop | Conditional
@@ -244,11 +251,12 @@ def written_by(statement: Statement) -> tuple[int, ...]:
     return (statement.target,) if isinstance(statement, Operation) else statement.targets
 
 
-def _refuse_rings(name: str, body: Block) -> None:
+def _refuse_outermost(name: str, body: Block) -> None:
     for statement in body.statements:
-        if isinstance(statement, Loop) and statement.rings:
+        if isinstance(statement, Loop) and (statement.rings or statement.adjustable):
+            has = "has rings" if statement.rings else "is adjustable"
             raise ValueError(
-                f"{name}: the loop {statement.name} has rings, so it must stand in the block of "
+                f"{name}: the loop {statement.name} {has}, so it must stand in the block of "
                 "a program"
             )
 
