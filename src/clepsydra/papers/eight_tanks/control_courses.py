@@ -24,7 +24,8 @@ from clepsydra.papers.row import Row
 from clepsydra.scores.step_response import rise_time
 
 _HORIZON = 160  # [min], ours
-_COUNTED = " A swing is a turn by more than 2 % of the final value."
+_COUNTED = " A swing is a turn by more than 2 % of the final value, in 240 min."
+_VARIED = " The variation is that after the first move."
 
 
 def run() -> Findings:
@@ -117,11 +118,16 @@ def _trend(
         found.append(f"{measure.what} {shown} {measure.unit}".strip())
     settings = "; ".join(choice.label for choice in choices)
     words = _COUNTED if any("swings" in each.what for each in measures) else ""
+    if _VARIATION in measures:
+        words += _VARIED
     if _RISE in measures:
         words = " From the samples, one a minute, joined by lines."
     if _SPEED in measures:
         moves = ", ".join(f"{_largest_move(_run(choice)):.3g}" for choice in choices)
-        words = f" The first move is the largest in a minute too, {moves} m³/min/m."
+        words = (
+            " Slower is read as: its first move is a smaller share of its largest value. That move "
+            f"is the largest in a minute too, {moves} m³/min/m."
+        )
     return claimed(
         place, name, claim, holds, "; ".join(found),
         reason="After a step of the setpoint, the predictor with (21) on (8), which section 2 "
@@ -137,8 +143,8 @@ def _amplitude() -> Row:
         "the amplitude of the controller output decreases",
         all(a > b for a, b in pairwise(peaks)),
         ", ".join(f"{peak:.3f}" for peak in peaks), "m³/min/m",
-        reason="Largest change of the inflow per metre of setpoint, on (8), for q_u = 1, 5, 10 and "
-        "100 of Figs. 10, 11, 8 and 12.",
+        reason="Largest distance of the inflow from its first rest, per metre of setpoint, on (8), "
+        "for q_u = 1, 5, 10 and 100 of Figs. 10, 11, 8 and 12.",
     )  # fmt: skip
 
 

@@ -126,8 +126,9 @@ def _criterion() -> list[Row]:
             "(26)", "the criterion that is minimised", "a sum up to infinity",
             f"J grows by {added:.2f} in every further sample",
             reason=(
-                "With w = 1 the inflow stays at w / K_g, so that every sample adds q_u u² for ever "
-                "(here with q_u = 10): J is infinite. Only its factorisation (27) is used."
+                "With w = 1 the inflow stays at 1/3.067, by the gain of (21), so that every sample "
+                "adds q_u u² for ever (here with q_u = 10): J is infinite. Only its factorisation "
+                "(27) is used."
             ),
         )
     ]  # fmt: skip
@@ -156,7 +157,9 @@ def _factor() -> list[Row]:
     }
     rows = [
         claimed(
-            "(27), (28)", "degree of the spectral factor", "two parameters d1 and d2",
+            "(27), (28)", "degree of the spectral factor",
+            "using spectral factorization of the second-order model, only two parameters d1 and d2 "
+            "can be computed",
             all(len(factor.coefficients) == 3 for factor in factors.values()),
             "; ".join(
                 f"q_u = {choice.penalty:g}: d1 = {factor.coefficients[1]:.6f}, d2 = "

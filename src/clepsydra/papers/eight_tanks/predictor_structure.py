@@ -16,6 +16,7 @@ from clepsydra.designs.polynomial.two_degree_of_freedom import (
 from clepsydra.papers.comparison import claimed, remark
 from clepsydra.papers.eight_tanks.polynomials import controller as primary
 from clepsydra.papers.eight_tanks.six_designs import (
+    FINAL_INFLOW,
     POLES,
     SIX,
     printed_model,
@@ -95,9 +96,8 @@ def _second_order() -> list[Row]:
     runs = [step_run(penalty, ()) for penalty in _SECOND_ORDER]
     third_of = POLES[2]
     third = step_run(third_of.penalty, (third_of.pole,))
-    final = float(runs[0].inflow[-1])
-    variation = ", ".join(f"{run.total_variation / final:.1f}" for run in runs)
-    large = min(turns(run.inflow, 0.1 * final) for run in runs)
+    variation = ", ".join(f"{run.total_variation / FINAL_INFLOW:.1f}" for run in runs)
+    large = min(turns(run.inflow, 0.1 * FINAL_INFLOW) for run in runs)
     alone = ", ".join(str(_turns_on_the_model(penalty)) for penalty in _SECOND_ORDER)
     left = {choice: step_run(choice.penalty, (choice.pole,)).swings for choice in POLES[:2]}
     return [
@@ -111,8 +111,8 @@ def _second_order() -> list[Row]:
                 "It holds where the controller that was designed by (21) acts on the chain (8), "
                 "which section 2 takes for simulation, and fails on (21) itself, which the "
                 "sentence names: there u is r0 A/D w. Turns of the inflow by more than 2 % of its "
-                f"final value in 240 min after a step, with B(1); on (8) there are {large} or more "
-                "of more than 10 %, and its total variation after the first move is "
+                f"final value in {_SAMPLES} min after a step, with B(1); on (8) there are {large} "
+                "or more of more than 10 %, and its total variation after the first move is "
                 f"{variation} times its final value."
             ),
         ),
@@ -142,7 +142,7 @@ def _turns_on_the_model(penalty: float, poles: tuple[float, ...] = ()) -> int:
     D = assigned(spectral_factor(tuple(model.A), tuple(model.B), penalty), poles)
     r0 = D.at_one / float(np.sum(model.B))
     inflow = lfilter(r0 * model.A, D.coefficients, np.ones(_SAMPLES))
-    return turns(inflow, 0.02 * float(inflow[-1]))
+    return turns(inflow, 0.02 / model.static_gain)
 
 
 def _other_plants() -> list[Row]:

@@ -208,7 +208,7 @@ def _quality() -> list[Row]:
                 f"Settled to 2 %. The predictor with {_predictor_words()}, slowed down until "
                 "max|S| is 2; AMIGO's PID with Ti 12 % longer, Td 5 % shorter, and a gain of "
                 f"max|S| {_TUNED_PEAK:g}: {_pid_words()}. A PI controller in the predictor takes "
-                f"{_minutes(with_pi)} min."
+                f"{_minutes(with_pi)} min at max|S| {with_pi.peak:.2f}."
             ),
         ),
     ]  # fmt: skip
