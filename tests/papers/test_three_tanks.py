@@ -192,9 +192,23 @@ def test_the_vector_gain_margin_where_one_level_is_cut(rows):
     ):
         parts = loop.gain[0][:, None] * levels
         others = 1.0 + parts.sum(axis=0) - parts
-        peaks = np.abs(others / (1.0 + parts.sum(axis=0))).max(axis=1)
-        shown = ", ".join(f"{20.0 * np.log10(peak):.2f}" for peak in peaks)
+        sensitivity = others / (1.0 + parts.sum(axis=0))
+        shown = ", ".join(
+            f"{20.0 * np.log10(peak):.2f}" for peak in np.abs(sensitivity).max(axis=1)
+        )
         assert f"{shown} dB at levels 1 to 3" in rows[key].reason
+        # Where L = 1/S - 1 is on the negative real axis.
+        value = 1.0 / sensitivity - 1.0
+        crossed = (np.diff(np.sign(value.imag)) != 0) & (value.real[:, 1:] < 0.0)
+        sizes = [
+            20.0 * np.log10(np.abs(s[1:][c])) for s, c in zip(sensitivity, crossed, strict=True)
+        ]
+        assert [len(each) for each in sizes] == [1, 1, 1]
+        shown = ", ".join(f"{each[0]:.1f}" for each in sizes)
+        assert f"at one frequency each, it is {shown} dB." in rows[key].reason
+        assert (
+            f"{max(sizes)[0]:.2f}" in rows["stability analysis", "VGM of both controllers"].reason
+        )
 
 
 def test_each_unit_of_table_1_is_judged_by_rates_that_it_moves(rows):

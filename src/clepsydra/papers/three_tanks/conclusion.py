@@ -88,13 +88,13 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
             "conclusion", "desired specifications",
             "the time domain specifications are close to the desired specifications with FSFB "
             "controller than with conventional other controllers",
-            _excess(best) < min(map(_excess, others)),
+            _keeps(best) == (True, True) and all(_keeps(each) == (False, False) for each in others),
             f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s; "
             + "; ".join(f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
                         for name, each in zip(names, others, strict=True)),
             reason="An overshoot of less than 3 % and 0.2 s are desired; settling to within 2 %. "
-            f"{with_pid} LQC on (2) too. With the other poles of Table 2 FSFB overshoots by "
-            f"{slower} %.",
+            f"FSFB keeps both, each of the others neither. {with_pid} LQC on (2) too. With the "
+            f"other poles of Table 2 FSFB overshoots by {slower} %.",
         ),
         claimed(
             "conclusion", "settling time, ISE and IAE",
@@ -121,9 +121,9 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
     ]  # fmt: skip
 
 
-def _excess(response: Response) -> float:
-    """Return by how much a response misses what is desired, as a share of it."""
-    return max(response.overshoot / OVERSHOOT - 1.0, response.settling / SETTLING - 1.0, 0.0)
+def _keeps(response: Response) -> tuple[bool, bool]:
+    """Return whether overshoot and settling time are as desired."""
+    return response.overshoot < OVERSHOOT, response.settling <= SETTLING
 
 
 def _of_feedback(loop: FeedbackLoop, end: float) -> Response:

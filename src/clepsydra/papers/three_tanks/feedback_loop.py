@@ -69,40 +69,51 @@ class FeedbackLoop:
     @cached_property
     def vector_gain_margins_at_levels(self) -> list[float]:
         """20 log10 max\\|S\\| with the loop opened at one level, closed at the others [dB]."""
-        found = []
-        for place in range(3):
-            opened = np.where(np.arange(3) == place, self.gain, 0.0)
-            A = self.model.A - self.model.B @ (self.gain - opened)
-            found.append(20.0 * math.log10(self._margins(A, opened).sensitivity.peak))
-        return found
+        return [
+            20.0 * math.log10(self._margins(A, gain).sensitivity.peak)
+            for A, gain in self._opened_at_levels()
+        ]
+
+    def _opened_at_levels(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Return A with the feedback of the other levels closed, and the gain of one, of each."""
+        alone = [np.where(np.arange(3) == place, self.gain, 0.0) for place in range(3)]
+        return [(self.model.A - self.model.B @ (self.gain - gain), gain) for gain in alone]
 
     @property
     def sensitivity_at_phase_crossings(self) -> list[float]:
-        """20 log10 \\|S\\| where the phase of L is -180° at the feed [dB].
+        """20 log10 \\|S\\| where the phase of L is -180° at the feed [dB]."""
+        return self._at_phase_crossings(self.model.A)
 
-        With S = O / C, open over closed polynomial, L is real where S is: a quadratic in ω².
-        """
+    @property
+    def sensitivity_at_phase_crossings_of_levels(self) -> list[float]:
+        """The same with the loop opened at one level, closed at the others [dB]."""
+        return [size for A, _ in self._opened_at_levels() for size in self._at_phase_crossings(A)]
+
+    def _at_phase_crossings(self, A: np.ndarray) -> list[float]:
+        """With S = O / C, open over closed polynomial, L is real where S is: a quadratic in ω²."""
         opened, closed = (
             [np.array([-each[1], each[3]]), np.array([-1.0, each[2]])]  # real part, imaginary / ω
-            for each in (np.poly(self.model.A), np.poly(self.closed))
+            for each in (np.poly(A), np.poly(self.closed))
         )
         crossed = np.polymul(opened[1], closed[0]) - np.polymul(opened[0], closed[1])
         squares = np.sort([root.real for root in np.roots(crossed) if abs(root.imag) < 1e-9])
         sizes = [np.polyval(opened[0], x) / np.polyval(closed[0], x) for x in squares if x > 0.0]
-        # L = 1/S - 1 is below zero where S is below zero or above one.
-        return [20.0 * math.log10(abs(size)) for size in sizes if not 0.0 <= size <= 1.0]
+        # L = 1/S - 1 is below zero where S is below zero or above one, rounding at ω → ∞ apart.
+        return [20.0 * math.log10(abs(size)) for size in sizes if not 0.0 <= size <= 1.0 + 1e-9]
 
     @property
     def words_on_its_vector_margin(self) -> str:
         """What it is at other places, and by (6), which takes \\|S\\| where the phase is -180°."""
         levels = ", ".join(f"{each:.2f}" for each in self.vector_gain_margins_at_levels)
         found = " and ".join(f"{size:.1f}" for size in self.sensitivity_at_phase_crossings)
+        others = ", ".join(f"{size:.1f}" for size in self.sensitivity_at_phase_crossings_of_levels)
         return (
             "Where the loop is opened is not said. 20 log10 max|S|, the document's S∞, with the "
             "gains that the exact constants of (2) give is "
             f"{self.vector_gain_margin:.2f} dB at the feed, as here, and {levels} dB at levels 1 "
             "to 3. By the (6) of the stability analysis, where the phase is -180° at the feed, at "
-            f"two frequencies, 20 log10|S| is {found} dB."
+            f"two frequencies, 20 log10|S| is {found} dB. At levels 1 to 3, at one frequency each, "
+            f"it is {others} dB."
         )
 
     @property

@@ -74,8 +74,9 @@ def _rest() -> list[Row]:
         compared(
             "Table 1", "q2s at 0.40 m in tank 3", "50", float(flows[2]), "cm³/s",
             unprinted="Table 1 prints 0.4 cm, which cannot be meant: (2) needs metres. Its levels, "
-            "read in metres, and its coefficients contradict each other, and nothing tells which "
-            f"is wrong: q12, q23 and q2 come out as {shown} cm³/s. C2 = {second:.4f} and "
+            "read in metres, and its coefficients contradict each other, since flows in series are "
+            f"one flow at rest, and q12, q23 and q2 come out as {shown} cm³/s; nothing tells which "
+            f"is wrong. C2 = {second:.4f} and "
             f"C3 = {third:.5f} would make the last two 50 cm³/s, but (2) uses the printed ones.",
         ),
         remark(
@@ -187,7 +188,8 @@ def _controllability() -> list[Row]:
     rows = [
         compared(
             "controllability", f"Qc{i + 1}{j + 1}", _Q[i][j], float(matrix[i, j]),
-            why="From (2).", right_if=proof.get((i, j), ()),
+            why="From (2)." if i or j else "1/A, which (2) cuts to 64.93.",
+            right_if=proof.get((i, j), ()),
         )
         for i in range(3)
         for j in range(3)

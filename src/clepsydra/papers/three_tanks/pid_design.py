@@ -131,7 +131,7 @@ def _settings() -> list[Row]:
             "Ziegler-Nichols", "ultimate gain of (3)", "0.0019 from the model (5)",
             f"{process.gain:.4f} m²/s at {process.frequency:.4f} rad/s",
             reason=f"The model of third order swings only at {process.gain / point.gain:.1f} times "
-            "the gain at which its first-order model with delay does.",
+            f"the {point.gain:.5f} m²/s at which (5) does.",
         ),
     ]  # fmt: skip
 

@@ -75,7 +75,7 @@ def _table() -> list[Row]:
                     digits=_DIGITS if name == "N" else None,
                     why=f"{ROUNDED}; the exact constants of (2) give {full:.6g}."
                     + (f" Printed to {_DIGITS} digits." if name == "N" else "")
-                    + (" Printed as a whole number, as is all of its row." if text == "1" else ""),
+                    + (" It rounds to 1: its row is in whole numbers." if text == "1" else ""),
                 )
             )  # fmt: skip
         rows.append(_margin_row("Table 2", exact, texts[4]))
@@ -91,7 +91,7 @@ def _margin_row(place: str, loop: FeedbackLoop, printed: str) -> Row:
 
 
 def _closed_loop() -> list[Row]:
-    closed = placed_loop(25, rounded=True).closed
+    exact, closed = placed_loop(25).closed, placed_loop(25, rounded=True).closed
     digits = {"-90": 2, "-101300": 4}
     printed = (("-90", "-101300", "-6E7"), ("0.03", "-0.058", "0.026"), ("0", "0.026", "-0.04"))
     place = "closed loop with precompensator"
@@ -99,7 +99,7 @@ def _closed_loop() -> list[Row]:
         compared(
             place, f"A{i + 1}{j + 1}", printed[i][j], float(closed[i, j]),
             digits=digits.get(printed[i][j]),
-            why=f"{ROUNDED}."
+            why=f"{ROUNDED}; the exact constants of (2) give {exact[i, j]:.6g}."
             + (f" Printed to {count} digits." if (count := digits.get(printed[i][j])) else ""),
         )
         for i in range(3)
