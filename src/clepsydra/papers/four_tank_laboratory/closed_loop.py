@@ -34,7 +34,7 @@ from clepsydra.scores.step_response import overshoot, rise_time
 
 Kind = Literal["decentralised", "robust"]
 
-SEEDS = 32
+SEEDS = 128
 #: Both references, share of 25 cm.
 TARGET = 0.6
 #: Poured: 25 % of a tank, in one second.

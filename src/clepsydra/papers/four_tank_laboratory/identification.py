@@ -93,19 +93,20 @@ def _levels(set_up: SetUp) -> list[Row]:
     volts = {f"pump_{i}": value for i, value in enumerate(set_up.voltages, 1)}
     point = find_equilibrium(plant(set_up), inputs=volts).as_dict()
     gravity = GRAVITY / OTHER_GRAVITY - 1.0
+    levels = [100.0 * point[f"tank_{tank}.level"] for tank in (1, 2, 3, 4)]
     # h is proportional to 1/(g a²) and, in a lower tank, to the flow a₃ √(g h₃) from above, which
     # the pump gives whatever a₃ and g are; so half a unit of the last digit of a leaves this open.
+    rooms = [1e-4 / float(hole) + gravity for hole in set_up.holes]
     return [
         circular(
             compared(
-                _TABLES[set_up], f"h{tank}", set_up.levels[tank - 1],
-                100.0 * point[f"tank_{tank}.level"], "cm",
-                tolerance=1e-4 / float(set_up.holes[tank - 1]) + gravity,
-                why="At rest at 7.5 V. The digits of the hole and g leave the tolerance open.",
+                _TABLES[set_up], f"h{tank}", set_up.levels[tank - 1], level, "cm", tolerance=room,
+                why="At rest with both pumps at 7.5 V. The digits of the hole and g leave "
+                f"{level * (1.0 - room):.2f} to {level * (1.0 + room):.2f} cm open.",
             ),
             "The way back: the printed hole comes from this level.",
         )
-        for tank in (1, 2, 3, 4)
+        for tank, (level, room) in enumerate(zip(levels, rooms, strict=True), start=1)
     ]  # fmt: skip
 
 
@@ -177,7 +178,7 @@ def _bias() -> Row:
     areas = ", ".join(f"{1e4 * found[f'outlet_{i}']:.4f}" for i in (1, 2, 3, 4))
     return remark(
         "(22) to (24)", "holes from levels at 7.5 V", "no cut-off of the pumps is spoken of",
-        f"{areas} cm², {100.0 * (np.mean(shares) - 1.0):.0f} % too large",
+        f"{areas} cm², in the mean {100.0 * (np.mean(shares) - 1.0):.0f} % too large",
         reason="Found in the same way from the simulator with the holes that fit exercise 2.2.3: "
         "while the cut-off stops the pumps, less flows than 7.5 V would give, and the method "
         "takes the difference for larger holes. The printed areas are within "

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import zeros
 from clepsydra.papers.comparison import circular, claimed, compared, remark, undecided
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
-from clepsydra.papers.four_tank_laboratory.manual_runs import ManualRuns, by_hand
+from clepsydra.papers.four_tank_laboratory.manual_runs import SEEDS, ManualRuns, by_hand
 from clepsydra.papers.four_tank_laboratory.readings import (
     USUAL,
     Reading,
@@ -45,9 +47,10 @@ _COUPLED = (
 )
 #: Where the figures of a level come from.
 _SPREAD = (
-    "with the noise of 30 % that the course's simulator gives the flow of its pumps and the report "
-    f"does not speak of, drawn every 0.05 s and held, in tanks of {AREA:.2f} cm² (with a longer "
-    "hold the spread is wider), mean and three standard deviations of one reading"
+    "with the noise of 30 % of the course's simulator on the flow of its pumps, drawn every 0.05 s "
+    f"and held, in its tanks of {AREA:.2f} cm², neither in the report (a longer hold spreads "
+    f"wider); mean and three standard deviations of one reading, {SEEDS} runs of 1000 s, the last "
+    "quarter"
 )
 #: A reading of two tables of one run may differ by the noise, three standard deviations of it.
 _DEVIATIONS = 3.0
@@ -106,16 +109,16 @@ def _table(set_up: SetUp) -> list[Row]:
 def _held_down(tank: int) -> str:
     """Say what keeps levels with the fitted holes, and what the holes leave no choice of."""
     words = (
-        "In all four the course's simulator stops both pumps above 27.5 cm, until 27 cm, which is "
-        "not in the report; with the fitted holes, which keep levels 1 and 2 at 15 cm in exercise "
-        "2.2.3, tank 2 would run over otherwise. "
+        "The course's simulator, not the report, stops both pumps above 27.5 cm, until 27 cm; with "
+        "the fitted holes, which keep levels 1 and 2 at 15 cm in exercise 2.2.3, tank 2 would run "
+        "over otherwise. "
     )
     if tank > 2:
         return words
     # By (6) the root of a lower level is in proportion to what flows in, whatever the holes are.
     now, then = (_inflow(tank, volts) for volts in (MINIMUM.voltages, _volts(MINIMUM)))
     return (
-        f"{words}Without that, by (6) any hole that gives 15 cm in exercise 2.2.3 gives "
+        f"{words}Without that, by (6), any hole with which level {tank} is 15 cm there makes it "
         f"{15.0 * (now / then) ** 2:.1f} cm here. "
     )
 
@@ -128,7 +131,8 @@ def _cut_off() -> str:
     ]
     return (
         "The course's simulator stops both pumps while a level is above 27.5 cm, which is not in "
-        f"the report; here that is {' and '.join(f'{each:.1g}' for each in off)} % of the time. "
+        f"the report; here that is {' and '.join(f'{each:.1g}' for each in off)} % of the last "
+        "500 s. "
     )
 
 
@@ -269,6 +273,12 @@ def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> list[Row]:
     """Compare the one number for both lower levels with the level that is farther from it."""
     rows = []
     percents, _, figure = _HELD[set_up]
+    voltages = (
+        "6.6 and 3.6 V"
+        if set_up is MINIMUM
+        else f"{percents[0]:g} % and {percents[1]:g} % of 15 V, as below {figure} and as 7.5 V are "
+        "50 % in exercise 2.2.2"
+    )
     for holes in dict.fromkeys(reading.holes for reading in readings_of(set_up)):
         found = {
             reading: [
@@ -284,9 +294,8 @@ def _levels_of_15(set_up: SetUp, volts: tuple[float, float]) -> list[Row]:
             + ("fitted holes" if holes == "fitted" else "holes of the report"),
             "15",
             {r: max(each, key=lambda level: abs(level[0] - 15.0)) for r, each in found.items()},
-            f"At {percents[0]:g} % and {percents[1]:g} % of 15 V, as below {figure} and as 7.5 V "
-            f"are 50 % in exercise 2.2.2, levels 1 and 2 are {one:.1f} and {two:.1f} cm; of the "
-            f"one that is farther off, {_SPREAD}",
+            f"At {voltages}, levels 1 and 2 are {one:.1f} and {two:.1f} cm; of the one that is "
+            f"farther off, {_SPREAD}",
         )
         is_fitted = holes == "fitted"
         rows.append(circular(row, "The holes were fitted to these levels.") if is_fitted else row)
@@ -320,7 +329,8 @@ def _transient(set_up: SetUp, printed: str, place: str) -> Row:
         f"Exercise 2.2.3, {place}", f"transient, {set_up.phase}", printed, late, "s",
         tolerance=(late - early) / late if all(agrees) else 0.0, why=words, unprinted=words,
     )  # fmt: skip
-    return undecided(row, "It agrees with one choice of the holes.") if any(agrees) else row
+    row = undecided(row, "It agrees with one choice of the holes.") if any(agrees) else row
+    return dataclasses.replace(row, computed=f"{early:.0f} to {late:.0f}", difference=None)
 
 
 def _differences() -> list[Row]:

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from clepsydra.papers.comparison import claimed, remark
+from clepsydra.papers.four_tank_laboratory.closed_loop import SEEDS
 from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, Holes, Noise, SetUp
 from clepsydra.papers.row import Row
 
@@ -45,7 +46,7 @@ READINGS = tuple(Reading(holes, noise) for holes in ("report", "fitted") for noi
 #: The one whose numbers stand in the column of computed ones.
 USUAL = READINGS[0]
 #: Of which runs the figures of a claim are.
-MEDIANS = f"medians in the simulator's percent of 25 cm and 15 V ({USUAL})"
+MEDIANS = f"medians of {SEEDS} runs in the simulator's percent of 25 cm and 15 V ({USUAL})"
 #: The controllers are not printed either: a claim about the tables is judged by the tables as well,
 #: and by the gain that ours were designed with, which the simulator makes three times as large.
 PRINTED, DESIGNED = "the printed numbers", "our controllers in volts, as designed"
@@ -81,5 +82,5 @@ def claimed_in_all(
         return claimed(place, name, claim, not against, computed, unit, reason=f"{reason} {said}")
     return remark(
         place, name, claim, computed, unit,
-        reason=f"{reason} It holds by {'; '.join(agreeing)}, and fails by {'; '.join(against)}.",
+        reason=f"{reason} It holds by: {'; '.join(agreeing)}. It fails by: {'; '.join(against)}.",
     )  # fmt: skip
