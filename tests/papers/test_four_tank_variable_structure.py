@@ -221,6 +221,31 @@ def test_what_hangs_on_the_reading_of_sensor_bias_and_limit(findings):
     assert "in 10 of 12 readings" in rows["section 5", "energy of a filling"].reason
 
 
+def filled_from(bias, rate):
+    """By plain Python, without decoupling: both levels from empty with integrals at a bias [s]."""
+    gain, time, step = np.array([3.0, 2.7]), np.array([30.0, 40.0]), 0.05
+    h, integral, levels = np.zeros(4), np.full(2, bias), []
+    for _ in range(6000):
+        error = 0.5 * (TARGET - h[:2])
+        wanted = gain * error + integral
+        v = np.clip(wanted, 0.0, 10.0)
+        away = (wanted != v) & (error * (wanted - 5.0) > 0.0)
+        integral = integral + step * np.where(away, -rate * (wanted - v), gain / time * error)
+        h = moved(h, v, step)
+        levels.append(h[:2])
+    outside = np.abs(np.array(levels) / TARGET - 1.0) > 0.02
+    return " and ".join(f"{step * (1 + np.flatnonzero(each)[-1]):.0f}" for each in outside.T)
+
+
+def test_whether_taking_the_integral_back_settles_sooner_hangs_on_where_it_starts(findings):
+    (row,) = [
+        r for r in findings["alpha"].rows if r.name == "settling time with α = 0.1 and without"
+    ]
+    assert row.computed.startswith(f"α = 0.1: {filled_from(0.0, 0.1)}; ")
+    assert row.computed.endswith(f"; α = 0: {filled_from(0.0, 0.0)}")
+    assert f"{filled_from(3.0, 0.1)} s after {filled_from(3.0, 0.0)} s, and after" in row.reason
+
+
 def test_robust_performance_hangs_on_its_measure(findings):
     """Less overshoot in all ten readings; at 6 V some corner never settles, with either."""
     (row,) = findings["robustness"].rows

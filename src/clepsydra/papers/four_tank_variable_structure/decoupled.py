@@ -10,6 +10,7 @@ import numpy as np
 from clepsydra.controllers.virtual_input import AlphaOn, VirtualAntiWindup
 from clepsydra.papers.four_tank_variable_structure.rig import (
     ALPHA,
+    IN_WORDS,
     SAMPLED,
     VOLTS_PER_METRE,
     Filling,
@@ -23,7 +24,7 @@ LIMITS = np.linspace(4.0, 20.0, 33)
 #: What the rows on the decoupled tanks rest on.
 READING = (
     "After decoupling by (9), as Figs. 3 to 6 are. What is not printed is read as: Johansson's "
-    "tanks P−, ν from his PI controllers times E, 0.5 V/cm, a sample every "
+    f"tanks P−, ν from his PI controllers ({IN_WORDS}) times E, 0.5 V/cm, a sample every "
     f"{SAMPLED:g} s, integrals that start at zero, pumps from 0 to 10 V, α = {ALPHA:g} 1/s on ν "
     "with K_1 of (14) as K/Ti, tanks from empty to 12.4 and 12.7 cm."
 )

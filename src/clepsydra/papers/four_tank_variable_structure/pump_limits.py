@@ -21,7 +21,14 @@ from clepsydra.papers.four_tank_variable_structure.decoupled import (
     sooner,
 )
 from clepsydra.papers.four_tank_variable_structure.readings import CONVENTIONAL, SATURATED, both
-from clepsydra.papers.four_tank_variable_structure.rig import SAMPLED, WAYS, Filling, fill, in_volts
+from clepsydra.papers.four_tank_variable_structure.rig import (
+    IN_WORDS,
+    SAMPLED,
+    WAYS,
+    Filling,
+    fill,
+    in_volts,
+)
 from clepsydra.papers.row import Row
 
 SHOWN = (4.0, 6.0, 10.0, 15.0, 20.0)
@@ -31,14 +38,14 @@ _SHORTEST = 1e-3
 USUAL = 10.0
 _WITHOUT, _AFTER = "without decoupling", "after decoupling"
 _NOTES = {
-    _WITHOUT: "The tanks level off by themselves: conditional integration, which only stops the "
-    "integral, settles sooner at nearly every limit.",
+    _WITHOUT: "The tanks level off by themselves: with integrals that start at zero conditional "
+    "integration, which only stops them, settles sooner at nearly every limit.",
     _AFTER: "The decoupled tanks do not level off by themselves, and every PI controller "
     "overshoots: here what is taken back pays.",
 }
 _HOW = {
-    _WITHOUT: "Johansson's PI controllers in volts",
-    _AFTER: "By (9), ν from Johansson's PI controllers times E",
+    _WITHOUT: f"Johansson's PI controllers ({IN_WORDS}) in volts",
+    _AFTER: f"By (9), ν from Johansson's PI controllers ({IN_WORDS}) times E",
 }
 #: What every row here rests on beside that.
 _SETTINGS = (
@@ -93,7 +100,7 @@ def _returns(runs: dict[str, dict[str, Filling]]) -> Row:
         reason="Time at a limit against that of conventional PID, with a limiter alone. Two pumps "
         f"at {len(LIMITS)} limits are {2 * len(LIMITS)} cases: in {counts} it stands at a limit "
         f"for {SATURATED:g} s or more; in the others it is never longer with variable structure. "
-        f"Johansson's PI controllers in volts, or times E for ν{_SETTINGS} That the level comes "
+        f"{_HOW[_WITHOUT]}, or times E for ν{_SETTINGS} That the level comes "
         "sooner is not said there.",
     )
 
@@ -126,7 +133,8 @@ def _five(reading: str, runs: dict[str, Filling]) -> Row:
             f"{run.saturated(1, USUAL, lane):.1f} and {run.saturated(2, USUAL, lane):.1f} s"
             for way, run in runs.items()
         ),
-        reason=f"Of h1 and h2, and of pumps 1 and 2. {_HOW[reading]}{_SETTINGS} {_RULES}",
+        reason="Of h1 and h2, rise from 10 to 90 %, settling to 2 %, and of pumps 1 and 2. "
+        f"{_HOW[reading]}{_SETTINGS} {_RULES}",
     )
 
 

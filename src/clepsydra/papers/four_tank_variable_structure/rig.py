@@ -32,6 +32,8 @@ TARGET = (0.124, 0.127)
 VOLTS_PER_METRE = 50.0
 #: Johansson's PI controllers, in volts per volt.
 SETTINGS = (PidSettings(3.0, 30.0), PidSettings(2.7, 40.0))
+#: The same in words.
+IN_WORDS = "K = 3.0 and 2.7, Ti = 30 and 40 s"
 #: The document's α; in volts it acts on a level in centimetres, so that here it counts k_c.
 ALPHA = 0.1
 DURATION = 600.0
