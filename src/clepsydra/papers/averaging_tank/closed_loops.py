@@ -56,7 +56,7 @@ from clepsydra.papers.row import Row
 _A = symbols("A")
 _DESPITE = " With T_d1 K_p1 in the V loop, as printed, they are positive too."
 _ZERO = Integer(0)
-_STRUCTURE = "Chosen and not computed: by (49) T11 alone compensates."
+_STRUCTURE = "Taken from the print, chosen and not computed: by (49) T11 alone compensates."
 #: What each matrix follows from.
 _BY = {"GCL": "(42)", "GE": "(43)", "ess": "Limit of (44)"}
 #: The elements of T by row and column, as (40) names them.
@@ -126,7 +126,12 @@ def _decoupler() -> list[Row]:
     at_rest = T.subs({u3: 5, x1: 5, u1: 0.2})
     for name, text, found, why in (
         ("", printed, T, "-G11/G12 by (49), with (45)."),
-        (" at rest", Matrix([[1, 0], [0, 1]]), at_rest, "C_in0 = C0 in -G11/G12 of (49)."),
+        (
+            " at rest",
+            Matrix([[1, 0], [0, 1]]),
+            at_rest,
+            "-G11/G12 of (49) at the operating point, where C_in0 = C0.",
+        ),
     ):
         rows += [_element(row, name) for row in matrix_rows("(50)", "", text, found, why)]
     return rows
@@ -249,7 +254,8 @@ def _integral(section: _Section) -> list[Row]:
         second = K2 * (1 + Ti2 * s) / (s**2 * Ti2 + s * Ti2 * K2 + K2)
     rows = [
         damaged(
-            row, "The formula has lost its layout; in the denominator (57) and (73) have "
+            row, "The place is garbled: a fraction opens around the whole formula and breaks off. "
+            "In the denominator (57) and (73) have "
             + ("x_20 for u_20." if "11" in row.name else "s T_i2 K_p2, and s² T_i2 alone."),
         )
         for row in _diagonal(places[0], "GCL", (first, second), closed, why)

@@ -260,9 +260,10 @@ def _behaviour(reading: Reading) -> list[Row]:
             "section 4", "change rates, fuzzy", "very high",
             f"f_in {_rate(found, 'inflow'):.0f} m³/s², C_in "
             f"{_rate(found, 'inflow.impurity') / KMOL:.0f} kmol/(m³ s)",
-            reason="Neither threshold nor sampling period is printed, and f_in jumps from sample "
-            "to sample: this is at 0.2 ms, with a filter of 2 ms, and the shorter the period the "
-            f"more, {_rate(finer, 'inflow'):.0f} m³/s² at 0.1 ms.",
+            reason="Neither threshold nor sampling period is printed. Largest change from sample "
+            "to sample after the jump at the first one, every 0.2 ms, with a filter of 2 ms; at "
+            f"0.1 ms it is {_rate(finer, 'inflow'):.0f} m³/s² and "
+            f"{_rate(finer, 'inflow.impurity') / KMOL:.0f} kmol/(m³ s): f_in jumps.",
         ),
         claimed(
             "section 4", "indices, fuzzy against LQI",

@@ -134,14 +134,13 @@ def _left_open(weights: Weights, place: tuple[int, int]) -> float:
 
 def _unreadable(place: str, matrix: np.ndarray, printed: tuple[str, str, str, str]) -> list[Row]:
     """Judge the second rows of F and Fi, which are garbled."""
-    follows = _error_of_c(matrix)
+    follows, plain = _error_of_c(matrix), gains(PRINTED_Q3)
     if place == "(101b)":
-        plain = gains(PRINTED_Q3)
         reason = (
             "Riccati equation of (87), Q3 = 10.92. (101a) prints Q3 = 0.1092, and Table 7 asks for "
             "10.92: IE of C is (1 + F21)/Fi21 ΔC, with the 0.25 kmol/m³ that follows from its "
-            f"first cell, {follows:.4f} with it and {_error_of_c(plain):.4f} with the print, where "
-            f"F21 is {plain[1, 0]:.1f} and Fi21 {plain[1, 2]:.1f}; the table has 0.019."
+            f"first cell, {follows:.4f} with it and {_error_of_c(plain):.4f} with the print; the "
+            "table has 0.019."
         )
     else:
         reason = (
@@ -154,7 +153,8 @@ def _unreadable(place: str, matrix: np.ndarray, printed: tuple[str, str, str, st
         "row of Fi have two points each; 470.3 may be left of 3470.3, as Q3 leaves "
         f"± {open_by:.1f} open.",
         "(101b)": "F22 and Fi22 print one number where zero is due, and no cell of the row is a "
-        "gain by (101a), with Q3 as printed or as 10.92.",
+        f"gain by (101a), F21 = {matrix[1, 0]:.1f} and Fi21 = {matrix[1, 2]:.1f} with Q3 = 10.92, "
+        f"{plain[1, 0]:.1f} and {plain[1, 2]:.1f} with Q3 as printed.",
     }[place]
     rows = []
     for name, text, value in zip(("F21", "F22", "Fi21", "Fi22"), printed, matrix[1], strict=True):
@@ -214,14 +214,17 @@ def _table_7() -> list[Row]:
             else:
                 found = indices_of(column)[index, output]
                 why = f"Gains by {source} {_FOLLOWING} {_SIMULATED}"
+            if len(text.lstrip("0.")) == 1:
+                why += " The cell has one significant digit."
             row = compared("Table 7", name, text, found, why=why, unprinted="-")
             if row.verdict != "reproduced":
                 coarse = _rectangles(column, index, output)
                 row = dataclasses.replace(
                     row,
-                    reason="The solver, its step and how it sums are not printed: a loop in "
-                    "steps of 10 ms, summed by rectangles with the time of their ends, has "
-                    f"{coarse:.3f}. " + why,
+                    reason="The solver, its step and how it sums are not printed: with the "
+                    "control held for 10 ms, each error at the start of its step summed"
+                    + (" with the time of its end" if index == "ITAE" else "")
+                    + f", it is {coarse:.3f}. {why}",
                 )
             if index == "IE" and column is COLUMNS[0]:
                 row = circular(row, _step_from(output, text))
@@ -232,7 +235,7 @@ def _table_7() -> list[Row]:
 
 
 def _rectangles(column: Weights, index: str, output: str) -> float:
-    """Return IAE or ITAE as a coarse solver has it: rectangles, with the time of their ends."""
+    """Return IAE or ITAE of a coarse solver: errors where steps start, times where they end."""
     run = lqi_run(column, _COARSE)
     name, factor = MEASURED[output]
     sizes = np.abs(run.values[f"{name}.setpoint"] - run.true_measurement(name)) / factor

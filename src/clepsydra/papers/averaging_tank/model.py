@@ -127,19 +127,21 @@ def _linear_model() -> list[Row]:
         "Derivatives of (6) at the equilibrium: that of dC/dt by V is zero by (14), and dV/dt is "
         "f_in - f_out, with neither C nor V."
     )
-    for name, text, matrix in (
-        ("A", "[-u10 0; x20 0; 0 0]", outflow_constant.A),
-        ("B", "[u30-x10 u10; x20 x20; 1 0]", outflow_constant.B),
+    by_inputs = "Derivatives of (6) at the equilibrium: dV/dt is f_in - f_out, without C_in."
+    for name, text, matrix, why_so in (
+        ("A", "[-u10 0; x20 0; 0 0]", outflow_constant.A, why),
+        ("B", "[u30-x10 u10; x20 x20; 1 0]", outflow_constant.B, by_inputs),
     ):
         right = str(matrix.tolist())
         rows.append(
             damaged(
-                stated("(32)", name, text, right, text == right, why),
+                stated("(32)", name, text, right, text == right, why_so),
                 "The bars of the fractions are lost: 3 × 2 stands there for 2 × 2.",
             )
         )  # fmt: skip
     rows += matrix_rows("(34)", "A", A, inflow_constant.A, why)
-    rows += matrix_rows("(34)", "B", Matrix([[0, u1 / x2], [-1, 0]]), inflow_constant.B, why)
+    by_inputs = "Derivatives of (6) at the equilibrium: dC/dt has no f_out, and dV/dt no C_in."
+    rows += matrix_rows("(34)", "B", Matrix([[0, u1 / x2], [-1, 0]]), inflow_constant.B, by_inputs)
     why = (
         "(36) with the derivatives of (6): that of dC/dt by V is zero by (14), and dV/dt has only "
         "the flows."

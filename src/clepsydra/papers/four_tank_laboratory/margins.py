@@ -166,9 +166,10 @@ def _three_times(set_up: SetUp, kind: Kind) -> Row:
         _PLACES[kind], f"{_NAMES[kind]}, {set_up.phase}, margins",
         "no margins are given",
         f"designed {words['volts']}; in the simulator {words['percent']}",
-        reason="Phase margin of each level with the other loop closed, and M_s of both together. "
-        "The levels of the linear model, and the simulator's percent that make the gain three "
-        "times the designed one, are the course's and not in the report.",
+        reason="Phase margin of each level with the other loop closed, and M_s of both together, "
+        "the largest singular value of S. The levels of the linear model, and the simulator's "
+        "percent that make the gain three times the designed one, are the course's and not in the "
+        "report.",
     )  # fmt: skip
 
 
