@@ -209,9 +209,9 @@ def _remedies() -> list[Row]:
             "may be resolved by determining control parameters for multiple equilibrium points and "
             "using them in the gain scheduling method",
             "; ".join(scheduled),
-            reason="What the worst of nine large steps costs beside a small one: C, V and both by "
-            "half, up and down, and to 8 kmol/m³ and 4 m³. The document says may and prints no "
-            "schedule. Ours is over V alone, at "
+            reason="What the worst of the nine large steps above costs beside a small one, with "
+            "constants by hand and limits as there. The document says may and prints no schedule. "
+            "Ours is over V alone, at "
             f"{', '.join(f'{volume:g}' for volume in VOLUMES)} m³ and linear between: K_pC in "
             "proportion to V, and the gains of the weights (97a) and (98a) at each V.",
         ),

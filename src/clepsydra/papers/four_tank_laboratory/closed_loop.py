@@ -121,7 +121,8 @@ def runs(
     seeds = 1 if noise == "none" else SEEDS
     drawn = np.random.default_rng(4).standard_normal((2, seeds, samples))
     for name, column in zip(noises, drawn, strict=True):
-        given[name] = column * (process.noise[name] * DEVIATIONS[noise])
+        column *= process.noise[name] * DEVIATIONS[noise]  # in place: they are large
+        given[name] = column
     constant = {name: value for name, value in loop.at_rest().items() if name not in given}
     program = closed_loop(process, controller, substeps=1, constant=constant)
     state = loop.initial_state()
