@@ -47,10 +47,9 @@ _COUPLED = (
 )
 #: Where the figures of a level come from.
 _SPREAD = (
-    "with the noise of 30 % of the course's simulator on the flow of its pumps, drawn every 0.05 s "
-    f"and held, in its tanks of {AREA:.2f} cm², neither in the report (a longer hold spreads "
-    f"wider); mean and three standard deviations of one reading, {SEEDS} runs of 1000 s, the last "
-    "quarter"
+    "in the course's simulator, of which the report gives neither the noise of 30 % on the flow of "
+    f"the pumps, held for 0.05 s (longer spreads wider), nor the tanks of {AREA:.2f} cm²; mean and "
+    f"three standard deviations of one reading in the last quarter of {SEEDS} runs of 1000 s"
 )
 #: A reading of two tables of one run may differ by the noise, three standard deviations of it.
 _DEVIATIONS = 3.0
@@ -110,16 +109,15 @@ def _held_down(tank: int) -> str:
     """Say what keeps levels with the fitted holes, and what the holes leave no choice of."""
     words = (
         "The course's simulator, not the report, stops both pumps above 27.5 cm, until 27 cm; with "
-        "the fitted holes, which keep levels 1 and 2 at 15 cm in exercise 2.2.3, tank 2 would run "
-        "over otherwise. "
+        "the fitted holes, of exercise 2.2.3, tank 2 would run over otherwise"
     )
     if tank > 2:
-        return words
+        return f"{words}. "
     # By (6) the root of a lower level is in proportion to what flows in, whatever the holes are.
     now, then = (_inflow(tank, volts) for volts in (MINIMUM.voltages, _volts(MINIMUM)))
     return (
-        f"{words}Without that, by (6), any hole with which level {tank} is 15 cm there makes it "
-        f"{15.0 * (now / then) ** 2:.1f} cm here. "
+        f"{words}, and by (6) level {tank} would be {15.0 * (now / then) ** 2:.1f} cm with any "
+        "hole that makes it 15 cm there. "
     )
 
 
