@@ -1,4 +1,7 @@
-"""Print the digests of exports as JSON: run by `test_digests_of_kernels.py` under each kernel."""
+"""Print the digests of exports: `test_digests_of_kernels.py` runs it under each kernel.
+
+It reads the name of a process in each line, and answers with a line of JSON.
+"""
 
 import hashlib
 import json
@@ -32,4 +35,5 @@ def digests(process):
 
 
 if __name__ == "__main__":
-    json.dump(digests(sys.argv[1]), sys.stdout)
+    for line in sys.stdin:
+        print(json.dumps(digests(line.strip())), flush=True)

@@ -9,8 +9,7 @@ import pytest
 from random_plants import random_plant
 
 import clepsydra as cl
-from clepsydra.loop.open_loop import Simulation, simulate
-from clepsydra.loop.open_loop_plan import plan_simulation
+from clepsydra.loop.open_loop import Simulation, simulate, simulations
 from clepsydra.loop.profile import Change
 from clepsydra.loop.refinement import refined
 from clepsydra.loop.solver import Solver
@@ -32,7 +31,7 @@ def furthest(process: Process, one: Simulation, other: Simulation) -> float:
     )
 
 
-def drawn_run(folder: Path, seed: int) -> Simulation:
+def drawn_run(folder: Path, seed: int) -> cl.OpenLoopRun:
     """Return the checked run of a random plant that begins empty, whose pumps jump at random."""
     path = folder / f"plant-{seed}.toml"
     path.write_text(random_plant(seed))
@@ -47,17 +46,22 @@ def drawn_run(folder: Path, seed: int) -> Simulation:
     return cl.simulate(cl.Plant(process), None, jumps, duration=duration, start="empty")
 
 
-def again(run: Simulation, substeps: int, solver: Solver = "kernel") -> Simulation:
-    """Return the same run with another number of steps, or by the reference solver."""
+def again(run: cl.OpenLoopRun, substeps: int, solver: Solver = "kernel") -> Simulation:
+    """Return the same run with another number of steps, or by the reference solver.
+
+    The kernel is that of the run, whose machine code is kept; `test_adjustable_steps.py` compares
+    it with a kernel of its own for each number of steps.
+    """
     process = run.process
     outside = (*process.inputs, *process.disturbances)
     profiles = {signal.name: run.values[signal.name][:-1] for signal in outside}
     state = {signal.name: float(run.values[signal.name][0]) for signal in process.state}
-    point = plan_simulation(process, start="empty", duration="1 h").point
-    return simulate(point, profiles, substeps=substeps, state=state, solver=solver)
+    if solver == "kernel":
+        return simulations(run.plan.point, profiles, state)(substeps)
+    return simulate(run.plan.point, profiles, substeps=substeps, state=state, solver=solver)
 
 
-def truth(run: Simulation) -> Simulation:
+def truth(run: cl.OpenLoopRun) -> Simulation:
     """Return the run with eight times as many steps, or with the most."""
     return again(run, min(8, MOST_SUBSTEPS // run.substeps) * run.substeps)
 
@@ -73,7 +77,7 @@ def drawn(tmp_path_factory):
     """Return a function: seed → the checked run of a random plant, and the truth."""
 
     @cache
-    def runs(seed: int) -> tuple[Simulation, Simulation]:
+    def runs(seed: int) -> tuple[cl.OpenLoopRun, Simulation]:
         run = drawn_run(tmp_path_factory.mktemp("plants"), seed)
         return run, truth(run)
 
