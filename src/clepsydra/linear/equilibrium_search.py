@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -34,14 +36,17 @@ class Iterate:
         ẋ, then the asked outputs minus their targets, SI.
     jacobian : ndarray [n + f, n + f]
         Of the residuals by the unknowns.
-    rounding : ndarray [n + f]
-        What rounding alone may leave of each residual.
+    rounding_of : callable
+        → what rounding alone may leave of each residual [n + f]: asked of what is followed, which
+        few trials are.
 
     Examples
     --------
     Newton's step towards the root of 2 ζ - 6, from ζ = 1:
 
-    >>> iterate = Iterate(np.array([1.0]), np.array([-4.0]), np.array([[2.0]]), np.array([1e-14]))
+    >>> iterate = Iterate(
+    ...     np.array([1.0]), np.array([-4.0]), np.array([[2.0]]), lambda: np.array([1e-14])
+    ... )
     >>> iterate.solved, iterate.newton_step().round(12)
     (False, array([2.]))
     """
@@ -49,7 +54,12 @@ class Iterate:
     unknowns: np.ndarray
     residuals: np.ndarray
     jacobian: np.ndarray
-    rounding: np.ndarray
+    rounding_of: Callable[[], np.ndarray]
+
+    @cached_property
+    def rounding(self) -> np.ndarray:
+        """What rounding alone may leave of each residual [n + f]."""
+        return self.rounding_of()
 
     @property
     def row_sizes(self) -> np.ndarray:
@@ -197,38 +207,30 @@ class EquilibriumSearch:
         _, inputs = self.values(unknowns)
         local = self.derivatives.at(risen, inputs, request.disturbances)
         slopes = self.state_slopes(above)
-        jacobian = np.block(
-            [
-                [
-                    local.rates_by_state * slopes,
-                    local.rates_by_input[:, columns] * self.spans[states:],
-                ],
-                [
-                    local.measured_by_state[rows] * slopes,
-                    np.zeros((len(rows), len(columns))),
-                ],
-            ]
-        )
+        jacobian = np.zeros((states + len(rows), states + len(columns)))
+        jacobian[:states, :states] = local.rates_by_state * slopes
+        jacobian[:states, states:] = local.rates_by_input[:, columns] * self.spans[states:]
+        jacobian[states:, :states] = local.measured_by_state[rows] * slopes
         residuals = np.concatenate([local.rates, local.measured[rows] - request.targets])
         if not (np.isfinite(jacobian).all() and np.isfinite(residuals).all()):
             # There is no number to judge or to follow a trial by, as where 1/A has none.
             nothing = np.full(len(residuals), np.nan)
-            return Iterate(unknowns, nothing, jacobian, nothing)
-        # Each term of a sum may be off by its own rounding, so the terms' sizes are added.
-        terms = (
-            _size(local.rates_by_state, risen)
-            + _size(local.rates_by_input, inputs)
-            + _size(local.rates_by_disturbance, request.disturbances)
-            + _size(local.rates_by_parameter, self.process.parameter_values)
-        )
-        shown = _size(local.measured_by_state[rows], risen) + np.abs(request.targets)
-        largest = np.abs(jacobian).max(axis=1, initial=0.0)
-        return Iterate(
-            unknowns=unknowns,
-            residuals=residuals + jacobian @ (unknowns - above),
-            jacobian=jacobian,
-            rounding=_ROUNDING * (np.concatenate([terms, shown]) + largest),
-        )
+            return Iterate(unknowns, nothing, jacobian, lambda: nothing)
+
+        def rounding() -> np.ndarray:
+            # Each term of a sum may be off by its own rounding, so the terms' sizes are added.
+            terms = (
+                _size(local.rates_by_state, risen)
+                + _size(local.rates_by_input, inputs)
+                + _size(local.rates_by_disturbance, request.disturbances)
+                + _size(local.rates_by_parameter, self.process.parameter_values)
+            )
+            shown = _size(local.measured_by_state[rows], risen) + np.abs(request.targets)
+            largest = np.abs(jacobian).max(axis=1, initial=0.0)
+            return np.asarray(_ROUNDING * (np.concatenate([terms, shown]) + largest))
+
+        moved = residuals + jacobian @ (unknowns - above)
+        return Iterate(unknowns, moved, jacobian, rounding)
 
 
 def _size(slopes: np.ndarray, values: np.ndarray) -> np.ndarray:
