@@ -84,25 +84,16 @@ def test_what_the_document_derives_is_reproduced(verdicts, place, words):
     assert verdict(verdicts, place, words) == "reproduced"
 
 
-def test_what_the_document_does_not_say_is_a_remark(verdicts):
-    """E non-singular is not sufficient, α's rule, other rules and limits: nothing of it is said."""
-    remarks = {name for (_, name), found in verdicts.items() if found == "remark"}
-    for words in (
-        "decoupling of P+",
-        "upper levels of P+",
-        "levels that the law (9) needs",
-        "rate of the integral part K_I η",  # K_1 is explained nowhere
-        "overshoot of the level, conventional PID",  # 12 % with other gains and limits
-        "overshoot, variable-structure PID",  # after decoupling or without
-        "energy of a filling",  # no measure is printed, and two readings save next to nothing
-        "rise time",
-        "settling time",
-        "worst overshoot and settling time",
-        "α = 0.1 by the rule",
-        "limits at which both levels settle sooner",
-        "five ways against windup",
-    ):
-        assert any(words in name for name in remarks), words
+def test_what_hangs_on_the_reading_is_a_remark(verdicts):
+    """K_1, gains and limits, where α acts, the measure: nothing of it is printed."""
+    assert {key for key, found in verdicts.items() if found == "remark"} == {
+        ("(14)", "rate of the integral part K_I η while it saturates"),
+        ("section 5", "overshoot of the level, conventional PID"),
+        ("section 5", "overshoot, variable-structure PID"),
+        ("section 5", "speed of the response"),
+        ("section 5", "energy of a filling"),
+        ("section 6", "worst overshoot and settling time"),
+    }
 
 
 #: The tanks in plain Python: areas and holes [cm²], pumps [cm³/(s V)], valves, levels asked for.
@@ -125,11 +116,12 @@ def moved(h, v, step):
     return h
 
 
-def test_without_anti_windup_the_overshoot_grows_as_the_limit_falls(findings):
+def test_without_anti_windup_the_overshoot_grows_as_the_limit_falls():
     """A limiter alone, by plain Python: forward Euler of 10 ms, PI in volts."""
     gain, time, step = np.array([3.0, 2.7]), np.array([30.0, 40.0]), 0.05
-    wanted = {}
-    for limit in (4.0, 6.0):
+    limits = (4.0, 6.0)
+    run = rig.fill(rig.in_volts("none"), np.array(limits))
+    for lane, limit in enumerate(limits):
         h, integral, highest = np.zeros(4), np.zeros(2), np.zeros(2)
         for _ in range(12000):
             error = 0.5 * (TARGET - h[:2])
@@ -137,17 +129,8 @@ def test_without_anti_windup_the_overshoot_grows_as_the_limit_falls(findings):
             integral += step * gain / time * error
             h = moved(h, v, step)
             highest = np.maximum(highest, h[:2])
-        wanted[limit] = 100.0 * (highest / TARGET - 1.0)
-    (row,) = [
-        r
-        for r in findings["pump-limits"].rows
-        if r.name.startswith("overshoot of conventional") and r.name.endswith("without decoupling")
-    ]
-    found = dict(part.split(" V ") for part in row.computed.split("; "))
-    for limit, values in wanted.items():
-        ours = [float(value) for value in found[f"{limit:g}"].split(" and ")]
-        assert ours == pytest.approx(list(values), abs=0.15)
-    assert [round(wanted[limit][0]) for limit in (4.0, 6.0)] == [36, 26]
+        wanted = 100.0 * (highest / TARGET - 1.0)
+        assert [run.overshoot(tank, lane) for tank in (1, 2)] == pytest.approx(wanted, abs=0.15)
 
 
 def settled_after_decoupling(sensor, limit, rate, in_volts):
@@ -182,77 +165,16 @@ def test_the_response_is_faster_after_decoupling_unless_alpha_is_in_volts_and_th
     old = settled_after_decoupling(sensor, limit, 0.0, in_volts)
     assert all(one < other for one, other in zip(new, old, strict=True)) is faster
     rows = {(row.place, row.name): row for row in findings["filling"].rows}
-    row = rows["section 5", "settling time"]
     if (sensor, limit) == (0.5, 10.0):
-        said = [
-            float(each) for part in row.computed.split(" against ") for each in part.split(" and ")
-        ]
+        words = rows["section 5", "speed of the response"].computed
+        settling = words.removeprefix("settling ").split(" s; ")[0]
+        said = [float(each) for part in settling.split(" against ") for each in part.split(" and ")]
         assert said == pytest.approx([*new, *old], abs=1.0)
-    for words in ("0.5 V/cm and α in ν: 4 to 17 V", "1 V/cm and α in ν: 4 to 20 V"):
-        assert words in row.reason
-    assert "1 V/cm and α in volts: 4 to 10, 18.5 to 20 V" in row.reason
-
-
-def test_what_hangs_on_the_reading_of_sensor_bias_and_limit(findings):
-    """By plain Python, without decoupling: at 1 V/cm h1 settles later."""
-    gain, time, step = np.array([3.0, 2.7]), np.array([30.0, 40.0]), 0.05
-    settled = {}
-    for sensor in (0.5, 1.0):
-        for rate in (0.0, 0.1):
-            h, integral, levels = np.zeros(4), np.zeros(2), []
-            for _ in range(6000):
-                error = sensor * (TARGET - h[:2])
-                wanted = gain * error + integral
-                v = np.clip(wanted, 0.0, 10.0)
-                away = (wanted != v) & (error * (wanted - 5.0) > 0.0) & (rate > 0.0)
-                integral += step * np.where(away, -rate * (wanted - v), gain / time * error)
-                h = moved(h, v, step)
-                levels.append(h[0])
-            outside = np.abs(np.array(levels) / 12.4 - 1.0) > 0.02
-            settled[sensor, rate] = step * (1 + int(np.flatnonzero(outside)[-1]))
-    assert settled[0.5, 0.1] < settled[0.5, 0.0] and settled[1.0, 0.1] > settled[1.0, 0.0]
-    rows = {(row.place, row.name): row for row in findings["filling"].rows}
-    row = rows["section 5", "settling time"]
-    assert "both settle sooner in 7 of 12 readings" in row.reason
-    words = row.reason.split("no bias, 10 V in ")[1].removesuffix(" s.").split(" after ")
-    for word, rate in zip(words, (0.1, 0.0), strict=True):
-        assert float(word.split(" and ")[0]) == pytest.approx(settled[0.5, rate], abs=1.0)
-    assert "10 of 10 readings in which" in rows["section 5", "rise time"].reason
-    assert "in 10 of 12 readings" in rows["section 5", "energy of a filling"].reason
-
-
-def filled_from(bias, rate):
-    """By plain Python, without decoupling: both levels from empty with integrals at a bias [s]."""
-    gain, time, step = np.array([3.0, 2.7]), np.array([30.0, 40.0]), 0.05
-    h, integral, levels = np.zeros(4), np.full(2, bias), []
-    for _ in range(6000):
-        error = 0.5 * (TARGET - h[:2])
-        wanted = gain * error + integral
-        v = np.clip(wanted, 0.0, 10.0)
-        away = (wanted != v) & (error * (wanted - 5.0) > 0.0)
-        integral = integral + step * np.where(away, -rate * (wanted - v), gain / time * error)
-        h = moved(h, v, step)
-        levels.append(h[:2])
-    outside = np.abs(np.array(levels) / TARGET - 1.0) > 0.02
-    return " and ".join(f"{step * (1 + np.flatnonzero(each)[-1]):.0f}" for each in outside.T)
-
-
-def test_whether_taking_the_integral_back_settles_sooner_hangs_on_where_it_starts(findings):
-    (row,) = [
-        r for r in findings["alpha"].rows if r.name == "settling time with α = 0.1 and without"
-    ]
-    assert row.computed.startswith(f"α = 0.1: {filled_from(0.0, 0.1)}; ")
-    assert row.computed.endswith(f"; α = 0: {filled_from(0.0, 0.0)}")
-    assert f"{filled_from(3.0, 0.1)} s after {filled_from(3.0, 0.0)} s, and after" in row.reason
 
 
 def test_robust_performance_hangs_on_its_measure(findings):
-    """Less overshoot in all ten readings; at 6 V some corner never settles, with either."""
     (row,) = findings["robustness"].rows
-    assert row.verdict == "remark" and "0.5 V/cm, no bias, 10 V" in row.reason
-    words = row.reason.split("the worst overshoot is less in ")[1].removesuffix(".")
-    overshoot, settling = words.split(", the worst settling time in ")
-    assert int(overshoot) == 10 > int(settling)
+    assert row.verdict == "remark" and "it fails without decoupling with" in row.reason
 
 
 def test_the_inputs_are_printed_as_u(findings):
@@ -260,12 +182,6 @@ def test_the_inputs_are_printed_as_u(findings):
     for name in ("dy1/dt, read without its second plus sign", "dy2/dt"):
         assert "u" + name[2] in rows[name].printed and "v" not in rows[name].printed
         assert "u is [v1, v2] there." in rows[name].reason
-
-
-def test_the_trap_has_the_rate_of_the_zero(findings):
-    (row,) = [r for r in findings["internal"].rows if "upper levels" in r.name]
-    # Johansson: the zeros of P+ stand at 0.013 and −0.057 rad/s.
-    assert float(row.computed) == pytest.approx(0.013, abs=5e-4)
 
 
 def test_the_figures_that_the_text_describes_are_drawn(findings):

@@ -1,24 +1,15 @@
-"""The choice of α: the document's 0.1 against its own rule, and what α does."""
+"""What α does to a filling."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.designs.sampled.setpoint_response import settling_times
-from clepsydra.designs.saturation_rate import times_faster
-from clepsydra.designs.states.measured_states import with_outputs
-from clepsydra.linear.relative_degree import relative_degree
-from clepsydra.papers.comparison import claimed, remark
+from clepsydra.papers.comparison import claimed
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
-from clepsydra.papers.four_tank_variable_structure.decoupled import at_limit, decoupled
-from clepsydra.papers.four_tank_variable_structure.readings import READINGS, USUAL, both, filled
 from clepsydra.papers.four_tank_variable_structure.rig import (
-    ALPHA,
     IN_WORDS,
-    VOLTS_PER_METRE,
     Filling,
-    at_target,
     fill,
     in_nu,
     in_volts,
@@ -28,49 +19,14 @@ from clepsydra.papers.row import Row
 #: [1/s]
 RATES = np.geomspace(1e-3, 10.0, 41)
 LIMIT = 10.0
-_BIASED = USUAL._replace(bias=3.0)
-_HOW = f"Johansson's PI controllers ({IN_WORDS})"
 
 
 def alpha() -> Findings:
-    """Judge α = 0.1 by the rule of section 4, and fill the tanks with many an α."""
+    """Fill the tanks with many an α."""
     lanes = {f"controller.saturation_rate_{j}": RATES for j in (1, 2)}
     volts = fill(in_volts("variable_structure"), LIMIT, parameters=lanes)
     nu = fill(in_nu("variable_structure"), LIMIT, parameters=lanes)
-    rows = [_rule(), _adjusts(volts, nu), _limit_of_small_rates(volts)]
-    return Findings(tuple(rows), (_figure(volts, nu),))
-
-
-def _rule() -> Row:
-    model = at_target().model
-    effects = np.abs(np.diag(relative_degree(model).at_point))
-    found = []
-    for words, controller, rates in (
-        ("without decoupling", in_volts("none"), [ALPHA, ALPHA]),
-        ("after decoupling, α in ν", in_nu("none"), [ALPHA, ALPHA]),
-        (
-            "after decoupling, α in volts",
-            in_nu("none"),
-            # Of a level in centimetres: 0.1 cm/s² of ν per volt of excess.
-            [ALPHA / (100.0 * effect / VOLTS_PER_METRE) for effect in effects],
-        ),
-    ):
-        settling = settling_times(controller, with_outputs(model, controller.measurements))
-        times = [
-            times_faster(rate, settling[name])
-            for name, rate in zip(model.outputs, rates, strict=True)
-        ]
-        found.append(f"{words} {times[0]:.1f} and {times[1]:.1f}")
-    return remark(
-        "section 4, feature (2)",
-        "α = 0.1 by the rule of experience",
-        "2 to 5 times faster than the design of the closed-loop system; that 0.1 is so is not said",
-        "; ".join(found),
-        "times",
-        reason=f"Loops 1 and 2 under {_HOW} at 0.5 V/cm, on the linear model with both loops "
-        "closed: the time to 2 % without saturation over that in which what exceeds the range dies "
-        "away to 2 %. Whether α acts in volts or in ν changes it twelvefold or more.",
-    )
+    return Findings((_adjusts(volts, nu),), (_figure(volts, nu),))
 
 
 def _adjusts(volts: Filling, nu: Filling) -> Row:
@@ -89,35 +45,9 @@ def _adjusts(volts: Filling, nu: Filling) -> Row:
         all(float(each.max()) > 2.0 * float(each.min()) for each in settled),
         f"without decoupling {ranges[0]}; after decoupling, α in ν {ranges[1]}",
         "s",
-        reason=f"To 2 %, α from 0.001 to 10 1/s, pumps up to 10 V, {_HOW} in volts, or times E for "
-        "ν of (9), at 0.5 V/cm, K_1 of (14) as K/Ti, from empty tanks with integrals that start at "
-        "zero: the longest is more than twice the shortest, which is judged. Without decoupling a "
-        "larger α comes later, after it sooner at first.",
-    )
-
-
-def _limit_of_small_rates(volts: Filling) -> Row:
-    usual, biased, after = READINGS.index(USUAL), READINGS.index(_BIASED), at_limit(LIMIT)
-    new, old = filled("variable_structure"), filled("conditional_integration")
-    nu = decoupled("variable_structure"), decoupled("conditional_integration")
-    found = (
-        ("α = 0.1", new, usual),
-        ("α = 10", volts, len(RATES) - 1),
-        ("α = 0", old, usual),
-    )
-    return remark(
-        "section 4, feature (3)",
-        "settling time with α = 0.1 and without",
-        "only the return of the pump is spoken of",
-        "; ".join(f"{name}: {both(run, 'settling', '.0f', lane)}" for name, run, lane in found),
-        "s",
-        reason=f"h1 and h2 to 2 %, pumps up to 10 V, {_HOW} in volts at 0.5 V/cm without "
-        "decoupling, from empty tanks with integrals that start at zero. With α = 0 the rule is "
-        "conditional integration: with α = 0.1 the pump is back in its range sooner, but the level "
-        "is not. It is with integrals that start at the 3 V of the target, "
-        f"{both(new, 'settling', '.0f', biased)} s after {both(old, 'settling', '.0f', biased)} s, "
-        f"and after decoupling by (9), {both(nu[0], 'settling', '.0f', after)} s after "
-        f"{both(nu[1], 'settling', '.0f', after)} s.",
+        reason="Shortest and longest to 2 %, α from 0.001 to 10 1/s, judged as more than twice. "
+        f"Johansson's PI controllers ({IN_WORDS}) in volts, or times E for ν of (9), 0.5 V/cm, "
+        "K_1 of (14) as K/Ti, pumps up to 10 V, from empty tanks and integrals at zero.",
     )
 
 

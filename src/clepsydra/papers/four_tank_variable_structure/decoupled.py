@@ -23,24 +23,13 @@ from clepsydra.papers.four_tank_variable_structure.rig import (
 LIMITS = np.linspace(4.0, 20.0, 33)
 #: What the rows on the decoupled tanks rest on.
 READING = (
-    "After decoupling by (9), as Figs. 3 to 6 are. What is not printed is read as: Johansson's "
-    f"tanks P−, ν from his PI controllers ({IN_WORDS}) times E, 0.5 V/cm, a sample every "
-    f"{SAMPLED:g} s, integrals that start at zero, pumps from 0 to 10 V, α = {ALPHA:g} 1/s on ν "
-    "with K_1 of (14) as K/Ti, tanks from empty to 12.4 and 12.7 cm."
+    "After decoupling by (9). What is not printed is ours: Johansson's tanks P− and PI controllers "
+    f"({IN_WORDS}) times E for ν, 0.5 V/cm, a sample every {SAMPLED:g} s, pumps from 0 to 10 V, "
+    f"α = {ALPHA:g} 1/s on ν with K_1 of (14) as K/Ti, from empty tanks and integrals at zero to "
+    "12.4 and 12.7 cm."
 )
 #: The other reading of α.
 IN_VOLTS = "α in volts takes u_n − u_s of (14) in volts and K_1 as that of ν."
-
-
-def sooner(one: float, other: float) -> bool:
-    """Return whether a time is smaller by a sampling period; what is nearer is the same.
-
-    Examples
-    --------
-    >>> sooner(82.67, 82.81), sooner(114.3897, 114.3900)
-    (True, False)
-    """
-    return one < other - SAMPLED
 
 
 class DecoupledReading(NamedTuple):
@@ -105,21 +94,3 @@ def at_limit(limit: float) -> int:
     (0, 12)
     """
     return int(np.argmin(np.abs(LIMITS - limit)))
-
-
-def ranges(holds: np.ndarray) -> str:
-    """Return the limits at which something holds, in words.
-
-    Examples
-    --------
-    >>> ranges((LIMITS <= 6.0) | (LIMITS == 10.0)), ranges(LIMITS < 0.0)
-    ('4 to 6, 10', 'at no limit')
-    """
-    if not holds.any():
-        return "at no limit"
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], holds.astype(int), [0]])))
-    parts = [
-        f"{LIMITS[first]:g}" if last - 1 == first else f"{LIMITS[first]:g} to {LIMITS[last - 1]:g}"
-        for first, last in zip(edges[::2], edges[1::2], strict=True)
-    ]
-    return ", ".join(parts)

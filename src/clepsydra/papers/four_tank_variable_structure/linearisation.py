@@ -216,19 +216,7 @@ def _decoupling(s: Derived) -> list[Row]:
             bool(regular),
             str(determinant),
             reason="It depends on no level, so that E is regular at every one and each input of "
-            "(9) moves its own output alone. What the feedback hides is another matter, see the "
-            "rows on P+.",
-        )
-    )
-    needed = [h for h in s.h if any(entry.has(h) for entry in s.L)]
-    rows.append(
-        remark(
-            "section 2",
-            "levels that the law (9) needs",
-            "tank 1 and tank 2 level can be measured",
-            ", ".join(map(str, needed)),
-            reason="L(x) contains √h3 and √h4, which nobody measures there; the law needs two "
-            "more sensors, or an observer that runs the balances of the upper tanks.",
+            "(9) moves its own output alone.",
         )
     )
     # A double integrator, r = 2, tells the general formulas apart.
@@ -301,12 +289,10 @@ def _new_inputs(s: Derived) -> list[Row]:
         remark(
             "(14)",
             "rate of the integral part K_I η while it saturates",
-            "K_1 is explained nowhere",
+            "−α (u_n − u_s) / K_1",
             told,
-            reason="The excess is u_n − u_s, the law K_P e + K_I η, of which Fig. 2 is missing. α "
-            "is said to be the speed at which u_n converges to its range: so it is with K_I in the "
-            "place of K_1, whose 1 may be an I; with K_P it is not. K_I is taken as positive, as "
-            "the condition e (u_n − ū) > 0 asks for.",
+            reason="The excess is u_n − u_s. K_1 is explained nowhere: with K_I in its place α is "
+            "the speed at which u_n converges to its range, as the text says; with K_P it is not.",
         )
     )
     return rows

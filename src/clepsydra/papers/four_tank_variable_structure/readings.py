@@ -56,9 +56,6 @@ READINGS = tuple(
 )
 #: Whose settings the decoupled loop has as well.
 USUAL = Reading(_SENSORS[0], 0.0, 10.0)
-#: What the readings are, for a reader of a row.
-OTHERS = "0.5 or 1 V/cm, no bias or 3 V, pumps up to 6, 10 or 20 V"
-UNDECOUPLED = "Without decoupling, Johansson's PI controllers in volts,"
 #: The document's conventional PID has a limiter at its output and nothing against windup.
 CONVENTIONAL = "none"
 #: What a conventional controller stands at a limit at least where the pumps saturate [s].

@@ -12,10 +12,7 @@ from clepsydra.papers.experiment import Findings
 from clepsydra.papers.four_tank_variable_structure.decoupled import READING
 from clepsydra.papers.four_tank_variable_structure.readings import (
     CONVENTIONAL,
-    OTHERS,
     READINGS,
-    UNDECOUPLED,
-    USUAL,
     filled_in,
     saturating,
 )
@@ -48,21 +45,19 @@ def robustness() -> Findings:
         for place in range(len(READINGS))
     ]
     others = {what: [_worst(run, what, count) for run in linear[::-1]] for what in _SCORES}
-    seen = saturating()
-    better = {
-        what: sum(worst[place][what][0] < worst[place][what][1] for place in seen)
-        for what in _SCORES
-    }
+    slower = next(
+        READINGS[place]
+        for place in saturating()
+        if worst[place]["settling"][0] > worst[place]["settling"][1]
+    )
     row = remark(
         "section 6",
         "worst overshoot and settling time",
         "improving the robust performance of the system with control constraints",
         _words(others),
-        reason="No measure is printed: pump gains and lower outlets each 20 % more or less than "
-        f"assumed, 16 corners, both levels. {READING} {UNDECOUPLED} with {USUAL} it is "
-        f"{_words(worst[READINGS.index(USUAL)])}; in the {len(seen)} of {len(READINGS)} readings "
-        f"({OTHERS}) in which the pumps saturate the worst overshoot is less in "
-        f"{better['overshoot']}, the worst settling time in {better['settling']}.",
+        reason="No measure is printed: worst of 16 corners, pump gains and lower outlets each 20 % "
+        "more or less than assumed. As computed here it holds of both; of the settling time it "
+        f"fails without decoupling with {slower}. {READING}",
     )
     return Findings((row,))
 

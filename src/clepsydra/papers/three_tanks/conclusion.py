@@ -65,19 +65,16 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
     best = placed[25]
     others = [*calm.values(), pid]
     names = [*(f"LQC, R = {weight}" for weight in calm), "PID"]
-    on_model = (
-        "FSFB with poles -40 and -25 ± j25 on the linear model (2), without a limit of the feed."
-    )
+    on_model = "FSFB with poles -40 and -25 ± j25 on (2), without a limit of the feed."
     with_pid = f"{on_model} PID by (3) and the printed Kc, Ki and Kd."
-    slower = " and ".join(f"{placed[distance].overshoot:.1f}" for distance in (10, 5))
     return [
         remark(
             "conclusion", "settling time",
             "the FSFB controller with pre compensator tracks the set point in desired settling "
             "time",
             f"{best.settling:.3f} s to within 2 %, {best.settling_closely:.3f} s to within 1 %",
-            reason="“At least 0.2 seconds” is desired, and can only mean at most. Which band is "
-            f"not said: it holds to within 2 % and fails to within 1 %. {on_model}",
+            reason="“At least 0.2 seconds”, read as at most, are desired. Which band is not said: "
+            f"it holds to within 2 % and fails to within 1 %. {on_model}",
         ),
         claimed(
             "conclusion", "overshoot", "it exhibits less overshoot than PID controller",
@@ -92,9 +89,8 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
             f"FSFB {best.overshoot:.1f} % in {best.settling:.2f} s; "
             + "; ".join(f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
                         for name, each in zip(names, others, strict=True)),
-            reason="An overshoot of less than 3 % and 0.2 s are desired; settling to within 2 %. "
-            f"FSFB keeps both, each of the others neither. {with_pid} LQC on (2) too. With the "
-            f"other poles of Table 2 FSFB overshoots by {slower} %.",
+            reason="Less than 3 % and 0.2 s are desired, settling to within 2 %: FSFB keeps both, "
+            f"each of the others neither. {with_pid} LQC on (2) too.",
         ),
         claimed(
             "conclusion", "settling time, ISE and IAE",
@@ -113,10 +109,9 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
             + "; ".join(f"{name} {each.moved:.2g}"
                         for name, each in zip(names, others, strict=True)),
             "cm",
-            reason="No measure is printed. It holds of the largest deviation of level 3, as here "
-            "(FSFB with the poles -25 ± j25, -10 ± j10 and -5 ± j5, each with -40), after 10 cm³/s "
-            "into tank 3 on the linear model (2), PID with the printed Kc, Ki and Kd; of what is "
-            "left in the end it fails, since only PID has an integral.",
+            reason="No measure is printed. It holds of the largest deviation of level 3 after 10 "
+            "cm³/s into tank 3 on (2), as here (FSFB of Table 2 in its order, PID with the printed "
+            "Kc, Ki and Kd), and fails of what is left in the end, as only PID has an integral.",
         ),
     ]  # fmt: skip
 

@@ -104,16 +104,14 @@ class FeedbackLoop:
     @property
     def words_on_its_vector_margin(self) -> str:
         """What it is at other places, and by (6), which takes \\|S\\| where the phase is -180°."""
-        levels = ", ".join(f"{each:.2f}" for each in self.vector_gain_margins_at_levels)
-        found = " and ".join(f"{size:.1f}" for size in self.sensitivity_at_phase_crossings)
-        others = ", ".join(f"{size:.1f}" for size in self.sensitivity_at_phase_crossings_of_levels)
+        level = max(self.vector_gain_margins_at_levels)
+        crossed = max(
+            *self.sensitivity_at_phase_crossings, *self.sensitivity_at_phase_crossings_of_levels
+        )
         return (
-            "Where the loop is opened is not said. 20 log10 max|S|, the document's S∞, with the "
-            "gains that the exact constants of (2) give is "
-            f"{self.vector_gain_margin:.2f} dB at the feed, as here, and {levels} dB at levels 1 "
-            "to 3. By the (6) of the stability analysis, where the phase is -180° at the feed, at "
-            f"two frequencies, 20 log10|S| is {found} dB. At levels 1 to 3, at one frequency each, "
-            f"it is {others} dB."
+            "Where the loop is opened is not said. 20 log10 max|S|, the document's S∞, at the "
+            f"feed; at a level it is at most {level:.2f} dB, and where the phase is -180°, as in "
+            f"(6), at most {crossed:.2f} dB."
         )
 
     @property

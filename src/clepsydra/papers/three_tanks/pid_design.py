@@ -11,7 +11,7 @@ import numpy as np
 from clepsydra.designs.models.first_order_delay import FirstOrderDelay
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.loop_margins import LoopMargins, loop_margins
-from clepsydra.papers.comparison import claimed, compared, remark
+from clepsydra.papers.comparison import claimed, compared
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Row
@@ -72,20 +72,16 @@ def _two_points() -> list[Row]:
         for share in (0.333, 0.666)
     )
     time_constant = 1.43 * (second - first)
-    read = 48.56 + 0.4 * 328.6
     return [
         compared(
             "two-point method", "τp", "328.6", time_constant, "s",
-            unprinted=f"The response of (3) passes 33.3 % at {first:.1f} s and 66.6 % at "
-            f"{second:.1f} s. The times that were read are not printed; by the printed τp and td "
-            f"they are {read:.1f} and {read + 328.6 / 1.43:.1f} s.",
+            unprinted=f"From {first:.1f} and {second:.1f} s, at which the response of (3) passes "
+            "33.3 and 66.6 %; the times that were read are not printed.",
         ),
         compared(
             "two-point method", "td", "48.56", first - 0.4 * time_constant, "s",
-            unprinted=f"The printed formula and τp give it where the first time is read as "
-            f"{read:.1f} s. The response of (3) passes 33.3 % at {first:.1f} s and "
-            f"{100 * response(read):.1f} % at {read:.1f} s; the times that were read are not "
-            "printed.",
+            unprinted=f"From {first:.1f} s, at which the response of (3) passes 33.3 %, and τp as "
+            "computed; the times that were read are not printed.",
         ),
         compared("two-point method", "Kp", "5744", NUMERATOR / DENOMINATOR[3], "s/m²", why="(3)."),
     ]  # fmt: skip
@@ -100,39 +96,26 @@ def _settings() -> list[Row]:
         abs(point.frequency - 0.034) < 5e-4,
     )
     gains_need = (
-        f"τi = Pu/2 and τd = Pu/8 with the {period:.1f} s that Pu of (5) is, and the printed Ki "
-        "and Kd follow from Kc and these times, not from the printed ones",
+        f"τi = Pu/2 and τd = Pu/8 with the {period:.1f} s that Pu of (5) is, and Ki and Kd "
+        "follow from these",
         abs(GAIN / integral - INTEGRAL_GAIN) < 5e-7
         and abs(GAIN * derivative - DERIVATIVE_GAIN) < 5e-4
         and abs(GAIN / 0.017 - INTEGRAL_GAIN) > 1e-2,
     )
     why = "Ultimate point of (5) by magnitude and angle."
-    process = Ultimate(
-        (DENOMINATOR[1] * DENOMINATOR[2] - DENOMINATOR[3]) / NUMERATOR, math.sqrt(DENOMINATOR[2])
-    )
     return [
         compared("Ziegler-Nichols", "Kcu", "0.0019", point.gain, "m²/s", why=why),
         compared("Ziegler-Nichols", "Pu", "0.034", period, "s", right_if=[is_frequency]),
         compared(
             "Ziegler-Nichols", "Kc", "0.0012", 0.6 * point.gain, "m²/s",
-            why=f"0.6 times the ultimate gain {point.gain:.5f} of (5); the printed 0.0019 would "
-            f"give {0.6 * 0.0019:.4f}.",
+            why=f"0.6 times the ultimate gain {point.gain:.5f} of (5).",
         ),
         compared("Ziegler-Nichols", "τi", "0.017", integral, "s", right_if=[gains_need]),
         compared("Ziegler-Nichols", "Ki", "0.000013", GAIN / integral, "m²/s²",
-                 why="Printed Kc over τi = Pu/2, with Pu of (5): 0.034 is its frequency in "
-                 f"rad/s. With τi as printed Ki would be {GAIN / 0.017:.4f}."),
+                 why="Printed Kc over τi = Pu/2, with Pu of (5)."),
         compared("Ziegler-Nichols", "τd", "0.00425", derivative, "s", right_if=[gains_need]),
         compared("Ziegler-Nichols", "Kd", "0.028", GAIN * derivative, "m²",
-                 why="Printed Kc times τd = Pu/8, with Pu of (5); with Kc before rounding it is "
-                 f"{0.6 * point.gain * derivative:.4f}, and with τd as printed "
-                 f"{GAIN * 0.00425:.1e}."),
-        remark(
-            "Ziegler-Nichols", "ultimate gain of (3)", "0.0019 from the model (5)",
-            f"{process.gain:.4f} m²/s at {process.frequency:.4f} rad/s",
-            reason=f"The model of third order swings only at {process.gain / point.gain:.1f} times "
-            f"the {point.gain:.5f} m²/s at which (5) does.",
-        ),
+                 why="Printed Kc times τd = Pu/8, with Pu of (5)."),
     ]  # fmt: skip
 
 
@@ -183,15 +166,13 @@ def _loop() -> list[Row]:
             "the internal stability is not ensured because GM & PM are not finite",
             bool(poles.real.max() >= 0.0) or not margins.stable,
             f"stable, poles of the printed denominator at most at {poles.real.max():.4f} 1/s",
-            reason="Of the loop of (3) and the printed Kc, Ki and Kd: GM is infinite, which is no "
-            "fault, since the phase reaches -180° at no finite frequency; PM is finite, "
-            f"{phase:.1f}°.",
+            reason="Of the loop of (3) and the printed Kc, Ki and Kd. GM is infinite, since the "
+            f"phase reaches -180° at no finite frequency, and PM is {phase:.1f}°.",
         ),
         compared(
             place, "VGM", "88.3", peak, "dB",
-            unprinted="20 log10 max|S|, the document's S∞. (6) takes |S| where the phase is -180°; "
-            "the loop of (3) and the printed settings has no such frequency, and what was taken "
-            "instead is not said.",
+            unprinted="20 log10 max|S|, the document's S∞. (6) takes |S| where the phase is -180°, "
+            "which that of (3) and the printed settings nowhere is.",
         ),
         claimed(
             place, "VGM of the PID",

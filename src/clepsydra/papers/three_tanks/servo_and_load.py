@@ -1,6 +1,6 @@
 """The designs on the nonlinear tanks with a pump of 100 cm³/s: Figs. 5 and 10.
 
-The document speaks of no pump, so that nothing here judges it.
+The document speaks of no pump, so that no row judges it.
 """
 
 from __future__ import annotations
@@ -22,10 +22,8 @@ from clepsydra.linear.linearise import linearise
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario, Segment
-from clepsydra.papers.comparison import remark
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
-from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
 from clepsydra.papers.three_tanks.linear_quadratic import quadratic_loop
 from clepsydra.papers.three_tanks.pid_design import (
@@ -44,8 +42,8 @@ _FAST, _USUAL = 0.01, 1.0  # [s]
 
 
 def run() -> Findings:
-    """Return what we remark on the designs beside a pump, and the pictures."""
-    return Findings((*_demands(), *_with_a_pump()), (_pid(), _all()))
+    """Return the pictures."""
+    return Findings((), (_pid(), _all()))
 
 
 @cache
@@ -96,7 +94,7 @@ def _scenario(period: float) -> Scenario:
 
 
 @cache
-def _runs() -> dict[str, Run]:
+def runs() -> dict[str, Run]:
     """Return a setpoint step of 1 cm and a load of 10 cm³/s under each controller, by name."""
     designs = {
         "Ziegler-Nichols PID": (_pid_controller(), _USUAL),
@@ -111,95 +109,18 @@ def _runs() -> dict[str, Run]:
     }
 
 
-def _demands() -> list[Row]:
-    """Return what the published feedbacks ask for on the linear model, for a step of 1 cm."""
-    rows = []
-    fast = [(f"-{d} ± j{d}", placed_loop(d), 2.0) for d in (25, 10, 5)]
-    calm = [(f"R = {w}", quadratic_loop(w), 8.0) for w in ("0.1", "0.01", "0.001")]
-    unsaid = "no size of the feed is printed"
-    for place, group, printed in (
-        ("Table 2", fast, unsaid),
-        ("Table 3", calm, unsaid),
-    ):
-        found = []
-        for name, loop, end in group:
-            levels, feed = loop.step(STEP, np.linspace(0.0, end, 20001))
-            level = levels[:, 0]
-            found.append(
-                f"{name}: {np.abs(feed).max():.3g} m³/s, tank 1 from {level.min():+.3g} to "
-                f"{level.max():+.3g} m"
-            )
-        rows.append(
-            remark(
-                place, "what a setpoint step of 1 cm asks for", printed, "; ".join(found),
-                reason="Largest feed, and level of tank 1 beside its rest, on the linear model; "
-                f"the feed at rest is {1e6 * FLOW:g} cm³/s.",
-            )
-        )  # fmt: skip
-    return rows
-
-
-def _errors(run: Run) -> tuple[float, float, float, float]:
-    """Return IAE of setpoint and load [cm s], overshoot [%] and settling time [s] of a run."""
-    level = run.values["tank_3.level"]
-    period = run.scenario.sampling_period
-    target = run.scenario.setpoints[0, 0]
-    late = round(_LOAD_AT / period)
-    error = 100.0 * np.abs(target - level)
-    first = level[:late]
-    outside = np.flatnonzero(np.abs(first - target) > 0.02 * STEP)
-    overshoot = 100.0 * (first.max() - target) / STEP
-    settled = float((outside[-1] + 1) * period)
-    return error[:late].sum() * period, error[late:].sum() * period, overshoot, settled
-
-
-def _with_a_pump() -> list[Row]:
-    found = {name: _errors(run) for name, run in _runs().items()}
-    text = "no range of the feed is printed"
-    limits = {name: f"{name} {100.0 * _at_limit(run):.0f} %" for name, run in _runs().items()}
-    return [
-        remark(
-            "Fig. 10", "IAE of setpoint and load with a pump", text,
-            "; ".join(f"{name} {each[0]:.0f} and {each[1]:.0f}" for name, each in found.items()),
-            "cm s",
-            reason="The tanks by their orifice laws, from rest at 50 cm³/s, with a pump of 0 to "
-            "100 cm³/s: setpoint step of 1 cm, then 10 cm³/s into tank 3, each for 1500 s. "
-            "Sampled every 0.01 s with the published feedbacks and every 1 s else; PID with the "
-            "derivative on the measurement, filtered over Td/10; the LQI is ours.",
-        ),
-        remark(
-            "Fig. 10", "time at a limit of the pump", text, "; ".join(limits.values()),
-            reason="Share of the samples before the load. The published feedbacks are relays "
-            f"there: -25 ± j25 overshoots by {found['FSFB, -25 ± j25'][2]:.0f} % where PID does by "
-            f"{found['Ziegler-Nichols PID'][2]:.0f} %, and "
-            + ("does not settle" if found["FSFB, -25 ± j25"][3] >= _LOAD_AT else "settles")
-            + " to within 2 % in 1500 s. In all 3000 s the LQI moves the pump "
-            f"{_travel('FSFB, -25 ± j25') / _travel('LQI, Bryson'):.0f} times less than it does.",
-        ),
-    ]  # fmt: skip
-
-
-def _at_limit(run: Run) -> float:
-    feed = run.values["feed"][: round(_LOAD_AT / run.scenario.sampling_period)]
-    return float(np.mean((feed <= 1e-9) | (feed >= 1e-4 - 1e-9)))
-
-
-def _travel(name: str) -> float:
-    return float(np.abs(np.diff(_runs()[name].values["feed"])).sum())
-
-
 def _panels(names: tuple[str, ...]) -> tuple[Panel, ...]:
-    runs = {name: _runs()[name] for name in names}
-    thin = {name: max(1, len(run.time) // 3000) for name, run in runs.items()}
+    found = {name: runs()[name] for name in names}
+    thin = {name: max(1, len(run.time) // 3000) for name, run in found.items()}
 
     def curves(signal: str, factor: float, kind: str = "line") -> tuple[Curve, ...]:
         return tuple(
             Curve(name, run.time[:: thin[name]], factor * run.values[signal][:: thin[name]],
                   "held" if kind == "held" else "line")
-            for name, run in runs.items()
+            for name, run in found.items()
         )  # fmt: skip
 
-    run = next(iter(runs.values()))
+    run = next(iter(found.values()))
     target = Curve("", run.time, 100.0 * run.scenario.setpoints[:, 0], "dashed")
     return (
         Panel("level 3", "level [cm]", (*curves("tank_3.level", 100.0), target)),
