@@ -32,10 +32,9 @@ def run() -> Findings:
 #: What a claim on a score is judged by, beside the medians.
 _ENDS = {
     "rise": ", for each of them.",
-    "recovery": f", for each of them, back within {100 * BAND:g} % of 15 cm after "
-    f"{0.25 * FULL_LEVEL:g} cm are poured in; the report prints neither pour nor band.",
-    "overshoot": "; that of tank 1 is smaller, printed 15.17 and 6.67 %, so that it is not "
-    "“always”.",
+    "recovery": f", back within {100 * BAND:g} % of 15 cm after {0.25 * FULL_LEVEL:g} cm are "
+    "poured in; the report prints neither.",
+    "overshoot": "; that of tank 1 is smaller, as is the printed one, so that it is not “always”.",
 }
 
 

@@ -1,4 +1,4 @@
-"""Exercises 2.1.7 and 2.1.8: the gains of the pumps and the holes, and what they are worth."""
+"""Exercises 2.1.7 and 2.1.8: the gains of the pumps and the holes, as the report finds them."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ import numpy as np
 from clepsydra.identification.hole_areas import hole_areas_at_rest
 from clepsydra.identification.pump_gains import pump_gain
 from clepsydra.linear.equilibrium import find_equilibrium
-from clepsydra.papers.comparison import circular, compared, damaged, remark, short
+from clepsydra.papers.comparison import circular, compared, damaged, short
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.four_tank_laboratory.manual_runs import by_hand
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     AREA,
-    FULL_LEVEL,
     GRAVITY,
     MINIMUM,
     NON_MINIMUM,
@@ -28,8 +27,6 @@ _PLACES = {MINIMUM: ("(24)", "(24)", "(22)", "(23)"), NON_MINIMUM: ("(25)",) * 4
 _TABLES = {MINIMUM: "Table 1", NON_MINIMUM: "Table 2"}
 #: The report prints no g; from this one to 981 cm/s² is left open.
 OTHER_GRAVITY = 980.0  # cm/s²
-#: The pumps are cut off above this level [cm].
-CUT_OFF = 1.1 * FULL_LEVEL
 
 
 def run() -> Findings:
@@ -37,7 +34,7 @@ def run() -> Findings:
     rows = [*_gains()]
     for set_up in SET_UPS:
         rows += [*_areas(set_up), *_levels(set_up)]
-    return Findings((*rows, _tank_of_23(), _lower_holes(), _cut_off(), _bias()))
+    return Findings((*rows, _tank_of_23()))
 
 
 def _gains() -> list[Row]:
@@ -82,7 +79,7 @@ def _areas(set_up: SetUp) -> list[Row]:
             area, "cm²", tolerance=ratio - 1.0,
             why=f"Balances (6) at the levels of {_TABLES[set_up]} and 7.5 V, with "
             f"{GRAVITY:g} cm/s²; g is not printed, and {OTHER_GRAVITY:g} cm/s² gives "
-            f"{ratio * area:.4f} cm², as it gives all eight holes to the digit.",
+            f"{ratio * area:.4f} cm².",
         )
         for tank, area in enumerate(areas, start=1)
     ]  # fmt: skip
@@ -131,62 +128,3 @@ def _tank_of_23() -> Row:
         ),
     )  # fmt: skip
     return damaged(row, "One index, in a sentence that has tank_4 and h4 beside it.")
-
-
-def _lower_holes() -> Row:
-    apart = []
-    for tank in (1, 2):
-        one, other = (float(set_up.holes[tank - 1]) for set_up in SET_UPS)
-        share = abs(one - other) / min(one, other)
-        apart.append(f"a{tank} {one:.4f} and {other:.4f} cm², {100.0 * share:.1f} % apart")
-    return remark(
-        "(24) and (25)", "holes of the lower tanks in both set-ups", "both are printed",
-        "; ".join(apart),
-        reason="The valves move flow from tank to tank and change no hole of a lower tank, so that "
-        "both identifications should give one area.",
-    )  # fmt: skip
-
-
-def _cut_off() -> Row:
-    """Ask whether the printed h2 is a level at which the process rests."""
-    levels = [27.325, 27.25, 27.2, 27.2]  # of Tables 1 to 4
-    above = by_hand(MINIMUM, (7.5, 7.5), "fitted")
-    moving = above.levels[1, :, -400:]
-    mean, low, high = float(above.at_last[1]), float(moving.min()), float(moving.max())
-    return remark(
-        "Tables 1 to 4", "h2 of 27.2 to 27.3 cm", "no cut-off of the pumps is spoken of",
-        f"{100.0 * np.mean(levels) / FULL_LEVEL:.0f} % of 25 cm in all four, in either set-up",
-        reason=(
-            f"The simulator stops both pumps above 110 %, {CUT_OFF:g} cm. With the holes that fit "
-            f"exercise 2.2.3 level 2 then moves between {low:.1f} and {high:.1f} cm, {mean:.2f} cm "
-            f"in the mean, with the pumps off {100.0 * above.off:.0f} % of the time; with those of "
-            "the report it stays below by itself."
-        ),
-    )  # fmt: skip
-
-
-def _bias() -> Row:
-    """Identify the fitted holes from levels that the cut-off holds, as the report did."""
-    runs = by_hand(MINIMUM, (7.5, 7.5), "fitted")
-    record = {f"tank_{i}.level": 0.01 * float(h) for i, h in enumerate(runs.at_last, 1)}
-    found = hole_areas_at_rest(plant(MINIMUM), [record | {"pump_1": 7.5, "pump_2": 7.5}])
-    true = plant(MINIMUM, "volts", "fitted")
-    shares = [
-        1e4 * found[f"outlet_{i}"] / (1e4 * true.signal(f"outlet_{i}.area").initial)
-        for i in (1, 2, 3, 4)
-    ]
-    areas = ", ".join(f"{1e4 * found[f'outlet_{i}']:.4f}" for i in (1, 2, 3, 4))
-    return remark(
-        "(22) to (24)", "holes from levels at 7.5 V", "no cut-off of the pumps is spoken of",
-        f"{areas} cm², in the mean {100.0 * (np.mean(shares) - 1.0):.0f} % too large",
-        reason="Found in the same way from the simulator with the holes that fit exercise 2.2.3: "
-        "while the cut-off stops the pumps, less flows than 7.5 V would give, and the method "
-        "takes the difference for larger holes. The printed areas are within "
-        + f"{100.0 * _farthest(found):.0f} % of these.",
-    )  # fmt: skip
-
-
-def _farthest(found: dict[str, float]) -> float:
-    return max(
-        abs(1e4 * found[f"outlet_{i}"] / float(MINIMUM.holes[i - 1]) - 1.0) for i in (1, 2, 3, 4)
-    )

@@ -7,7 +7,7 @@ import numpy as np
 from clepsydra.linear.relative_gain_array import relative_gain_array
 from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import zeros
-from clepsydra.papers.comparison import claimed, compared, compared_formula, remark
+from clepsydra.papers.comparison import claimed, compared, compared_formula
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, NON_MINIMUM, course_model
 from clepsydra.papers.row import Row
@@ -200,15 +200,9 @@ def _zeros() -> list[Row]:
             bool(np.all(rightmost[~above] >= -1e-12)),
             f"smallest real part of the right one {rightmost[~above].min():.3g} rad/s",
             reason=(
-                f"Roots of (12) for {(~above).sum()} pairs of splits: one of the two, which makes "
-                "the process non-minimum phase, as the report goes on; at γ1 + γ2 = 1 it stands at "
-                "zero. The other is always negative."
+                f"The right root of (12) for {(~above).sum()} pairs of splits, which makes the "
+                "process non-minimum phase; at γ1 + γ2 = 1 it stands at zero."
             ),
-        ),
-        remark(
-            "Exercise 2.1.5", "name of the theorem", "Veda's theorem", "Vieta's theorem",
-            reason="What is used is that sum and product of the roots are the coefficients, known "
-            "by the name of Vieta, which nothing in the report says.",
         ),
         claimed(
             "Exercise 2.1.6", "the two set-ups",

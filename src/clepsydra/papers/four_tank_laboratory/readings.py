@@ -27,15 +27,15 @@ class Reading:
     Examples
     --------
     >>> print(Reading("fitted", "one deviation"))
-    fitted holes, 30 % as one deviation
+    fitted holes and 30 % as one deviation
     """
 
     holes: Holes
     noise: Noise
 
     def __str__(self) -> str:
-        holes = "holes of the report" if self.holes == "report" else "fitted holes"
-        return f"{holes}, 30 % as {self.noise}"
+        holes = "the report's holes" if self.holes == "report" else "fitted holes"
+        return f"{holes} and 30 % as {self.noise}"
 
     def of(self, set_up: SetUp) -> Reading:
         """Return the reading as a set-up has it: only the minimum phase has fitted holes."""
@@ -46,7 +46,7 @@ READINGS = tuple(Reading(holes, noise) for holes in ("report", "fitted") for noi
 #: The one whose numbers stand in the column of computed ones.
 USUAL = READINGS[0]
 #: Of which runs the figures of a claim are.
-MEDIANS = f"medians of {SEEDS} runs in the simulator's percent of 25 cm and 15 V ({USUAL})"
+MEDIANS = f"medians of {SEEDS} runs in the simulator's percent ({USUAL})"
 #: The controllers are not printed either: a claim about the tables is judged by the tables as well,
 #: and by the gain that ours were designed with, which the simulator makes three times as large.
 PRINTED, DESIGNED = "the printed numbers", "our controllers in volts, as designed"
@@ -76,11 +76,10 @@ def claimed_in_all(
         for each in (True, False)
     )
     if not agreeing or not against:
-        said = "The verdict is the same in all readings of the noise and the holes"
         others = [key for key in (PRINTED, DESIGNED) if key in holds]
-        said += "".join(f", and by {key}" for key in others) + "."
+        said = f"So in all readings of noise and holes{''.join(f', by {key}' for key in others)}."
         return claimed(place, name, claim, not against, computed, unit, reason=f"{reason} {said}")
     return remark(
         place, name, claim, computed, unit,
-        reason=f"{reason} It holds by: {'; '.join(agreeing)}. It fails by: {'; '.join(against)}.",
+        reason=f"{reason} It holds by {agreeing[0]}, and fails by {against[0]}.",
     )  # fmt: skip
