@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from clepsydra.deploy.exportable import Exportable
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.program.program import LIBRARY, Loop, Operation, Statement
+from clepsydra.program.program import LIBRARY, Call, Loop, Operation, Statement
 
 #: Constants, and conversions that only mark how a value is kept.
 _NO_WORK = frozenset({"constant", "number", "truth"})
@@ -54,6 +54,9 @@ def _codes(statements: Iterable[Statement]) -> Iterator[str]:
         if isinstance(statement, Operation):
             if statement.code not in _NO_WORK:
                 yield statement.code
+            continue
+        if isinstance(statement, Call):
+            yield from _codes(statement.program.block.statements)
             continue
         turns = statement.count if isinstance(statement, Loop) else 1
         yield from turns * list(_codes(statement.body.statements))

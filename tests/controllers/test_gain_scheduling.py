@@ -16,6 +16,11 @@ from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 LEVEL, PUMP = Signal("level", "m", low=0.0, high=10.0), Signal("pump", "%", low=0.0, high=100.0)
 
 
+def followed(schedule, numbers):
+    found = schedule.followed({name: ca.DM(value) for name, value in numbers.items()})
+    return float(found.outputs["followed"])
+
+
 @pytest.fixture(scope="module")
 def averaging():
     return cl.load("averaging-tank")
@@ -57,7 +62,7 @@ def test_the_filter_is_of_first_order():
     for k in range(1, 20):
         symbols = {"measurement_1": 9.0, "sensor_1": 1, "scheduling_variable": value,
                    "time_step": 0.5, "schedule_filter_time": 3.0}  # fmt: skip
-        value = float(schedule.followed({name: ca.DM(v) for name, v in symbols.items()}))
+        value = float(followed(schedule, symbols))
         assert value == pytest.approx(4.0 + 5.0 * (1.0 - (3.0 / 3.5) ** k), rel=1e-12)
 
 
@@ -66,7 +71,7 @@ def test_a_fault_holds_the_scheduling_variable(fault):
     schedule = Schedule("measurement_1", LEVEL, 2)
     symbols = {"measurement_1": 9.0, "sensor_1": 1.0, "scheduling_variable": 4.0, "time_step": 0.5,
                    "schedule_filter_time": 3.0} | fault  # fmt: skip
-    assert float(schedule.followed({name: ca.DM(v) for name, v in symbols.items()})) == 4.0
+    assert float(followed(schedule, symbols)) == 4.0
 
 
 @pytest.mark.parametrize("form", [

@@ -72,4 +72,4 @@ def test_the_remembered_source_fits_into_single_precision(tmp_path):
     plant = cl.load("equalisation-tank")
     controller = study.controllers[0].make(study.analysis, plant.linear)
     exported = cl.export(controller, plant, tmp_path, to="c", precision="single")
-    assert any("last_setpoint_source_1" in file.read_text() for file in exported.files)
+    assert any("last_setpoint_source" in file.read_text() for file in exported.files)

@@ -9,8 +9,10 @@ from pathlib import Path
 from scanned_library import ScannedLibrary
 from tools import without
 
-from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.deploy.structured_text.block_names import state_paths
+from clepsydra.deploy.structured_text.dialect import dialect_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
+from clepsydra.program.entries import is_ring
 
 #: What makes its absence, or that of STruC++, a failure.
 SWITCH = "CLEPSYDRA_REQUIRE_ST_COMPILERS"
@@ -94,8 +96,9 @@ class CompiledByMatiec(ScannedLibrary):
             for place, signal in enumerate(self._signals)
         ]
         shown = [f"instance.{signal.identifier.upper()}.value" for signal in program.outputs]
-        for entry in program.state:
-            name = f"instance.{signal_of(entry).identifier.upper()}"
+        paths = state_paths(program, dialect_of("matiec").all_words)
+        for entry, path in zip(program.state, paths, strict=True):
+            name = f"instance.{'.'.join(path).upper()}"
             place = f".table[{name}_POSITION.value]" if is_ring(entry) else ""
             shown.append(f"{name}.value{place}")
         reads = [f"    found[{place}] = {value};" for place, value in enumerate(shown)]

@@ -13,6 +13,7 @@ from collections import deque
 import numpy as np
 
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.inlined import inlined
 from clepsydra.program.program import LIBRARY, Block, Conditional, Loop, Operation, Program
 
 F = np.float32
@@ -62,7 +63,7 @@ class InSinglePrecision:
     """One instance of a program's state, computed with 32-bit numbers."""
 
     def __init__(self, program: Program) -> None:
-        self.program = program
+        self.program = program = inlined(program)
         self.parameters = [single(signal.initial) for signal in program.parameters]
         self._kept = [_content(entry) for entry in program.state]
         self._rings = {ring.name: _content(ring) for ring in program.rings}

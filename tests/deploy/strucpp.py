@@ -10,8 +10,10 @@ from matiec import SWITCH
 from scanned_library import ScannedLibrary
 from tools import without
 
-from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.deploy.structured_text.block_names import state_paths
+from clepsydra.deploy.structured_text.dialect import dialect_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
+from clepsydra.program.entries import is_ring, signal_of
 
 BLOCK = """#include "printed.cpp"
 static strucpp::{block} instance;
@@ -69,9 +71,10 @@ class CompiledByStrucpp(ScannedLibrary):
             for place, signal in enumerate(self._signals)
         ]
         shown = [(f"instance.{s.identifier.upper()}", s.kind) for s in program.outputs]
-        for entry in program.state:
+        paths = state_paths(program, dialect_of(dialect).all_words)
+        for entry, path in zip(program.state, paths, strict=True):
             signal = signal_of(entry)
-            name = f"instance.{signal.identifier.upper()}"
+            name = f"instance.{'.'.join(path).upper()}"
             place = f"[(int32_t){name}_POSITION]" if is_ring(entry) else ""
             shown.append((f"{name}{place}", signal.kind))
         reads = [

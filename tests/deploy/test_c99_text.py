@@ -11,12 +11,13 @@ from families import PROCESSES, bare, family
 from refusals import refused
 
 from clepsydra import Signal
+from clepsydra.deploy.c99.layout import printed_form, state_paths
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.c99.state_size import state_size
-from clepsydra.deploy.printing.entries import signal_of
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.entries import signal_of
 from clepsydra.program.program import Block, Loop, Operation, Program
 
 DOUBLE = Block(1, (Operation(1, "add", (0, 0)),), (1,))
@@ -50,20 +51,23 @@ def test_every_number_says_its_unit_and_source(name, precision):
              "integer": "int32_t", "boolean": "bool"}  # fmt: skip
     parts = header.index("/* State: what the next sample needs. */")
     parameters, state = header[:parts], header[parts : header.index("/* Inputs of one sample. */")]
+    paths = state_paths(printed_form(ready.program))
     for where, declared, entries in (
-        ("parameters", parameters, ready.program.parameters),
-        ("state", state, ready.program.state),
+        ("parameters", parameters, [(s.identifier, s) for s in ready.program.parameters]),
+        ("state", state, zip(map(".".join, paths), ready.program.state, strict=True)),
     ):
-        for entry in entries:
+        for path, entry in entries:
             signal, from_where = signal_of(entry), normal(ready.origin.source_of(entry))
             assert from_where
             unit = "truth value;" if signal.kind == "boolean" else f"[{signal.unit}]"
             ring = isinstance(entry, DelayRing) and entry.length > 1
-            end = "[" if ring else ";"
-            told = beside(declared, f"{kinds[signal.kind]} {signal.identifier}{end}")
-            assert signal.kind == "boolean" or told.startswith(unit)
-            assert normal(signal.description) in told and told.endswith(from_where)
-            member = f"{where}->{signal.identifier}{'[i]' if ring else ''}"
+            if "." not in path:
+                end = "[" if ring else ";"
+                told = beside(declared, f"{kinds[signal.kind]} {signal.identifier}{end}")
+                assert signal.kind == "boolean" or told.startswith(unit)
+                assert normal(signal.description) in told and told.endswith(from_where)
+            # What an instance keeps is declared in its block, for all of them.
+            member = f"{where}->{path}{'[i]' if ring else ''}"
             assert beside(source[:step], f"{member} = ") == f"{unit} {from_where}"
 
 

@@ -71,7 +71,7 @@ def test_a_conditional_reads_like_written_by_hand():
     source, text = print_c(spill_program()).source, print_structured_text(spill_program())
     assert "  double spills = 0.0;\n  if (2.0 < t1) {\n" in source
     assert "    next_level = 2.0;\n" in source and "    spills = 1.0;\n  }\n" in source
-    assert "(* spill *)\n" in text and "\nspills := 0.0;\nIF 2.0 < t1 THEN\n" in text
+    assert "(* spill *)\n" in text and "\nspills := 0.0;\nIF t1 > 2.0 THEN\n" in text
     assert "  next_level := 2.0;\n" in text and "  spills := 1.0;\nEND_IF;\n" in text
 
 

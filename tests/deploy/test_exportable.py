@@ -61,7 +61,8 @@ def test_every_printer_declares_the_inputs_alike():
     for dialect in DIALECT_NAMES:
         exported = export_structured_text(ready, dialect=dialect).files
         name = f"{ready.program.name}.{'scl' if dialect == 'scl' else 'st'}"
-        declared = exported[name].decode().split("VAR_INPUT")[1].split("END_VAR")[0]
+        # The blocks of the library come first.
+        declared = exported[name].decode().split("VAR_INPUT")[-1].split("END_VAR")[0]
         found[dialect] = dict(re.findall(r"(\w+) : \w+ := ([-\w.]+);", declared))
     xml = ElementTree.fromstring(exported_xml(ready))
     tag = xml.tag.partition("}")[0] + "}"

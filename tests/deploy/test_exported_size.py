@@ -65,20 +65,22 @@ def number(text):
 
 
 def structure_sizes(ready, precision):
-    """The bytes of the four structures, declared again from the text of the header."""
+    """The bytes of the four structures, declared again from the text of the header.
+
+    Those of the blocks come first, each before the one that holds it.
+    """
     header = print_c(ready.program, origin=ready.origin, precision=precision).header
     code = re.sub(r"/\*.*?\*/", "", header, flags=re.DOTALL)
-    sizes = {}
+    types = dict(TYPES)
     for body, name in re.findall(r"typedef struct \{(.*?)\} (\w+);", code, flags=re.DOTALL):
         fields = [
-            (member, TYPES[kind] * int(length) if length else TYPES[kind])
+            (member, types[kind] * int(length) if length else types[kind])
             for kind, member, length in re.findall(r"(\w+) (\w+)(?:\[(\d+)\])?;", body)
         ]
         assert len(fields) == body.count(";")
-        sizes[name.rpartition("_")[2]] = ctypes.sizeof(
-            type("Members", (ctypes.Structure,), {"_fields_": fields})
-        )
-    return sizes
+        types[name] = type("Members", (ctypes.Structure,), {"_fields_": fields})
+    own = ("state", "parameters", "inputs", "outputs")
+    return {what: ctypes.sizeof(types[f"{ready.program.name}_{what}"]) for what in own}
 
 
 @pytest.fixture(scope="module")

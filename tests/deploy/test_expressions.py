@@ -82,7 +82,15 @@ def test_choices_of_c():
     assert render(two("add", Expression("number", (P,)), A), C) == "(p ? 1.0 : 0.0) + a"
 
 
-@pytest.mark.parametrize("code", ["select", "maximum", "number", "tanh", "hypot"])
+def test_choices_of_structured_text():
+    """SEL has the alternative of FALSE first; a larger number is one that the other is below."""
+    assert render(two("maximum", A, B), TEXT) == "SEL(b < a, b, a)"
+    assert render(two("minimum", A, B), TEXT) == "SEL(a < b, b, a)"
+    assert render(Expression("select", (P, A, B)), TEXT) == "SEL(p, b, a)"
+    assert render(two("add", Expression("number", (P,)), A), TEXT) == "SEL(p, 0.0, 1.0) + a"
+
+
+@pytest.mark.parametrize("code", ["tanh", "hypot"])
 def test_structured_text_refuses_what_it_cannot_express(code):
     with pytest.raises(InputError, match=f"operation {code}"):
         render(Expression(code, (P, A, B)), TEXT)

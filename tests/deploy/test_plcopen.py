@@ -15,7 +15,7 @@ from clepsydra.deploy.plcopen.printer import print_plcopen, print_plcopen_projec
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.structured_text.dialect import dialect_of
-from clepsydra.deploy.structured_text.function_block import function_block
+from clepsydra.deploy.structured_text.library import function_blocks
 from clepsydra.deploy.structured_text.pou import Section, Unit, Variable
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.deploy.structured_text.project import print_test_project
@@ -95,7 +95,7 @@ def test_a_block_comes_back_as_it_was_printed(dialect, precision):
     text = print_plcopen(every_kind(), origin=ORIGIN, dialect=dialect, precision=precision)
     root, namespace = read(text, dialect)
     (element,) = root.iter(f"{namespace}pou")
-    printed = function_block(every_kind(), dialect_of(dialect), precision, ORIGIN)
+    (printed,) = function_blocks(every_kind(), dialect_of(dialect), precision, ORIGIN)
     assert unit_of(element, namespace) == without_titles(printed)
     assert text.startswith('<?xml version="1.0" encoding="utf-8"?>\n<project xmlns="http://www.plc')
 
@@ -145,6 +145,8 @@ def test_the_test_project(dialect):
     assert text == print_plcopen_project(*arguments, origin=ORIGIN, dialect=dialect)
     root, namespace = read(text, dialect)
     units = [unit_of(element, namespace) for element in root.iter(f"{namespace}pou")]
+    library, units = units[:-3], units[-3:]
+    assert "FB_SignalCheck" in [unit.name for unit in library]
     assert [unit.name for unit in units] == ["tank_pi", "quadruple_tank", "tank_pi_test"]
     instances = [v for _, v in units[2].declared() if v.is_block]
     assert [(v.name, v.type) for v in instances] == [

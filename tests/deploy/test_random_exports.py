@@ -22,13 +22,13 @@ from tools import need_compiler, need_grammar, need_importer
 from clepsydra import InputError, Signal
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.compiler import find_compiler
-from clepsydra.deploy.printing.entries import signal_of
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.printing.identifiers import C_WORDS
 from clepsydra.deploy.proof import interpreted_text
 from clepsydra.deploy.proof.item import ProofItem, process_item
 from clepsydra.deploy.proof.job import Job
 from clepsydra.deploy.proof.targets import Target, targets_of
+from clepsydra.program.entries import signal_of
 from clepsydra.program.program import LIBRARY, Block, Operation, Program
 
 FIXED = settings(

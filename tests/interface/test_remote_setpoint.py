@@ -29,4 +29,4 @@ def test_the_exported_block_takes_it(plant, remote, tmp_path):
     written = cl.export(remote, plant, tmp_path, to="st")
     text = next(path for path in written.files if not path.stem.endswith("test")).read_text()
     for name in ("remote_setpoint_1", "setpoint_source_2"):
-        assert f"{name} :" in text.partition("END_VAR")[0]
+        assert f"{name} :" in text.split("FUNCTION_BLOCK ")[-1].partition("END_VAR")[0]

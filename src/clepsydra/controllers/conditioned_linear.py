@@ -225,7 +225,7 @@ def conditioned_linear_law(
             ),
         ],
         outputs=[s for i, u in enumerate(manipulated, 1) for s in signals.output_signals(i, u)],
-        equations=lambda symbols: _equations(symbols, matrices, written),
+        equations=lambda symbols: _equations(symbols, matrices, written, manipulated),
         description=(
             "u = u° + C z + D e + b within the limits, e = y − r, then z⁺ = A z + B e + "
             "M (u − u°) with the u that was applied; b makes a change to automatic bumpless and "
@@ -272,9 +272,12 @@ def _output_parameters(manipulated: Sequence[Signal]) -> list[Signal]:
 
 
 def _equations(
-    symbols: Symbols, matrices: ConditionedMatrices, written: dict[str, float]
+    symbols: Symbols,
+    matrices: ConditionedMatrices,
+    written: dict[str, float],
+    manipulated: Sequence[Signal],
 ) -> Equations:
-    p, m, n = matrices.errors, matrices.outputs, matrices.states
+    p, n = matrices.errors, matrices.states
     raw = [symbols[f"measurement_{j}"] for j in range(1, p + 1)]
     raw += [symbols[f"setpoint_{j}"] for j in range(1, p + 1)]
     valid = [is_number(value) for value in raw]
@@ -296,7 +299,7 @@ def _equations(
 
     named = {f"error_{j}": value for j, value in enumerate(errors, start=1)}
     stages = []
-    for i in range(1, m + 1):
+    for i, output in enumerate(manipulated, start=1):
         asked = product("memory_gain", i, memory) + product("error_gain", i, errors)
         named[f"asked_{i}"] = asked
         share = tracking_share(time_step, symbols[f"fading_time_{i}"])
@@ -304,6 +307,7 @@ def _equations(
             output_stage(
                 symbols,
                 i,
+                output,
                 proportional=symbols[f"bias_{i}"] + asked,
                 increment=-share * symbols[f"integral_{i}"],
                 signals_are_numbers=are_numbers,

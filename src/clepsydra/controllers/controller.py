@@ -13,7 +13,7 @@ from clepsydra.controllers.parameters import (
 from clepsydra.controllers.wiring import check_wiring, input_wires, output_wires
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Program
-from clepsydra.program.reader import program_of
+from clepsydra.program.reader import structured_program_of
 from clepsydra.program.step_law import StepLaw
 
 
@@ -166,4 +166,4 @@ class Controller:
         >>> gain.name, round(gain.initial, 6)
         ('proportional_gain_1', 3.0)
         """
-        return with_defaults(program_of(self.law), {**self.values, **self.initial_state})
+        return with_defaults(structured_program_of(self.law), {**self.values, **self.initial_state})

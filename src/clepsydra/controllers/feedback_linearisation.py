@@ -199,8 +199,10 @@ class _Law:
             asked.append(now + integrals[j])
         unlimited = self._solved(symbols, asked, process, last)
         elements = [
-            final_element(symbols, i, Asked(value, usable, numbers, sensors))
-            for i, value in enumerate(unlimited, start=1)
+            final_element(symbols, i, moved, Asked(value, usable, numbers, sensors))
+            for i, (moved, value) in enumerate(
+                zip(self.manipulated, unlimited, strict=True), start=1
+            )
         ]
         told = self._told(symbols, process, unlimited, elements)
         next_state: dict[str, ca.SX] = {}

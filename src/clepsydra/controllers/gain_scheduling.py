@@ -13,6 +13,7 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup
 from clepsydra.controllers.blocks.schedule import Schedule
 from clepsydra.controllers.blocks.varying_gains import Feedback, varying_lqi
+from clepsydra.controllers.inner_law import inner_equations
 from clepsydra.controllers.linear_quadratic_integral import check_lqi_anti_windup
 from clepsydra.controllers.state_reading import StateSignals
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
@@ -77,20 +78,13 @@ def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> Ste
 
     def equations(symbols: Symbols) -> Equations:
         at = schedule.followed(symbols)
-        found = schedule.interpolated(symbols, at, names)
-        values = {**symbols, **found}
-        groups = (law.state, law.inputs, law.parameters)
-        arguments = [ca.vertcat(*(values[entry.name] for entry in group)) for group in groups]
-        results = [ca.vertsplit(ca.densify(each)) for each in law.function(*arguments)]
-        next_state, outputs, between = (
-            {entry.name: value for entry, value in zip(group, values, strict=True)}
-            for group, values in zip(
-                (law.state, law.outputs, law.intermediates), results, strict=True
-            )
-        )
+        found = schedule.interpolated(symbols, at.outputs["followed"], names)
+        inner = inner_equations(law, {**symbols, **found})
         scheduled = {f"{name}_used": value for name, value in found.items()}
         return Equations(
-            {**next_state, "scheduling_variable": at}, outputs, {**scheduled, **between}
+            {**inner.next_state, **at.next_state},
+            inner.outputs,
+            {**scheduled, **inner.intermediates},
         )
 
     return step_law(
@@ -180,7 +174,7 @@ def scheduled_lqi_law(
 
     def equations(symbols: Symbols) -> Equations:
         at = schedule.followed(symbols)
-        found = schedule.interpolated(symbols, at, names)
+        found = schedule.interpolated(symbols, at.outputs["followed"], names)
         reading = state.read(symbols)
         known = ca.logic_and(reading.signals_are_numbers, reading.sensors_are_good)
         # The gains change with what is known, so that the integral can take the change up.
@@ -197,6 +191,7 @@ def scheduled_lqi_law(
         ]
         stages, named = varying_lqi(
             {**symbols, **found},
+            manipulated,
             Feedback(
                 reading.state, deviations, reading.signals_are_numbers, reading.sensors_are_good
             ),
@@ -209,7 +204,7 @@ def scheduled_lqi_law(
         ended = state.equations(symbols, reading, stages, used | named)
         following = {f"feedback_{i}_{j}": now[i - 1][j - 1] for i in rows for j in columns}
         return Equations(
-            {**ended.next_state, **following, "scheduling_variable": at},
+            {**ended.next_state, **following, **at.next_state},
             ended.outputs,
             ended.intermediates,
         )

@@ -144,7 +144,7 @@ def _equations(symbols: Symbols, state: StateSignals, anti_windup: AntiWindup) -
     ]
     stages = []
     intermediates = {f"error_{j}": value for j, value in enumerate(errors, start=1)}
-    for i in range(1, len(state.manipulated) + 1):
+    for i, output in enumerate(state.manipulated, start=1):
         feedback = weighted_sum(symbols, f"feedback_{i}", reading.state)
         rate = weighted_sum(symbols, f"integral_gain_{i}", errors)
         intermediates |= {f"feedback_{i}": feedback, f"integral_rate_{i}": rate}
@@ -152,6 +152,7 @@ def _equations(symbols: Symbols, state: StateSignals, anti_windup: AntiWindup) -
             output_stage(
                 symbols,
                 i,
+                output,
                 proportional=symbols[f"bias_{i}"] - feedback,
                 increment=symbols["time_step"] * rate,
                 signals_are_numbers=reading.signals_are_numbers,

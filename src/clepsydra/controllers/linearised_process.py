@@ -143,8 +143,14 @@ class LinearisedProcess:
 
     def parameters(self) -> list[Signal]:
         """Return model_* with the values of the operating point, and correction_j_k."""
-        found = [model_parameter(each) for each in self.constants]
+        found = self._models()
         return found if self.observer is None else found + self.observer.parameters()
+
+    def _models(self) -> list[Signal]:
+        return [model_parameter(each) for each in self.constants]
+
+    def _given(self, symbols: Symbols) -> ca.SX:
+        return ca.vertcat(*(symbols[signal.name] for signal in self._models()))
 
     def values(self) -> dict[str, float]:
         """Return the values of model_*."""
@@ -163,7 +169,7 @@ class LinearisedProcess:
             Whether they may be used.
         """
         equations, observer = self.linearised.equations, self.observer
-        given = ca.vertcat(*(symbols[model_parameter(each).name] for each in self.constants))
+        given = self._given(symbols)
         state = ca.SX(equations.point.state)
         estimate: list[ca.SX] = []
         if observer is None:
@@ -173,8 +179,9 @@ class LinearisedProcess:
                 state[equations.states.index(name)] = (value - shown[2 * k]) / shown[2 * k + 1]
         else:
             places = [self.measurements.index(name) for name in observer.measurements]
-            estimate = observer.corrected_estimate(
-                symbols, [measured[k] for k in places], known, lambda x: self._read(x, given)
+            values = [measured[k] for k in places]
+            estimate = observer.estimate(
+                symbols, values, known, self._models(), lambda x, s: self._read(x, self._given(s))
             )
             state = self._with_estimate(estimate)
         values = self._at(self._expressions, state, given)
@@ -189,8 +196,12 @@ class LinearisedProcess:
         def following(applied: Sequence[ca.SX]) -> dict[str, ca.SX]:
             if observer is None:
                 return {}
-            return observer.expected_next(
-                symbols, estimate, lambda x: self._rates(x, applied, given)
+            return observer.predicted(
+                symbols,
+                estimate,
+                applied,
+                self._models(),
+                lambda x, u, s: self._rates(x, u, self._given(s)),
             )
 
         return Evaluated(derivatives, effects, following)

@@ -226,7 +226,7 @@ def nonlinear_lqi_law(source: StateSource, anti_windup: AntiWindup = "back_calcu
         reading = common.read(symbols)
         gains = common.gains_in(symbols, "feedback"), common.gains_in(symbols, "integral_gain")
         stages, named = varying_lqi(
-            symbols, reading.feedback, gains[0], None, gains[1], anti_windup
+            symbols, common.manipulated, reading.feedback, gains[0], None, gains[1], anti_windup
         )
         return common.ended(reading, stages, named, {})
 

@@ -19,6 +19,7 @@ from clepsydra.controllers.blocks.validity import (
     is_time_step,
     value_or_zero,
 )
+from clepsydra.controllers.inner_law import inner_equations
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
@@ -147,8 +148,8 @@ class OwnSignals:
         state: dict[str, ca.SX] = {}
         outputs: dict[str, ca.SX] = {}
         named: dict[str, ca.SX] = {}
-        for i, value in enumerate(asked, start=1):
-            element = final_element(symbols, i, Asked(value, usable, numbers, good))
+        for i, (moved, value) in enumerate(zip(self.moved, asked, strict=True), start=1):
+            element = final_element(symbols, i, moved, Asked(value, usable, numbers, good))
             state[f"last_output_{i}"] = element.manipulated
             outputs |= {f"manipulated_{i}": element.manipulated, f"status_{i}": element.status}
             named |= element.named
@@ -168,19 +169,17 @@ class OwnSignals:
             usable = ca.logic_and(ca.logic_and(numbers, good), time_step_good)
             if "time_step" in known:
                 known["time_step"] = ca.if_else(time_step_good, symbols["time_step"], 1)
-            following, asked, intermediates = law.function(
-                ca.vertcat(*(symbols[entry.name] for entry in law.state)),
-                ca.vertcat(*(known[signal.name] for signal in law.inputs)),
-                ca.vertcat(*(symbols[signal.name] for signal in law.parameters)),
-            )
-            ended = self._ended(symbols, ca.vertsplit(asked), usable, numbers, good)
+            found = inner_equations(law, {**symbols, **known})
+            asked = [found.outputs[signal.name] for signal in law.outputs]
+            ended = self._ended(symbols, asked, usable, numbers, good)
             state = {
-                entry.name: ca.if_else(usable, following[place], symbols[entry.name])
-                for place, entry in enumerate(law.state)
+                name: ca.if_else(usable, value, symbols[name])
+                for name, value in found.next_state.items()
             }
-            named = {s.name: intermediates[place] for place, s in enumerate(law.intermediates)}
             return Equations(
-                {**state, **ended.next_state}, ended.outputs, {**named, **ended.intermediates}
+                {**state, **ended.next_state},
+                ended.outputs,
+                {**found.intermediates, **ended.intermediates},
             )
 
         return step_law(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from clepsydra.base.errors import InputError
-from clepsydra.controllers.blocks.anti_windup import AntiWindup, check_anti_windup
+from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup, check_anti_windup
 
 Actions = Literal["P", "PI", "PD", "PID"]
 Algorithm = Literal["isa", "series", "parallel", "velocity"]
@@ -111,3 +111,40 @@ class PidForm:
     def tracks_back(self) -> bool:
         """Whether there is a tracking time."""
         return self.algorithm != "velocity" and self.winding == "back_calculation"
+
+    @property
+    def words(self) -> str:
+        """What the reader is told of it, in a line.
+
+        Examples
+        --------
+        >>> PidForm("PID", anti_windup="clamping").words
+        "PID control, isa form; clamping: the integral is kept within the output's limits"
+        """
+        winds = self.has_integral and self.algorithm != "velocity"
+        end = f"; {IN_WORDS[self.winding]}" if winds and self.winding != "none" else ""
+        return f"{self.actions} control, {self.algorithm} form{end}"
+
+    @property
+    def block(self) -> str:
+        """The name of its block: pi, pid_series, pi_conditional_integration.
+
+        Examples
+        --------
+        >>> PidForm().block, PidForm("PID", "parallel", setpoint_ramp=True).block
+        ('pi', 'pid_parallel_ramp')
+        """
+        words = [self.actions.lower()]
+        if self.algorithm != "isa":
+            words.append(self.algorithm)
+        if self.has_derivative and self.derivative_on == "error":
+            words.append("on_error")
+        if self.error != "linear":
+            words.append(self.error)
+        if self.has_integral and self.algorithm != "velocity":
+            words += {"back_calculation": [], "none": ["winding"]}.get(self.winding, [self.winding])
+        if self.setpoint_ramp:
+            words.append("ramp")
+        if self.remote_setpoint:
+            words.append("remote")
+        return "_".join(words)

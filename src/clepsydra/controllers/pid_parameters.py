@@ -12,13 +12,11 @@ _FILTER = (1.0, 1000.0)
 GAINS = {"proportional_gain": "", "integral_gain": "/s", "derivative_gain": " s"}
 
 
-def pid_parameters(number: int, form: PidForm, measurement: Signal, moved: Signal) -> list[Signal]:
-    """Return the parameters of loop `number`.
+def pid_parameters(form: PidForm, measurement: Signal, moved: Signal) -> list[Signal]:
+    """Return the parameters of a loop.
 
     Parameters
     ----------
-    number : int
-        k, from 1.
     form : PidForm
     measurement, moved : Signal
         What the loop measures, and what it moves: an output or another loop's setpoint.
@@ -26,37 +24,36 @@ def pid_parameters(number: int, form: PidForm, measurement: Signal, moved: Signa
     Returns
     -------
     list of Signal
-        proportional_gain_k; integral_time_k, derivative_time_k [s] and derivative_filter_k [1],
-        or in the parallel form integral_gain_k, derivative_gain_k and filter_time_k [s];
-        setpoint_weight_k [1], or gap_k and gap_gain_k [1], or squared_error_scale_k;
-        setpoint_ramp_k and tracking_time_k [s]: each where the form has it.
+        proportional_gain; integral_time, derivative_time [s] and derivative_filter [1], or in
+        the parallel form integral_gain, derivative_gain and filter_time [s]; setpoint_weight
+        [1], or gap and gap_gain [1], or squared_error_scale; setpoint_ramp and tracking_time
+        [s]: each where the form has it.
 
     Examples
     --------
     >>> level, pump = Signal("level", "m"), Signal("pump", "V")
-    >>> [p.name for p in pid_parameters(1, PidForm("PID", anti_windup="none"), level, pump)]
-    ['proportional_gain_1', 'integral_time_1', 'derivative_time_1', 'derivative_filter_1', \
-'setpoint_weight_1']
+    >>> [p.name for p in pid_parameters(PidForm(anti_windup="none"), level, pump)]
+    ['proportional_gain', 'integral_time', 'setpoint_weight']
     """
     way = f"from {measurement.name} to {moved.name}"
     ratio = signals.ratio_of_units
     found = [
         signals.gain(
-            f"proportional_gain_{number}",
+            "proportional_gain",
             ratio(moved.unit, measurement.unit),
             1.0,
             f"proportional gain {way}",
         )
     ]
     if form.algorithm == "parallel":
-        found += _parallel(number, form, measurement, moved, way)
+        found += _parallel(form, measurement, moved, way)
     else:
-        found += _times(number, form)
-    found += _shape(number, form, measurement)
+        found += _times(form)
+    found += _shape(form, measurement)
     if form.setpoint_ramp:
         found.append(
             Signal(
-                f"setpoint_ramp_{number}",
+                "setpoint_ramp",
                 ratio(measurement.unit, "s"),
                 low=0.0,
                 high=signals.LARGEST_PARAMETER,
@@ -65,47 +62,41 @@ def pid_parameters(number: int, form: PidForm, measurement: Signal, moved: Signa
             )
         )
     if form.tracks_back:
-        found.append(signals.tracking_time(number))
+        found.append(signals.TRACKING_TIME)
     return found
 
 
-def remembered(number: int, form: PidForm) -> list[str]:
+def remembered(form: PidForm) -> list[str]:
     """Return the parameters whose last value counts where they change, so that nothing jumps.
 
     The velocity form has no integral that takes a change up: there it is the filter's alone.
 
     Examples
     --------
-    >>> remembered(1, PidForm("PI"))
-    ['proportional_gain_1', 'setpoint_weight_1']
+    >>> remembered(PidForm("PI"))
+    ['proportional_gain', 'setpoint_weight']
     """
+    of_derivative = ["derivative_time", "derivative_filter"] if form.has_derivative else []
     if form.algorithm == "velocity":
-        names = ["derivative_time", "derivative_filter"] if form.has_derivative else []
-        return [f"{name}_{number}" for name in names]
-    names = ["proportional_gain"]
-    if form.has_derivative:
-        parallel = form.algorithm == "parallel"
-        names += (
-            ["derivative_gain", "filter_time"]
-            if parallel
-            else ["derivative_time", "derivative_filter"]
-        )
-    names += {
+        return of_derivative
+    if form.has_derivative and form.algorithm == "parallel":
+        of_derivative = ["derivative_gain", "filter_time"]
+    shape = {
         "linear": ["setpoint_weight"],
         "gap": ["gap", "gap_gain"],
         "squared": ["squared_error_scale"],
     }[form.error]
-    return [f"{name}_{number}" for name in names]
+    return ["proportional_gain", *of_derivative, *shape]
 
 
-def _times(number: int, form: PidForm) -> list[Signal]:
+def _times(form: PidForm) -> list[Signal]:
     found = []
     if form.has_integral:
-        found.append(signals.duration(f"integral_time_{number}", "integral time"))
+        found.append(signals.duration("integral_time", "integral time"))
     if form.has_derivative:
         found += [
             Signal(
-                f"derivative_time_{number}",
+                "derivative_time",
                 "s",
                 low=0.0,
                 high=signals.LARGEST_PARAMETER,
@@ -113,7 +104,7 @@ def _times(number: int, form: PidForm) -> list[Signal]:
                 description="derivative time",
             ),
             Signal(
-                f"derivative_filter_{number}",
+                "derivative_filter",
                 low=_FILTER[0],
                 high=_FILTER[1],
                 initial=10.0,
@@ -123,35 +114,33 @@ def _times(number: int, form: PidForm) -> list[Signal]:
     return found
 
 
-def _parallel(
-    number: int, form: PidForm, measurement: Signal, moved: Signal, way: str
-) -> list[Signal]:
+def _parallel(form: PidForm, measurement: Signal, moved: Signal, way: str) -> list[Signal]:
     found = []
     if form.has_integral:
         unit = signals.ratio_of_units(moved.unit, measurement.unit, "s")
-        found.append(signals.gain(f"integral_gain_{number}", unit, 0.0, f"integral gain {way}"))
+        found.append(signals.gain("integral_gain", unit, 0.0, f"integral gain {way}"))
     if form.has_derivative:
         per = signals.ratio_of_units(moved.unit, measurement.unit)
         unit = "s" if per == "1" else f"s {per}"
         found += [
-            signals.gain(f"derivative_gain_{number}", unit, 0.0, f"derivative gain {way}"),
-            signals.duration(f"filter_time_{number}", "time constant of the derivative's filter"),
+            signals.gain("derivative_gain", unit, 0.0, f"derivative gain {way}"),
+            signals.duration("filter_time", "time constant of the derivative's filter"),
         ]
     return found
 
 
-def _shape(number: int, form: PidForm, measurement: Signal) -> list[Signal]:
+def _shape(form: PidForm, measurement: Signal) -> list[Signal]:
     if form.error == "gap":
         return [
             Signal(
-                f"gap_{number}",
+                "gap",
                 measurement.unit,
                 low=0.0,
                 high=signals.LARGEST_PARAMETER,
                 description=f"half the width of the gap around the setpoint of {measurement.name}",
             ),
             Signal(
-                f"gap_gain_{number}",
+                "gap_gain",
                 low=0.0,
                 high=1.0,
                 initial=0.1,
@@ -161,7 +150,7 @@ def _shape(number: int, form: PidForm, measurement: Signal) -> list[Signal]:
     if form.error == "squared":
         return [
             Signal(
-                f"squared_error_scale_{number}",
+                "squared_error_scale",
                 measurement.unit,
                 low=signals.SHORTEST_TIME,
                 high=signals.LARGEST_PARAMETER,
@@ -171,7 +160,7 @@ def _shape(number: int, form: PidForm, measurement: Signal) -> list[Signal]:
         ]
     return [
         Signal(
-            f"setpoint_weight_{number}",
+            "setpoint_weight",
             low=0.0,
             high=1.0,
             initial=1.0,

@@ -10,9 +10,10 @@ import casadi as ca
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.final_element import final_element
-from clepsydra.controllers.blocks.handover import Asked
-from clepsydra.controllers.blocks.validity import is_number, is_time_step, value_or_zero
+from clepsydra.controllers.blocks.final_element import told
+from clepsydra.controllers.blocks.increments import increments
+from clepsydra.controllers.blocks.ports import called, numbered
+from clepsydra.controllers.blocks.validity import is_number, value_or_zero
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
 FAMILY = "2DOF polynomial"
@@ -246,37 +247,34 @@ class IncrementalLoop:
         return signals.output_signals(self.number, self.moved)
 
     def step(self, symbols: Symbols, read: Read) -> Equations:
-        """Compute one sample."""
+        """Compute one sample: an instance of `increments`, one block for all loops of a shape."""
         i, shape = self.number, self.shape
-        seen = _past(symbols, f"past_{self.what}_{i}", shape.measurement_gains)
-        asked_for = _past(symbols, f"past_setpoint_{i}", shape.setpoint_gains)
-        moves = _past(symbols, f"past_move_{i}", shape.increment_gains)
-        last_output = symbols[f"last_output_{i}"]
-        increment = symbols[f"reference_gain_{i}"] * (read.setpoint - read.measurement)
-        for stem, now, past, sign in (
-            ("measurement_gain", read.measurement, seen, -1.0),
-            ("setpoint_gain", read.setpoint, asked_for, 1.0),
-        ):
-            for j, (new, old) in enumerate(zip([now, *past], past, strict=False), start=1):
-                part = symbols[f"{stem}_{i}_{j}"] * (new - old)
-                increment = increment + part if sign > 0.0 else increment - part
-        for j, move in enumerate(moves, start=1):
-            increment = increment - symbols[f"increment_gain_{i}_{j}"] * move
-        wanted = last_output + increment
-        time_step_good = is_time_step(symbols["time_step"])
-        known = ca.logic_and(read.numbers, read.measurement_known)
-        element = final_element(symbols, i, Asked(wanted, known, read.numbers, read.sensor))
-        # The sample counts where its signals were there and something was moved by them or by hand.
-        acts = ca.logic_or(element.applied.in_force, element.applied.follows)
-        counts = ca.logic_and(ca.logic_and(known, time_step_good), acts)
-        next_state = {f"last_output_{i}": element.manipulated}
-        next_state |= _shifted(f"past_{self.what}_{i}", read.measurement, seen, counts)
-        next_state |= _shifted(f"past_setpoint_{i}", read.setpoint, asked_for, counts)
-        move = element.manipulated - last_output
-        next_state |= _shifted(f"past_move_{i}", move, moves, acts)
-        outputs = {f"manipulated_{i}": element.manipulated, f"status_{i}": element.status}
-        named = {f"increment_{i}": increment, **read.named, **element.named}
-        return Equations(next_state, outputs, named)
+        block = increments(shape.measurement_gains, shape.setpoint_gains, shape.increment_gains)
+        # What the law calls the signals of the loop, whose numbers stand before the sample's.
+        own = {"past_value": f"past_{self.what}_{i}"}
+        names = {}
+        for entry in (*block.state, *block.inputs):
+            stem, _, j = entry.name.rpartition("_")
+            if j.isdigit():
+                names[entry.name] = f"{own.get(stem, f'{stem}_{i}')}_{j}"
+        state = {entry.name: names.get(entry.name, f"last_output_{i}") for entry in block.state}
+        given = {
+            **numbered(symbols, block.inputs, i),
+            **{local: symbols[name] for local, name in {**names, **state}.items()},
+            "value": read.measurement,
+            "setpoint": read.setpoint,
+            "known": read.measurement_known,
+            "numbers": read.numbers,
+            "sensors": read.sensor,
+        }
+        found = called(block, f"{self.moved.identifier}_loop", given)
+        status, conditions = told(found.outputs, i, self.moved)
+        between = {f"{name}_{i}": value for name, value in found.intermediates.items()}
+        return Equations(
+            {name: found.next_state[local] for local, name in state.items()},
+            {f"manipulated_{i}": found.outputs["manipulated"], f"status_{i}": status},
+            {**between, **read.named, **conditions},
+        )
 
 
 def read(symbols: Symbols, loop: IncrementalLoop) -> Read:
@@ -335,15 +333,3 @@ def joined(loops: Sequence[Equations]) -> Equations:
             {**total.intermediates, **loop.intermediates},
         )
     return total
-
-
-def _past(symbols: Symbols, stem: str, count: int) -> list[ca.SX]:
-    return [symbols[f"{stem}_{j}"] for j in range(1, count + 1)]
-
-
-def _shifted(stem: str, now: ca.SX, past: Sequence[ca.SX], counts: ca.SX) -> dict[str, ca.SX]:
-    """Return the memory one sample later, or as it is where the sample does not count."""
-    return {
-        f"{stem}_{j}": ca.if_else(counts, new, old)
-        for j, (new, old) in enumerate(zip([now, *past], past, strict=False), start=1)
-    }

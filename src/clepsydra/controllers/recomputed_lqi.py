@@ -194,7 +194,13 @@ class _Law:
         feedback = _chosen(holds, found.feedback, former)
         integral = _chosen(holds, found.integral, former_integral)
         stages, named = varying_lqi(
-            symbols, reading.feedback, feedback, former, integral, common.anti_windup
+            symbols,
+            common.manipulated,
+            reading.feedback,
+            feedback,
+            former,
+            integral,
+            common.anti_windup,
         )
         kept: dict[str, ca.SX] = {}
         for what, rows in (("feedback", feedback), ("integral_gain", integral)):

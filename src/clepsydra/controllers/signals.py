@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from clepsydra.base.errors import InputError
@@ -140,10 +140,18 @@ def tracking_time(number: int) -> Signal:
     >>> tracking_time(1).unit
     's'
     """
-    return duration(
-        f"tracking_time_{number}",
-        "time in which back-calculation takes the integral out of saturation",
-    )
+    return numbered([TRACKING_TIME], number)[0]
+
+
+def numbered(entries: Iterable[Signal], number: int) -> list[Signal]:
+    """Return signals with a number behind their names, as a law has them.
+
+    Examples
+    --------
+    >>> [signal.name for signal in numbered([Signal("gain"), Signal("bias")], 2)]
+    ['gain_2', 'bias_2']
+    """
+    return [replace(signal, name=f"{signal.name}_{number}") for signal in entries]
 
 
 def output_parameters(number: int, signal: Signal, anti_windup: AntiWindup) -> list[Signal]:
@@ -168,7 +176,18 @@ def integral_state(number: int, signal: Signal) -> Signal:
     >>> integral_state(1, Signal("pump_1", "V")).unit
     'V'
     """
-    return Signal(f"integral_{number}", signal.unit, description=f"integral part of {signal.name}")
+    return numbered([integral_of(signal)], number)[0]
+
+
+def integral_of(signal: Signal) -> Signal:
+    """Return integral.
+
+    Examples
+    --------
+    >>> integral_of(Signal("pump_1", "V")).description
+    'integral part of pump_1'
+    """
+    return Signal("integral", signal.unit, description=f"integral part of {signal.name}")
 
 
 def last_output(number: int, signal: Signal) -> Signal:
@@ -346,3 +365,8 @@ def like(signal: Signal, name: str, description: str) -> Signal:
         initial=signal.initial,
         description=description,
     )
+
+
+TRACKING_TIME = duration(
+    "tracking_time", "time in which back-calculation takes the integral out of saturation"
+)

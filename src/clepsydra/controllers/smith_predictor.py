@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.ports import called, numbered, truth
 from clepsydra.controllers.blocks.validity import is_number
 from clepsydra.controllers.polynomial_controller import (
     IncrementalLoop,
@@ -20,6 +22,7 @@ from clepsydra.controllers.polynomial_controller import (
     read,
 )
 from clepsydra.controllers.state_reading import weighted_sum
+from clepsydra.program.block import Block
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
@@ -247,14 +250,26 @@ class _PredictedLoop:
         return [*found, *self.controller.states()]
 
     def step(self, symbols: Symbols) -> Equations:
+        """Predict, let the primary controller act, and move the model on."""
         i, shape = self.number, self.shape
-        model = [symbols[f"model_{i}_{j}"] for j in range(1, shape.order + 1)]
-        delayed = symbols[f"delayed_model_{i}"] if shape.delay else model[0]
-        past = [symbols[f"past_model_{i}_{j}"] for j in range(1, shape.tail)]
-        output = weighted_sum(symbols, f"model_share_{i}", [delayed, *past])
+        predictor, model = _prediction(shape), _model(shape)
         plain = read(symbols, self.controller)
-        prediction = plain.measurement + (model[0] - output)
-        named = {**plain.named, f"model_output_{i}": output, f"prediction_{i}": prediction}
+        names = {f"past_{j}": f"past_model_{i}_{j}" for j in range(1, shape.tail)}
+        names |= {f"model_{j}": f"model_{i}_{j}" for j in range(1, shape.order + 1)}
+        names |= {f"share_{j}": f"model_share_{i}_{j}" for j in range(1, shape.tail + 1)}
+        names |= {f"feedback_{j}": f"model_feedback_{i}_{j}" for j in range(1, shape.order + 1)}
+        # Names of two numbers last: model_2 of loop 1 is no other loop's first.
+        given = dict(numbered(symbols, (*model.inputs, *model.state), i))
+        given |= {local: symbols[name] for local, name in names.items()}
+        given["delayed"] = symbols[f"delayed_model_{i}" if shape.delay else f"model_{i}_1"]
+        given |= {"measurement": plain.measurement, "known": plain.measurement_known}
+        first = called(predictor, f"{self.measured.identifier}_prediction", given).outputs
+        prediction = first["prediction"]
+        named = {
+            **plain.named,
+            f"model_output_{i}": first["model_output"],
+            f"prediction_{i}": prediction,
+        }
         predicted = Read(
             prediction,
             plain.setpoint,
@@ -264,23 +279,88 @@ class _PredictedLoop:
             named,
         )
         following = self.controller.step(symbols, predicted)
-        moved = following.outputs[f"manipulated_{i}"] - symbols[f"bias_{i}"]
-        state = dict(following.next_state)
-        if shape.error_feedback:
-            kept = symbols[f"model_error_{i}"]
-            surprise = plain.measurement - symbols[f"reference_measurement_{i}"] - output
-            known = ca.logic_and(plain.measurement_known, is_number(surprise))
-            surprise = ca.if_else(known, surprise, kept)
-            state[f"model_error_{i}"] = surprise
-            moved = moved + symbols[f"error_feedback_{i}"] * surprise
-        feedback = weighted_sum(symbols, f"model_feedback_{i}", model)
-        value = symbols[f"model_gain_{i}"] * moved - feedback
-        # In step with the ring, which goes on in every scan.
-        goes_on = is_number(value)
-        memory = {f"model_{i}_1": value}
-        memory |= {f"model_{i}_{j}": model[j - 2] for j in range(2, shape.order + 1)}
-        memory |= {f"past_model_{i}_{j}": ([delayed, *past])[j - 1] for j in range(1, shape.tail)}
-        state |= {name: ca.if_else(goes_on, new, symbols[name]) for name, new in memory.items()}
+        given |= {**first, "manipulated": following.outputs[f"manipulated_{i}"]}
+        moved = called(model, f"{self.measured.identifier}_model", given).next_state
+        state = {names.get(n, f"{n}_{i}"): value for n, value in moved.items()}
         if shape.delay:
-            state[f"delayed_model_{i}"] = model[0]
-        return Equations(state, following.outputs, following.intermediates)
+            state[f"delayed_model_{i}"] = symbols[f"model_{i}_1"]
+        return Equations(
+            {**following.next_state, **state}, following.outputs, following.intermediates
+        )
+
+
+def _row(name: str, first: int, count: int) -> list[Signal]:
+    return [Signal(f"{name}_{j}") for j in range(first, count + 1)]
+
+
+@cache
+def _prediction(shape: PredictorShape) -> Block:
+    """Return the block of what the model shows: with the delay, and without it."""
+    tail = shape.tail
+    return Block(
+        f"smith_prediction_{tail}",
+        (
+            Signal("measurement"),
+            Signal("model_1", description="the model without delay"),
+            Signal("delayed", description="the same, a delay ago"),
+            *_row("past", 1, tail - 1),
+            *_row("share", 1, tail),
+        ),
+        (),
+        (Signal("model_output"), Signal("prediction")),
+        lambda s: _predicted(s, tail),
+        ("The measurement, and what the model does without its delay.",),
+    )
+
+
+def _predicted(s: Symbols, tail: int) -> Equations:
+    past = [s[f"past_{j}"] for j in range(1, tail)]
+    output = weighted_sum(s, "share", [s["delayed"], *past])
+    prediction = s["measurement"] + (s["model_1"] - output)
+    return Equations({}, {"model_output": output, "prediction": prediction})
+
+
+@cache
+def _model(shape: PredictorShape) -> Block:
+    """Return the block of the model without delay, moved by what was applied."""
+    corrects = shape.error_feedback
+    errors = ("model_output", "measurement", "error_feedback", "reference_measurement")
+    return Block(
+        f"smith_model_{shape.order}_{shape.tail}{'_with_error' if corrects else ''}",
+        (
+            Signal("manipulated", description="what stands at the actuator"),
+            Signal("bias"),
+            Signal("delayed", description="the model, a delay ago"),
+            Signal("model_gain"),
+            *_row("feedback", 1, shape.order),
+            *(map(Signal, errors) if corrects else ()),
+            *([truth("known", "the measurement is a number from a sound sensor")] * corrects),
+        ),
+        (
+            *_row("model", 1, shape.order),
+            *_row("past", 1, shape.tail - 1),
+            *([Signal("model_error")] * corrects),
+        ),
+        (),
+        lambda s: _model_moved(s, shape),
+        ("x(k+1) = B(1) (u - u0) - a1 x(k) - a2 x(k-1) - ..., and its error where it integrates.",),
+    )
+
+
+def _model_moved(s: Symbols, shape: PredictorShape) -> Equations:
+    model = [s[f"model_{j}"] for j in range(1, shape.order + 1)]
+    past = [s["delayed"], *(s[f"past_{j}"] for j in range(1, shape.tail))]
+    moved = s["manipulated"] - s["bias"]
+    state = {}
+    if shape.error_feedback:
+        surprise = s["measurement"] - s["reference_measurement"] - s["model_output"]
+        known = ca.logic_and(s["known"], is_number(surprise))
+        state["model_error"] = ca.if_else(known, surprise, s["model_error"])
+        moved = moved + s["error_feedback"] * state["model_error"]
+    value = s["model_gain"] * moved - weighted_sum(s, "feedback", model)
+    # In step with the ring, which goes on in every scan.
+    goes_on = is_number(value)
+    memory = {f"model_{j}": new for j, new in enumerate([value, *model[:-1]], start=1)}
+    memory |= {f"past_{j}": past[j - 1] for j in range(1, shape.tail)}
+    state |= {name: ca.if_else(goes_on, new, s[name]) for name, new in memory.items()}
+    return Equations(state, {})

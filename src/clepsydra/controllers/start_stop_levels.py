@@ -126,7 +126,7 @@ def start_stop_law(
         ],
         outputs=[s for i, pump in enumerate(driven, start=1) for s in
                  signals.output_signals(i, pump)],
-        equations=lambda symbols: _equations(symbols, pumps),
+        equations=lambda symbols: _equations(symbols, driven),
         description=_DESCRIPTION,
     )  # fmt: skip
 
@@ -202,8 +202,8 @@ def _switch(name: str, description: str) -> Signal:
     return Signal(name, kind="integer", low=0.0, high=1.0, initial=1.0, description=description)
 
 
-def _equations(symbols: Symbols, pumps: int) -> Equations:
-    numbers = range(1, pumps + 1)
+def _equations(symbols: Symbols, driven: Sequence[Signal]) -> Equations:
+    numbers = range(1, len(driven) + 1)
     level, sound = symbols["measurement_1"], symbols["sensor_1"]
     valid, time_step_good = is_number(level), is_time_step(symbols["time_step"])
     usable = ca.logic_and(ca.logic_and(valid, sound), time_step_good)
@@ -218,7 +218,8 @@ def _equations(symbols: Symbols, pumps: int) -> Equations:
         value = ca.if_else(
             order.wanted[i - 1], symbols[f"running_value_{i}"], symbols[f"stopped_value_{i}"]
         )
-        elements.append(final_element(symbols, i, Asked(value, usable, valid, sound)))
+        asked = Asked(value, usable, valid, sound)
+        elements.append(final_element(symbols, i, driven[i - 1], asked))
     before = _total(symbols[name] for name in stages)
     ends = ca.logic_and(before > 0, demand == 0)
     rotates = ca.logic_and(ends, symbols["alternation"] == 1)

@@ -138,7 +138,7 @@ def _equations(symbols: Symbols, state: StateSignals) -> Equations:
     time_step = ca.if_else(is_time_step(symbols["time_step"]), symbols["time_step"], 1)
     stages = []
     intermediates = {f"wish_{j}": value for j, value in enumerate(wishes, start=1)}
-    for i in range(1, len(state.manipulated) + 1):
+    for i, output in enumerate(state.manipulated, start=1):
         feedback = weighted_sum(symbols, f"feedback_{i}", reading.state)
         feedforward = weighted_sum(symbols, f"precompensator_{i}", wishes)
         intermediates |= {f"feedback_{i}": feedback, f"feedforward_{i}": feedforward}
@@ -147,6 +147,7 @@ def _equations(symbols: Symbols, state: StateSignals) -> Equations:
             output_stage(
                 symbols,
                 i,
+                output,
                 proportional=symbols[f"bias_{i}"] - feedback + feedforward,
                 increment=-share * symbols[f"integral_{i}"],
                 signals_are_numbers=reading.signals_are_numbers,

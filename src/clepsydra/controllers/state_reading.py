@@ -13,11 +13,10 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.output_stage import OutputStage, stage_equations
 from clepsydra.controllers.blocks.validity import all_of, is_number, value_or_zero
 from clepsydra.controllers.observers.current_observer import (
-    corrected_estimate,
-    expected_next,
+    corrected,
     observer_parameters,
     observer_state,
-    surprises,
+    predicted,
 )
 from clepsydra.controllers.observers.structure import ObserverStructure
 from clepsydra.program.step_law import Equations, Symbols
@@ -175,8 +174,7 @@ class StateSignals:
         state, named = deviations, {}
         if self.observer is not None:
             known = ca.logic_and(all_of(valid[:p]), good)
-            surprise = surprises(symbols, self.observer, deviations, known)
-            state = corrected_estimate(symbols, self.observer, surprise)
+            state, surprise = corrected(symbols, self.observer, self.measured, deviations, known)
             named = {f"surprise_{j}": value for j, value in enumerate(surprise, start=1)}
         named |= {f"deviation_{j}": value for j, value in enumerate(state, start=1)}
         return StateReading(state, numbers[p:], numbers[:p], all_of(valid), good, named)
@@ -193,7 +191,7 @@ class StateSignals:
         if self.observer is None:
             return ended
         moves = [stage.manipulated - symbols[f"bias_{stage.number}"] for stage in stages]
-        following = expected_next(symbols, self.observer, reading.state, moves)
+        following = predicted(symbols, self.observer, self.manipulated, reading.state, moves)
         return Equations({**ended.next_state, **following}, ended.outputs, ended.intermediates)
 
 

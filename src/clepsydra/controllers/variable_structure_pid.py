@@ -3,27 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Any
-
-import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
-from clepsydra.controllers.blocks.validity import is_number, is_time_step
-from clepsydra.controllers.blocks.variable_structure import (
-    cut_off,
-    share_of_excess,
-    variable_structure,
-)
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.controllers.structure.block import Closed, Opened
 from clepsydra.controllers.structure.law import structure_law
 from clepsydra.controllers.structure.output_block import OutputBlock
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.program.step_law import StepLaw, Symbols
+from clepsydra.program.step_law import StepLaw
 
 
 @dataclass(frozen=True)
@@ -91,47 +81,21 @@ class VariableStructureBlock(PidBlock):
     'saturation_rate_1'
     """
 
-    def parameters(self) -> list[Signal]:
+    def own_parameters(self) -> list[Signal]:
         """Those of a PID loop, and α."""
-        return [*super().parameters(), saturation_rate(self.number, self.moved)]
-
-    def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
-        """Compute what it asks for; its integral goes on by the rule of `variable_structure`."""
-        opened = super().open(symbols, asked, limits)
-        name = f"integral_{self.number}"
-        good = is_time_step(symbols["time_step"])
-        time_step = ca.if_else(good, symbols["time_step"], 1)
-
-        def close(applied: Sequence[Applied]) -> Closed:
-            closed, (result,) = opened.close(applied), applied
-            low, high = limits[0].low, limits[0].high
-            unlimited = closed.named[f"unlimited_{self.number}"]
-            following = variable_structure(
-                closed.named[f"integral_used_{self.number}"],
-                closed.named[f"increment_{self.number}"],
-                unlimited,
-                result.value,
-                cut_off(unlimited, result.value, low, high),
-                0.5 * (low + high),
-                share_of_excess(symbols[f"saturation_rate_{self.number}"], time_step),
-            )
-            own = ca.logic_and(result.in_force, is_number(following))
-            integral = ca.if_else(own, following, closed.next_state[name])
-            return replace(closed, next_state={**closed.next_state, name: integral})
-
-        return Opened(opened.asked, close)
+        return [*super().own_parameters(), saturation_rate(self.moved)]
 
 
-def saturation_rate(number: int, moved: Signal) -> Signal:
-    """Return saturation_rate_k [1/s].
+def saturation_rate(moved: Signal) -> Signal:
+    """Return saturation_rate [1/s].
 
     Examples
     --------
-    >>> saturation_rate(1, Signal("pump", "V")).unit
+    >>> saturation_rate(Signal("pump", "V")).unit
     '1/s'
     """
     return Signal(
-        f"saturation_rate_{number}",
+        "saturation_rate",
         "1/s",
         low=0.0,
         high=signals.LARGEST_PARAMETER,

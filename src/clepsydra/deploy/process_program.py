@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.entries import Entry
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.motion_block import MotionBlock, motion_at_rest
 from clepsydra.loop.process_period import process_period
 from clepsydra.loop.step_size import check_substeps
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.entries import Entry
 from clepsydra.program.program import Program
 from clepsydra.program.unfused import without_fused
 

@@ -18,6 +18,7 @@ from clepsydra.engine.threads import available_threads, in_threads
 from clepsydra.engine.trajectories import Trajectories
 from clepsydra.engine.vector_code import KERNEL, KernelForm, vector_code
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.inlined import inlined
 from clepsydra.program.program import Block, Conditional, Loop, Program
 
 Array = NDArray[np.float64]
@@ -65,7 +66,7 @@ class Kernel:
         lanes: int | None = None,
         cache: ObjectCache | None = None,
     ) -> None:
-        self.program = program
+        self.program = program = inlined(program)
         self.records = record
         self._individual = frozenset(individual)
         self._fuse = fuse and host().fuses

@@ -275,7 +275,7 @@ def _length(statement: Statement) -> int:
     """Return the number of operations in a statement."""
     if isinstance(statement, Operation):
         return 1
-    return sum(1 for _ in statement.body.operations())
+    return sum(1 for _ in Block(0, (statement,), ()).operations())
 
 
 def _stands_between(statement: Statement, length: int) -> bool:

@@ -60,8 +60,10 @@ class StatementPrinter:
             self._loop(statement)
         elif isinstance(statement, Conditional):
             self._conditional(statement)
-        else:
+        elif isinstance(statement, Operation):
             self.values[statement.target] = self._operation(statement)
+        else:
+            raise ValueError(f"{statement.instance}: a kernel computes blocks in place")
 
     def _body(self, body: Block, arguments: list[str]) -> list[str]:
         """Print the statements of a body and return the names of its results."""

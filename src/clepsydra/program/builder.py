@@ -16,9 +16,11 @@ from clepsydra.program.program import (
     LIBRARY,
     LOGIC,
     Block,
+    Call,
     Conditional,
     Loop,
     Operation,
+    Program,
     Statement,
 )
 
@@ -71,6 +73,8 @@ class BlockBuilder:
         self._known: dict[tuple[object, ...], int] = {}
         self._made: dict[int, Operation] = {}
         self._truths: set[int] = set()
+        #: Numbers that are 0 or 1, since a block returns them as truth values.
+        self._flags: set[int] = set()
 
     def constant(self, value: float) -> int:
         """Return the value that holds a constant."""
@@ -85,6 +89,13 @@ class BlockBuilder:
             return arguments[0]
         if code == "truth" and arguments[0] in self._truths:
             return arguments[0]
+        made = self._made.get(arguments[0]) if arguments else None
+        codes = (code, made.code) if made else ()
+        if made and (
+            codes == ("truth", "number")
+            or (codes == ("number", "truth") and made.arguments[0] in self._flags)
+        ):
+            return made.arguments[0]
         arguments = self._converted(code, arguments)
         simpler = self._simplified(code, arguments)
         if simpler is not None:
@@ -134,6 +145,20 @@ class BlockBuilder:
             return start
         targets = self._targets(len(start))
         self._statements.append(Conditional(targets, condition, body, start, held, name))
+        return targets
+
+    def call(
+        self,
+        program: Program,
+        instance: str,
+        arguments: Sequence[int],
+    ) -> tuple[int, ...]:
+        """Return next state and outputs of a block, which stays a block of its own."""
+        given = self._numbers(arguments)
+        targets = self._targets(len(program.state) + len(program.outputs))
+        self._statements.append(Call(targets, program, instance, given))
+        results = zip(program.outputs, targets[len(program.state) :], strict=True)
+        self._flags.update(target for signal, target in results if signal.kind == "boolean")
         return targets
 
     def finish(self, results: Sequence[int]) -> Block:

@@ -166,7 +166,47 @@ class Conditional:
         _refuse_outermost(self.name, self.body)
 
 
-Statement = Operation | Loop | Conditional
+@dataclass(frozen=True)
+class Call:
+    """A call of a block: ``next state, outputs = program(state, inputs)``.
+
+    The printers call what they print once; the engine computes the called program in place
+    (`clepsydra.program.inlined`), with the same bits.
+
+    Parameters
+    ----------
+    targets : tuple of int
+        Values that hold the next state of the block, then its outputs.
+    program : Program
+        The block, without parameters and without loops that have rings.
+    instance : str
+        What this one is called.
+    arguments : tuple of int
+        The state that it goes on from, then its inputs.
+
+    Raises
+    ------
+    ValueError
+        A loop of the block has rings or is adjustable.
+
+    Examples
+    --------
+    >>> double = Program("double", (), (Signal("a"),), (), (Signal("b"),),
+    ...                  Block(1, (Operation(1, "add", (0, 0)),), (1,)))
+    >>> read_by(Call((7,), double, "twice", (3,))), written_by(Call((7,), double, "twice", (3,)))
+    ((3,), (7,))
+    """
+
+    targets: tuple[int, ...]
+    program: Program
+    instance: str
+    arguments: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        _refuse_outermost(self.instance, self.program.block)
+
+
+Statement = Operation | Loop | Conditional | Call
 
 
 @dataclass(frozen=True)
@@ -217,10 +257,12 @@ class Block:
         return replace(self, statements=tuple(kept), truths=self.truths & needed)
 
     def operations(self) -> Iterator[Operation]:
-        """Yield every operation, those inside loops and conditionals included, each once."""
+        """Yield every operation, those of loops, conditionals and blocks included, once a place."""
         for statement in self.statements:
             if isinstance(statement, Operation):
                 yield statement
+            elif isinstance(statement, Call):
+                yield from statement.program.block.operations()
             else:
                 yield from statement.body.operations()
 
@@ -237,6 +279,8 @@ def read_by(statement: Statement) -> tuple[int, ...]:
         return statement.arguments
     if isinstance(statement, Loop):
         return statement.carried + statement.invariants
+    if isinstance(statement, Call):
+        return statement.arguments
     return (statement.condition, *statement.carried, *statement.invariants)
 
 
@@ -278,6 +322,8 @@ class Program:
     block : Block
     names : mapping
         Names that the law gave to values on the way.
+    description : tuple of str
+        What a block does, a line each.
 
     Raises
     ------
@@ -301,6 +347,7 @@ class Program:
     outputs: tuple[Signal, ...]
     block: Block
     names: dict[int, str] = field(default_factory=dict)
+    description: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         taken = [entry.name for entry in (*self.state, *self.rings)]
@@ -313,6 +360,11 @@ class Program:
         """The rings of the loops in the block, in order."""
         loops = (loop for loop in self.block.statements if isinstance(loop, Loop))
         return tuple(ring for loop in loops for ring in loop.rings)
+
+    @property
+    def calls(self) -> tuple[Call, ...]:
+        """The calls of blocks, in order."""
+        return tuple(each for each in self.block.statements if isinstance(each, Call))
 
     @property
     def state_arguments(self) -> range:

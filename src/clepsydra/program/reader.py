@@ -7,10 +7,12 @@ from collections.abc import Sequence
 import casadi as ca
 
 from clepsydra.base.errors import ClepsydraError
+from clepsydra.program.block import KeptCall, keeping_calls, kept_call
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.counted_loop import RecoveredLoop, recover_loop
-from clepsydra.program.program import Block, Program
-from clepsydra.program.step_law import StepLaw
+from clepsydra.program.program import Block as ProgramBlock
+from clepsydra.program.program import Program
+from clepsydra.program.step_law import StepLaw, function_of
 
 _BINARY = {
     ca.OP_ADD: "add",
@@ -104,10 +106,7 @@ def inline(
     ]
 
 
-def _read(
-    builder: BlockBuilder, function: ca.Function, arguments: Sequence[int], fused: bool
-) -> dict[tuple[int, int], int]:
-    """Append the instructions; return the value of every structural nonzero of every output."""
+def _check(function: ca.Function) -> None:
     if not isinstance(function, ca.Function):
         raise ClepsydraError(
             f"{getattr(function, 'name', 'law')}: a law in Python has no program to compile, to "
@@ -118,6 +117,13 @@ def _read(
             f"{function.name()}: a {function.class_name()} cannot become a step program; "
             "write it over casadi.SX"
         )
+
+
+def _read(
+    builder: BlockBuilder, function: ca.Function, arguments: Sequence[int], fused: bool
+) -> dict[tuple[int, int], int]:
+    """Append the instructions; return the value of every structural nonzero of every output."""
+    _check(function)
     place: dict[tuple[int, int], int] = {}
     for i in range(function.n_in()):
         if not function.sparsity_in(i).is_dense():
@@ -202,6 +208,9 @@ def _sign(builder: BlockBuilder, value: int) -> int:
 def _call(
     builder: BlockBuilder, called: ca.Function, arguments: list[int], fused: bool
 ) -> list[int]:
+    kept = kept_call(called)
+    if kept is not None:
+        return _kept(builder, kept, arguments)
     loop = recover_loop(called)
     if loop is None:
         found = _read(builder, called, arguments, fused)
@@ -217,7 +226,7 @@ def _call(
     )
 
 
-def read_body(loop: RecoveredLoop, *, fused: bool = False) -> Block:
+def read_body(loop: RecoveredLoop, *, fused: bool = False) -> ProgramBlock:
     """Read the body of a counted loop into a block of its own.
 
     Examples
@@ -233,7 +242,7 @@ def read_body(loop: RecoveredLoop, *, fused: bool = False) -> Block:
 
 
 def program_of(law: StepLaw) -> Program:
-    """Read a step law into the program that every printer starts from.
+    """Read a step law into one straight-line program: what the engine runs.
 
     Examples
     --------
@@ -245,13 +254,70 @@ def program_of(law: StepLaw) -> Program:
     >>> [operation.code for operation in program_of(law).block.operations()]
     ['constant', 'multiply']
     """
-    size = len(law.state) + len(law.inputs) + len(law.parameters)
+    names = [signal.name for signal in law.intermediates]
+    block, named = _block(law.function, names, len(law.state) + len(law.outputs))
+    return Program(law.name, law.state, law.inputs, law.parameters, law.outputs, block, named)
+
+
+def structured_program_of(law: StepLaw) -> Program:
+    """Read a step law into a program in which the calls of its blocks are calls.
+
+    It computes the same bits as `program_of`; the printers write each block once.
+
+    Raises
+    ------
+    ClepsydraError
+        The law has no equations, as one in Python.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.block import Block
+    >>> from clepsydra.program.step_law import Equations, step_law
+    >>> double = Block("double", (Signal("a"),), (), (Signal("b"),),
+    ...                lambda s: Equations({}, {"b": 2 * s["a"]}))
+    >>> law = step_law("doubler", inputs=[Signal("a")], parameters=[], state=[],
+    ...                outputs=[Signal("b")],
+    ...                equations=lambda s: double("twice", {"a": s["a"]}, {}))
+    >>> [call.instance for call in structured_program_of(law).block.statements]
+    ['twice']
+    """
+    if law.equations is None:
+        raise ClepsydraError(
+            f"{law.name}: a law in Python has no program to compile, to print or to run as a "
+            "batch; write it as expressions, by step_law"
+        )
+    with keeping_calls():
+        groups = (law.state, law.inputs, law.parameters)
+        function, between = function_of(law.name, groups, law.outputs, law.equations)
+        names = [signal.name for signal in between]
+        block, named = _block(function, names, len(law.state) + len(law.outputs))
+    return Program(law.name, law.state, law.inputs, law.parameters, law.outputs, block, named)
+
+
+def _block(
+    function: ca.Function, names: Sequence[str], results: int
+) -> tuple[ProgramBlock, dict[int, str]]:
+    """Read a function whose results are followed by values that only have names."""
+    _check(function)
+    size = sum(function.numel_in(i) for i in range(function.n_in()))
     builder = BlockBuilder(size)
-    values = inline(builder, law.function, range(size))
-    kept = len(law.state) + len(law.outputs)
-    names: dict[int, str] = {}
-    for value, signal in zip(values[kept:], law.intermediates, strict=True):
+    values = inline(builder, function, range(size))
+    named: dict[int, str] = {}
+    for value, name in zip(values[results:], names, strict=True):
         if value >= size:
-            names.setdefault(value, signal.name)
-    block = builder.finish(values[:kept])
-    return Program(law.name, law.state, law.inputs, law.parameters, law.outputs, block, names)
+            named.setdefault(value, name)
+    return builder.finish(values[:results]), named
+
+
+def _kept(builder: BlockBuilder, call: KeptCall, arguments: list[int]) -> list[int]:
+    """Append the call of a block."""
+    block = call.block
+    groups = (block.state, block.inputs)
+    function, between = function_of(block.name, groups, block.outputs, block.equations)
+    names = [signal.name for signal in between]
+    body, named = _block(function, names, len(block.state) + len(block.outputs))
+    program = Program(
+        block.name, block.state, block.inputs, (), block.outputs, body, named, block.description
+    )
+    return list(builder.call(program, call.instance, arguments))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -62,6 +62,8 @@ class StepLaw:
         What it computes, a line each, for its reader.
     blocks : tuple
         What it was joined from, for who draws or tabulates it.
+    equations : callable or None
+        What the function was made of; None where it is no expression.
 
     Examples
     --------
@@ -90,6 +92,7 @@ class StepLaw:
     function: ca.Function
     description: tuple[str, ...] = ()
     blocks: tuple[Any, ...] = ()
+    equations: Callable[[Symbols], Equations] | None = field(default=None, repr=False)
 
 
 def step_law(
@@ -138,12 +141,55 @@ def step_law(
     """
     inputs, parameters = tuple(inputs), tuple(parameters)
     state, outputs = tuple(state), tuple(outputs)
-    groups = [[entry.name for entry in group] for group in (state, inputs, parameters)]
+    function, intermediates = function_of(name, (state, inputs, parameters), outputs, equations)
+    return StepLaw(
+        name,
+        inputs,
+        parameters,
+        state,
+        outputs,
+        intermediates,
+        function,
+        tuple(description),
+        tuple(blocks),
+        equations,
+    )
+
+
+def function_of(
+    name: str,
+    arguments: Sequence[Sequence[Signal | DelayRing]],
+    outputs: Sequence[Signal],
+    equations: Callable[[Symbols], Equations],
+) -> tuple[ca.Function, tuple[Signal, ...]]:
+    """Return equations as an SX function, and the values on the way that they name.
+
+    Parameters
+    ----------
+    name : str
+    arguments : sequence of sequences
+        The state, then the other groups of arguments.
+    outputs : sequence of Signal
+    equations : callable
+
+    Raises
+    ------
+    ValueError
+        See `step_law`.
+
+    Examples
+    --------
+    >>> function, _ = function_of("halve", ([], [Signal("level")]), [Signal("half")],
+    ...                           lambda s: Equations({}, {"half": s["level"] / 2}))
+    >>> float(function([], [3.0])[1])
+    1.5
+    """
+    groups = [[entry.name for entry in group] for group in arguments]
     names = [entry for group in groups for entry in group]
     if len(set(names)) != len(names):
         clash = sorted({entry for entry in names if names.count(entry) > 1})
         raise ValueError(f"step law {name}: the names {clash} stand for more than one signal")
-    vectors = [ca.SX.sym(prefix, len(group)) for prefix, group in zip("xup", groups, strict=True)]
+    vectors = [ca.SX.sym(prefix, len(group)) for prefix, group in zip("xup", groups, strict=False)]
     symbols = {
         entry: vector[index]
         for vector, group in zip(vectors, groups, strict=True)
@@ -158,21 +204,10 @@ def step_law(
             _stack(name, "outputs", [signal.name for signal in outputs], written.outputs),
             ca.vertcat(*written.intermediates.values()),
         ],
-        ["state", "inputs", "parameters"],
+        ["state", "inputs", "parameters"][: len(vectors)],
         ["next_state", "outputs", "intermediates"],
     )
-    intermediates = tuple(Signal(entry) for entry in written.intermediates)
-    return StepLaw(
-        name,
-        inputs,
-        parameters,
-        state,
-        outputs,
-        intermediates,
-        function,
-        tuple(description),
-        tuple(blocks),
-    )
+    return function, tuple(Signal(entry) for entry in written.intermediates)
 
 
 def _stack(law: str, what: str, names: list[str], values: Mapping[str, Any]) -> ca.SX:

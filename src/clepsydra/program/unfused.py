@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from clepsydra.program.program import Block, Operation, Program, Statement
+from clepsydra.program.program import Block, Call, Operation, Program, Statement
 
 
 def without_fused(program: Program) -> Program:
@@ -30,4 +30,6 @@ def _block(block: Block) -> Block:
 def _statement(statement: Statement) -> Statement:
     if isinstance(statement, Operation):
         return replace(statement, fused=False)
+    if isinstance(statement, Call):
+        return replace(statement, program=without_fused(statement.program))
     return replace(statement, body=_block(statement.body))

@@ -78,7 +78,6 @@ def test_the_delay_is_rounded_up_to_whole_scans(period, delay, whole):
 def test_the_borders_of_ne_43(current, good, uncertain):
     loop = shelled_loop(1.0)
     outputs = loop.scan(measurement_1=current - 4.0)
-    assert loop.named["current_1"] == pytest.approx(current, abs=1e-14)
     word = read_status(int(outputs["status_1"]))
     assert ("sensor_fault" not in word, "sensor_uncertain" in word) == (good, uncertain)
     assert loop.state["good_measurement_1"] == (current - 4.0 if good else LEVEL.initial)
@@ -92,8 +91,10 @@ def test_uncertain_currents_control_on_for_ever():
 
 def test_the_range_is_that_of_the_signal_or_of_the_settings():
     loop = shelled_loop(1.0, PlantShell(ranges={"level_1": (-10.0, 30.0)}))
-    loop.scan(measurement_1=20.0)
-    assert loop.named["current_1"] == 4.0 + 16.0 * 30.0 / 40.0
+    # 3.6 and 21 mA of 40 V over 16 mA, from -10 V.
+    for value, good in ((-11.01, False), (-10.99, True), (32.49, True), (32.51, False)):
+        told = read_status(int(loop.scan(measurement_1=value)["status_1"]))
+        assert ("sensor_fault" not in told) == good
 
 
 def test_a_fault_of_another_kind_is_still_the_same_fault():
@@ -114,7 +115,7 @@ def test_a_range_of_no_width_is_a_fault_and_divides_nothing():
     loop = shelled_loop(1.0)
     loop.values["range_high_1"] = loop.values["range_low_1"]
     outputs = loop.scan()
-    assert loop.named["current_1"] == 0.0
+    assert all(math.isfinite(value) for value in loop.state.values())
     assert "sensor_fault" in read_status(int(outputs["status_1"]))
 
 

@@ -35,25 +35,25 @@ def test_one_scan_of_a_million_leaves_nothing_behind():
 def test_the_ends_of_the_range(mode, asked, followed):
     loop = shelled_loop(1.0)
     outputs = loop.scan(setpoint_1=asked, mode_1=mode)
-    assert loop.named["setpoint_used_1"] == followed
+    assert loop.state["ramped_setpoint_1"] == followed
     assert ("setpoint_limited" in bits(outputs)) == (asked != followed)
 
 
 def test_the_range_is_that_of_the_transmitter_also_the_other_way_round():
     loop = shelled_loop(1.0, PlantShell(ranges={"level_1": (2.0, 12.0)}))
     loop.scan(setpoint_1=1.0)
-    assert loop.named["setpoint_used_1"] == 2.0
+    assert loop.state["ramped_setpoint_1"] == 2.0
     loop.values |= {"range_low_1": 12.0, "range_high_1": 2.0}
     for asked, followed in ((1.0, 2.0), (7.0, 7.0), (20.0, 12.0)):
         loop.scan(setpoint_1=asked)
-        assert loop.named["setpoint_used_1"] == followed
+        assert loop.state["ramped_setpoint_1"] == followed
 
 
 def test_a_signal_without_a_range_leaves_every_setpoint():
     boundless = replace(LEVEL, low=float("-inf"), high=float("inf"))
     loop = shelled_loop(1.0, level=boundless)
     assert "setpoint_limited" not in bits(loop.scan(setpoint_1=1e6))
-    assert loop.named["setpoint_used_1"] == 1e6
+    assert loop.state["ramped_setpoint_1"] == 1e6
     above = shelled_loop(1.0, level=replace(LEVEL, high=float("inf")))
     assert "setpoint_limited" in bits(above.scan(setpoint_1=-1.0))
 

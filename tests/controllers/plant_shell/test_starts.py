@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 from scan_rig import at_rest, designed
@@ -11,6 +12,7 @@ from shell_rig import shelled_loop
 from clepsydra import Kernel
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.controllers.plant_shell.start import START
 from clepsydra.controllers.plant_shell.status import read_status
 from clepsydra.program.delay_ring import DelayRing
 
@@ -161,19 +163,25 @@ def test_a_start_that_is_held_acts_once(start):
 
 
 def test_only_a_change_of_start_to_one_or_two_is_a_start():
-    loop = shelled_loop(1.0)
+    state = {"scans_since_start": 7, "last_start": 0, "last_acknowledge": 0}
     cases = [(1, "warm"), (1, ""), (2, "cold"), (2, ""), (2, ""), (1, "warm"), (0, ""),
              (2, "cold"), (0, ""), (3, ""), (1, "warm"), (-1, ""), (2, "cold")]  # fmt: skip
     for start, kind in cases:
-        loop.scan(start=start)
-        found = (loop.named["warm_start"], loop.named["cold_start"])
-        assert found == (kind == "warm", kind == "cold"), (start, kind)
+        found = START(
+            "start",
+            {"start": ca.DM(start), "longest_delay": ca.DM(1), "acknowledge": ca.DM(0)},
+            state,
+        )
+        told = {name: bool(ca.evalf(value)) for name, value in found.outputs.items()}
+        assert (told["warm"], told["cold"]) == (kind == "warm", kind == "cold"), (start, kind)
+        state = {name: ca.evalf(value) for name, value in found.next_state.items()}
 
 
 def test_the_first_scan_of_a_new_block_may_be_a_start():
     loop = shelled_loop(1.0)
     outputs = loop.scan(start=1, setpoint_1=9.0)
-    assert loop.named["warm_start"] == 1.0 and outputs["manipulated_1"] == 3.0
+    assert "following" in read_status(int(outputs["status_1"]))
+    assert outputs["manipulated_1"] == 3.0
     assert shelled_loop(1.0).scan(setpoint_1=9.0)["manipulated_1"] != 3.0
 
 

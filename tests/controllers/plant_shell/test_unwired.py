@@ -29,7 +29,8 @@ def test_nothing_wired_is_a_fault_and_the_fail_safe_value():
         expected = {"sensor_fault", "invalid_time_step"}
         assert expected <= told(outputs) and "automatic" not in told(outputs)
         assert ("failed_safe" in told(outputs)) == (scan >= 4)
-    assert block.named["current_1"] < 3.6
+    # 4 mA are 0 V, and 16 V are 16 mA.
+    assert block.inputs["measurement_1"] == -4.0
 
 
 ALL = {"measurement_1": 5.0, "sensor_1": 1.0, "mode_1": 1.0, "time_step": 1.0}

@@ -7,13 +7,16 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from fmus import VERSIONS, Imported, all_bits, cases, written
+from law_of_blocks import law_of_blocks
 from models import drawn, lqi_program, origin, pi_model, pi_program
 from plants import designed, plant
 
 from clepsydra import Kernel
+from clepsydra.deploy.c99.layout import state_names
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.fmi.controller import controller_model
-from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.program.entries import is_ring, signal_of
+from clepsydra.program.reader import structured_program_of
 
 SCANS = 1200
 
@@ -42,6 +45,7 @@ PROGRAMS = {
     "PI in its shell": lambda: shelled("simc", "quadruple-tank"),
     "fuzzy in its shell": lambda: shelled("fuzzy_pi", "three-tanks"),
     "Smith predictor": lambda: shelled("smith_predictor", "eight-tanks"),
+    "blocks": lambda: structured_program_of(law_of_blocks()),
 }
 
 
@@ -54,7 +58,8 @@ def test_every_bit_is_that_of_the_engine(name, version, tmp_path):
     inputs = drawn(program, SCANS, 5, period)
     expected = simulated(program, inputs)
     names = [s.name for s in program.outputs]
-    names += [entry.name for entry in program.state if not is_ring(entry)]
+    held = state_names(program)
+    names += [held[entry.name] for entry in program.state if not is_ring(entry)]
     fmu = Imported(path, tmp_path).initialise()
     found = np.empty_like(expected)
     for scan in range(SCANS):
@@ -87,23 +92,34 @@ def importing(request, paths):
         instance.close()
 
 
+#: States of the loop that moves the first pump.
+INTEGRAL, LAST_OUTPUT = "pump_1_loop.integral", "pump_1_loop.last_output"
 #: A setpoint above its measurement.
 STEP = {"setpoint_1": 6.3, "measurement_1": 6.0, "setpoint_2": 6.0, "measurement_2": 6.0}
+
+
+def test_a_state_has_the_name_of_the_instance_that_holds_it():
+    model = controller_model(structured_program_of(law_of_blocks()), origin("a process", 1.0))
+    kept = model.variable("pair.inner_filter.kept")
+    assert kept.member == "state.pair.inner_filter.kept" and kept.signal.initial == 0.5
+    # The filter's output is computed from the state before the scan.
+    outer = "pair.outer_filter"
+    assert model.variable("y").depends_on == (f"{outer}.kept", f"{outer}.scans", "cold", "most")
 
 
 def test_before_the_first_step_the_outputs_are_those_of_a_scan_that_leaves_no_trace(importing):
     fmu = importing()
     fmu.enter()
     fmu.set_all(STEP)
-    before = fmu.get("manipulated_1"), fmu.get("last_output_1")
+    before = fmu.get("manipulated_1"), fmu.get(LAST_OUTPUT)
     fmu.set(setpoint_1=6.2)
     assert fmu.get("manipulated_1") != before[0]
     fmu.set(setpoint_1=6.3)
     fmu.fmu.exitInitializationMode()
-    assert (fmu.get("manipulated_1"), fmu.get("last_output_1")) == before
+    assert (fmu.get("manipulated_1"), fmu.get(LAST_OUTPUT)) == before
     fmu.step(0.0, 1.0)
     assert fmu.get("manipulated_1") == before[0]
-    assert fmu.get("last_output_1") != before[1]
+    assert fmu.get(LAST_OUTPUT) != before[1]
 
 
 def test_outputs_hold_while_inputs_change_between_the_scans(importing):
@@ -130,7 +146,7 @@ def test_a_scan_runs_when_it_falls_due_however_the_steps_are_cut(importing):
             long.step(float(scan), 3.0)
     assert all(seen)
     assert long.get("manipulated_1") == whole.get("manipulated_1")
-    assert long.get("integral_1") == parts.get("integral_1") == whole.get("integral_1")
+    assert long.get(INTEGRAL) == parts.get(INTEGRAL) == whole.get(INTEGRAL)
 
 
 def test_parameters_are_set_before_the_start_and_tuned_later(importing):
@@ -160,12 +176,12 @@ def test_parameters_are_set_before_the_start_and_tuned_later(importing):
 
 def test_a_state_is_set_before_the_start_only(importing):
     fmu = importing()
-    fmu.set(last_output_1=4.0)
+    fmu.set_all({LAST_OUTPUT: 4.0})
     fmu.initialise()
-    assert fmu.get("last_output_1") == 4.0
+    assert fmu.get(LAST_OUTPUT) == 4.0
     with pytest.raises(FMICallException):
-        fmu.set(last_output_1=5.0)
-    assert fmu.get("last_output_1") == 4.0
+        fmu.set_all({LAST_OUTPUT: 5.0})
+    assert fmu.get(LAST_OUTPUT) == 4.0
     assert "cannot be set now" in fmu.said[-1]
 
 
@@ -174,7 +190,7 @@ def run_on(fmu: Imported, first: int, scans: int) -> list[list[float]]:
     for scan in range(first, first + scans):
         fmu.set(setpoint_1=6.0 + np.sin(scan), measurement_1=6.0)
         fmu.step(float(scan), 1.0)
-        found.append(fmu.get_all(["manipulated_1", "manipulated_2", "integral_1"]))
+        found.append(fmu.get_all(["manipulated_1", "manipulated_2", INTEGRAL]))
     return found
 
 

@@ -138,7 +138,12 @@ def test_outputs_of_co_simulation_hold_and_so_depend_on_nothing_between_steps(de
         assert all(unknown.dependencies == [] for unknown in description.outputs)
         first = description.initialUnknowns[0]
         names = {variable.name for variable in first.dependencies}
-        assert {"setpoint_1", "measurement_1", "integral_1", "proportional_gain_1"} <= names
+        assert {
+            "setpoint_1",
+            "measurement_1",
+            "pump_1_loop.integral",
+            "proportional_gain_1",
+        } <= names
         assert not names & {"setpoint_2", "proportional_gain_2"}
 
 

@@ -66,7 +66,8 @@ def test_a_decimal_becomes_the_nearest_single_number(bits, side):
     from fractions import Fraction
 
     low = np.uint32(bits).view(np.float32)
-    high = np.nextafter(low, np.float32(math.inf))
+    with np.errstate(over="ignore"):
+        high = np.nextafter(low, np.float32(math.inf))
     if not np.isfinite(high):
         return
     middle = (Fraction(float(low)) + Fraction(float(high))) / 2 + side * Fraction(1, 10**250)
@@ -94,6 +95,19 @@ def test_integers_stay_within_32_bits_and_divide_towards_zero():
     assert [law(n=n)["m"] for n in (3, 4, -8)] == [4, 0, -2]
     with pytest.raises(StructuredTextError, match="leaves DINT"):
         law(n=2**31 - 1)
+
+
+@given(st.integers(-50, 50), st.booleans())
+def test_integers_are_limited_and_selected(n, c):
+    law = block(
+        "m := LIMIT(-9, n, 9) - 2 * MAX(n, 3) + MIN(IN1 := n, IN2 := 4);\n"
+        "d := SEL(c, n < 0, n > 7);\ny := SEL(G := c, IN0 := a, IN1 := 2.0);\n"
+        "r := SEL(c, 0.5, DINT_TO_REAL(BOOL_TO_DINT(c)));"
+    )
+    found = law(n=n, c=c, a=0.1)
+    assert found["m"] == min(max(n, -9), 9) - 2 * max(n, 3) + min(n, 4)
+    assert found["d"] == (n > 7 if c else n < 0)
+    assert (found["y"], found["r"]) == ((2.0, 1.0) if c else (0.1, 0.5))
 
 
 def test_what_lives_between_calls_and_what_does_not():
@@ -156,7 +170,10 @@ REFUSED = {
     "r := LREAL#0.5 * p;": "LREAL * REAL",
     "y := 1;": "y is LREAL, the value DINT",
     "m := 1.0;": "m is DINT, the value LREAL",
-    "m := n - 1;": "- of DINT",
+    "m := n ** 2;": "** of DINT",
+    "m := MAX(n, 1.0);": "MAX of DINT, LREAL",
+    "y := SEL(c, n, a);": "SEL of BOOL, DINT, LREAL",
+    "m := LIMIT(MN := 0, MX := 9, IN := n);": "is no argument 2 of LIMIT",
     "y := z;": "z is not declared",
     "a := 1.0;": "a may not be written",
     "IF a THEN y := 1.0; END_IF;": "a condition of type LREAL",

@@ -3,15 +3,41 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
 
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.handover import Applied, Asked
 from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.mode import Mode
-from clepsydra.controllers.blocks.status import status_word
+from clepsydra.controllers.blocks.ports import called, numbered, truth
+from clepsydra.controllers.blocks.status import STATUS_WORD
 from clepsydra.controllers.blocks.validity import is_number, is_time_step
-from clepsydra.program.step_law import Symbols
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
+
+#: What a law or a block has for every output, beside what it asks for.
+OUTPUT_PORTS = (
+    Signal("mode", low=0.0, high=2.0, kind="integer", description="0 manual, 1 automatic, "
+           "2 tracking"),
+    Signal("manual", description="value in manual, in the unit of the output"),
+    Signal("tracking", description="value in tracking"),
+    Signal("low_limit"),
+    Signal("high_limit"),
+    Signal("time_step", "s", description="time since the last sample"),
+)  # fmt: skip
+#: `Asked`, as ports.
+ASKED = (
+    Signal("asked", description="in automatic, in the unit of the output"),
+    truth("usable", "what is asked for may be acted on"),
+    truth("numbers", "the signals behind it are numbers"),
+    truth("sensors", "their sensors are sound"),
+)
+RATE_LIMIT = Signal("rate_limit", description="largest rate of change, per second")
+LAST_OUTPUT = Signal("last_output", description="output of the last sample")
+#: What it tells of a sample: the conditions of the status word.
+TOLD = STATUS_WORD.inputs
 
 
 @dataclass(frozen=True)
@@ -27,7 +53,7 @@ class FinalElement:
     status : casadi.SX
         The status word.
     named : dict
-        Names for values on the way.
+        told_BIT_i, the conditions of the status word.
 
     Examples
     --------
@@ -43,13 +69,9 @@ class FinalElement:
 
 
 def final_element(
-    symbols: Symbols, number: int, asked: Asked, *, rate_limited: bool = False
+    symbols: Symbols, number: int, moved: Signal, asked: Asked, *, rate_limited: bool = False
 ) -> FinalElement:
-    """Write output `number`: what is asked for in automatic, else what its mode says.
-
-    In manual and tracking the output follows its value. Where an input that the mode uses is
-    unusable, the output is held: a failed sensor holds automatic, but an operator can still
-    move the output by hand. Limits hold in every mode, and so does the rate limit.
+    """Write output `number` of a law: an instance of `output_element` and its status word.
 
     Parameters
     ----------
@@ -58,6 +80,8 @@ def final_element(
         high_limit_i, rate_limit_i (where limited) and time_step.
     number : int
         i, from 1.
+    moved : Signal
+        The process input.
     asked : Asked
         In automatic.
     rate_limited : bool
@@ -70,59 +94,141 @@ def final_element(
     >>> symbols = {f"{name}_1": ca.DM(value) for name, value in given.items()}
     >>> true = ca.DM(1)
     >>> asked = Asked(ca.DM(12), true, true, true)
-    >>> element = final_element(symbols | {"time_step": true}, 1, asked)
+    >>> element = final_element(symbols | {"time_step": true}, 1, Signal("pump"), asked)
     >>> float(element.manipulated), float(ca.evalf(element.status))
     (10.0, 9.0)
     """
-    last_output, time_step = symbols[f"last_output_{number}"], symbols["time_step"]
-    mode, manual = symbols[f"mode_{number}"], symbols[f"manual_{number}"]
-    tracking = symbols[f"tracking_{number}"]
-    low, high = symbols[f"low_limit_{number}"], symbols[f"high_limit_{number}"]
+    block = output_element(rate_limited)
+    given = {**numbered(symbols, block.inputs, number), **asked_ports(asked)}
+    found = called(block, f"{moved.identifier}_output", given).outputs
+    manipulated = found["manipulated"]
+    applied = Applied(manipulated, found["controls"], found["follows"])
+    return FinalElement(manipulated, applied, *told(found, number, moved))
 
-    in_manual, in_automatic = mode == Mode.MANUAL, mode == Mode.AUTOMATIC
-    in_tracking = mode == Mode.TRACKING
-    time_step_good = is_time_step(time_step)
+
+def told(found: Symbols, number: int, moved: Signal) -> tuple[ca.SX, dict[str, ca.SX]]:
+    """Return the status word of output `number`, and its conditions told_BIT_i.
+
+    Parameters
+    ----------
+    found : mapping
+        The ports of `TOLD`; one that a block does not have does not hold.
+    number : int
+    moved : Signal
+
+    Examples
+    --------
+    >>> word, conditions = told({"told_tracking": ca.SX(1)}, 2, Signal("pump"))
+    >>> int(ca.evalf(word)), "told_automatic_2" in conditions
+    (2, True)
+    """
+    conditions = {signal.name: found.get(signal.name, ca.SX(0)) for signal in TOLD}
+    word = STATUS_WORD(f"{moved.identifier}_status", conditions, {}).outputs["status"]
+    return word, {f"{name}_{number}": value for name, value in conditions.items()}
+
+
+def asked_ports(asked: Asked) -> Symbols:
+    """Return what is asked for as ports of `output_element`.
+
+    Examples
+    --------
+    >>> true = ca.SX(1)
+    >>> list(asked_ports(Asked(ca.SX(3), true, true, true)))
+    ['asked', 'usable', 'numbers', 'sensors']
+    """
+    values = asked.value, asked.usable, asked.numbers, asked.sensors
+    return {signal.name: value for signal, value in zip(ASKED, values, strict=True)}
+
+
+@cache
+def output_element(rate_limited: bool = False) -> Block:
+    """Return the block of one output: what is asked for in automatic, else what its mode says.
+
+    In manual and tracking the output follows its value. Where an input that the mode uses is
+    unusable, the output is held: a failed sensor holds automatic, but an operator can still
+    move the output by hand. Limits hold in every mode, and so does the rate limit.
+
+    It has no state: the last output is given to it, since a law reads it too.
+
+    Parameters
+    ----------
+    rate_limited : bool
+
+    Examples
+    --------
+    >>> output_element(True).name, [signal.name for signal in output_element().outputs][:3]
+    ('rate_limited_output', ['controls', 'follows', 'manipulated'])
+    """
+    return Block(
+        "rate_limited_output" if rate_limited else "output_element",
+        (
+            *ASKED,
+            *OUTPUT_PORTS,
+            *([RATE_LIMIT] if rate_limited else []),
+            LAST_OUTPUT,
+        ),
+        (),
+        (
+            truth("controls", "what is asked for is in force"),
+            truth("follows", "the output moves by hand or tracking"),
+            *output_results(rate_limited),
+        ),
+        lambda s: _equations(s, rate_limited),
+        (
+            "Automatic takes what is asked for, manual and tracking their values, within the "
+            "limits; what is unusable holds the output.",
+        ),
+    )
+
+
+def output_results(rate_limited: bool = False) -> tuple[Signal, ...]:
+    """Return what a block that ends in an output gives: what stands, and what it can tell of it.
+
+    Examples
+    --------
+    >>> len(output_results(True)), len(output_results())
+    (9, 8)
+    """
+    stands = Signal("manipulated", description="what stands at the actuator")
+    return (stands, *(s for s in TOLD if rate_limited or s.name != "told_at_rate_limit"))
+
+
+def _equations(s: Symbols, rate_limited: bool) -> Equations:
+    last_output, low, high = s["last_output"], s["low_limit"], s["high_limit"]
+    in_manual, in_automatic = s["mode"] == Mode.MANUAL, s["mode"] == Mode.AUTOMATIC
+    in_tracking = s["mode"] == Mode.TRACKING
+    time_step_good = is_time_step(s["time_step"])
     # The last test meets parameters that were changed to something unusable at run time.
-    usable = ca.logic_and(ca.logic_and(asked.usable, time_step_good), is_number(asked.value))
+    usable = ca.logic_and(ca.logic_and(s["usable"], time_step_good), is_number(s["asked"]))
     controls = ca.logic_and(in_automatic, usable)
-    by_hand = ca.logic_and(in_manual, is_number(manual))
-    tracks = ca.logic_and(in_tracking, is_number(tracking))
+    by_hand = ca.logic_and(in_manual, is_number(s["manual"]))
+    tracks = ca.logic_and(in_tracking, is_number(s["tracking"]))
     follows = ca.logic_or(by_hand, tracks)
 
-    wanted = ca.if_else(tracks, tracking, last_output)
-    wanted = ca.if_else(by_hand, manual, wanted)
-    wanted = ca.if_else(controls, asked.value, wanted)
+    wanted = ca.if_else(tracks, s["tracking"], last_output)
+    wanted = ca.if_else(by_hand, s["manual"], wanted)
+    wanted = ca.if_else(controls, s["asked"], wanted)
     manipulated = limit(wanted, low, high)
-    hurried = ca.SX(0)
-    if rate_limited:
-        step = symbols[f"rate_limit_{number}"] * ca.if_else(time_step_good, time_step, 0)
-        slowed = limit(manipulated, last_output - step, last_output + step)
-        hurried = slowed != manipulated
-        manipulated = limit(slowed, low, high)
-    # A limit of minus infinity at run time is none that an actuator could be brought to.
-    manipulated = ca.if_else(is_number(manipulated), manipulated, last_output)
-
-    input_unusable = ca.logic_or(
-        ca.logic_not(asked.numbers), ca.logic_not(ca.logic_or(in_automatic, follows))
-    )
     conditions = {
         "automatic": in_automatic,
         "tracking": in_tracking,
-        "at_low_limit": manipulated <= low,
-        "at_high_limit": manipulated >= high,
-        "sensor_fault": ca.logic_not(asked.sensors),
-        "invalid_input": input_unusable,
+        "sensor_fault": ca.logic_not(s["sensors"]),
+        "invalid_input": ca.logic_or(
+            ca.logic_not(s["numbers"]), ca.logic_not(ca.logic_or(in_automatic, follows))
+        ),
         "invalid_time_step": ca.logic_not(time_step_good),
-        "at_rate_limit": hurried,
     }
-    named = {
-        f"in_automatic_{number}": in_automatic,
-        f"in_tracking_{number}": in_tracking,
-        f"controls_{number}": controls,
-        f"by_hand_{number}": by_hand,
-        f"follows_{number}": follows,
-        f"wanted_{number}": wanted,
-        "time_step_good": time_step_good,
-    }
-    applied = Applied(manipulated, controls, follows)
-    return FinalElement(manipulated, applied, status_word(conditions), named)
+    if rate_limited:
+        step = s["rate_limit"] * ca.if_else(time_step_good, s["time_step"], 0)
+        slowed = limit(manipulated, last_output - step, last_output + step)
+        conditions["at_rate_limit"] = slowed != manipulated
+        manipulated = limit(slowed, low, high)
+    # A limit of minus infinity at run time is none that an actuator could be brought to.
+    manipulated = ca.if_else(is_number(manipulated), manipulated, last_output)
+    conditions |= {"at_low_limit": manipulated <= low, "at_high_limit": manipulated >= high}
+    outputs = {"manipulated": manipulated, "controls": controls, "follows": follows}
+    return Equations(
+        {},
+        outputs | {f"told_{name}": value for name, value in conditions.items()},
+        {"by_hand": by_hand, "tracks": tracks, "wanted": wanted, "time_step_good": time_step_good},
+    )

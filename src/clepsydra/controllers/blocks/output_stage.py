@@ -4,13 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
 
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.controllers.blocks.final_element import final_element
-from clepsydra.controllers.blocks.handover import Asked, Limits
-from clepsydra.controllers.blocks.integral import IntegralAction
+from clepsydra.controllers.blocks.final_element import (
+    LAST_OUTPUT,
+    OUTPUT_PORTS,
+    asked_ports,
+    output_element,
+    output_results,
+    told,
+)
+from clepsydra.controllers.blocks.handover import Applied, Asked
+from clepsydra.controllers.blocks.integral import applied_ports, integral
+from clepsydra.controllers.blocks.ports import called, numbered, truth
+from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
 
@@ -24,8 +35,8 @@ class OutputStage:
         i, from 1.
     manipulated : casadi.SX
         The output, always a number within its limits.
-    integral : casadi.SX
-        The next value of the integral, always a number.
+    next_state : mapping
+        integral_i and last_output_i.
     status : casadi.SX
         The status word.
     intermediates : dict
@@ -33,14 +44,14 @@ class OutputStage:
 
     Examples
     --------
-    >>> stage = OutputStage(2, ca.SX(10), ca.SX(7), ca.SX(9), {})
+    >>> stage = OutputStage(2, ca.SX(10), {"integral_2": ca.SX(7)}, ca.SX(9), {})
     >>> float(ca.evalf(stage.manipulated)), stage.number
     (10.0, 2)
     """
 
     number: int
     manipulated: ca.SX
-    integral: ca.SX
+    next_state: dict[str, ca.SX]
     status: ca.SX
     intermediates: dict[str, ca.SX]
 
@@ -48,18 +59,16 @@ class OutputStage:
 def output_stage(
     symbols: Symbols,
     number: int,
+    moved: Signal,
     *,
     proportional: ca.SX,
     increment: ca.SX,
     signals_are_numbers: ca.SX,
     sensors_are_good: ca.SX,
     anti_windup: AntiWindup,
+    taken_up: ca.SX | None = None,
 ) -> OutputStage:
-    """Write the output stage of output `number`.
-
-    In automatic the output is proportional + integral, and the integral takes its increment
-    under the anti-windup rule (`blocks.integral`). The other modes, limits and faults are those
-    of every output (`blocks.final_element`).
+    """Write the output stage of output `number`: an instance of `output_stage_block`.
 
     Parameters
     ----------
@@ -68,6 +77,8 @@ def output_stage(
         low_limit_i, high_limit_i, tracking_time_i (back-calculation), time_step.
     number : int
         i, from 1.
+    moved : Signal
+        The process input.
     proportional : casadi.SX
         The part of the output that does not come from the integral, in its unit.
     increment : casadi.SX
@@ -75,6 +86,8 @@ def output_stage(
     signals_are_numbers, sensors_are_good : casadi.SX
         Whether the setpoints and measurements used are numbers, and their sensors sound.
     anti_windup : AntiWindup
+    taken_up : casadi.SX, optional
+        What the integral takes up of a change of gains, where the signals are valid.
 
     Examples
     --------
@@ -84,32 +97,88 @@ def output_stage(
     ...              high_limit=10)
     >>> symbols = {f"{name}_1": ca.DM(value) for name, value in given.items()}
     >>> true = ca.DM(1)
-    >>> stage = output_stage(symbols | {"time_step": true}, 1, proportional=ca.DM(5),
-    ...                      increment=ca.DM(1), signals_are_numbers=true, sensors_are_good=true,
-    ...                      anti_windup="conditional_integration")
-    >>> float(stage.manipulated), float(stage.integral), float(ca.evalf(stage.status))
-    (10.0, 7.0, 9.0)
+    >>> stage = output_stage(symbols | {"time_step": true}, 1, Signal("pump"),
+    ...                      proportional=ca.DM(5), increment=ca.DM(1), signals_are_numbers=true,
+    ...                      sensors_are_good=true, anti_windup="conditional_integration")
+    >>> float(stage.manipulated), stage.next_state["integral_1"], float(ca.evalf(stage.status))
+    (10.0, DM(7), 9.0)
     """
-    integral = symbols[f"integral_{number}"]
-    unlimited = proportional + integral
-    known = ca.logic_and(signals_are_numbers, sensors_are_good)
-    element = final_element(
-        symbols, number, Asked(unlimited, known, signals_are_numbers, sensors_are_good)
-    )
-    action = IntegralAction(
-        integral=integral,
-        proportional=proportional,
-        increment=increment,
-        known=known,
-        last_applied=symbols[f"last_output_{number}"],
-        anti_windup=anti_windup,
-        time_step=symbols["time_step"],
-        tracking_time=symbols.get(f"tracking_time_{number}"),
-        limits=Limits(symbols[f"low_limit_{number}"], symbols[f"high_limit_{number}"]),
-    )
-    named = {f"signals_known_{number}": known, f"unlimited_{number}": unlimited} | element.named
+    block = output_stage_block(anti_windup, takes_up=taken_up is not None)
+    given = {
+        **numbered(symbols, [*block.state, *block.inputs], number),
+        "proportional": proportional,
+        "increment": increment,
+        "numbers": signals_are_numbers,
+        "sensors": sensors_are_good,
+    }
+    if taken_up is not None:
+        given["taken_up"] = taken_up
+    found = called(block, f"{moved.identifier}_stage", given)
+    status, conditions = told(found.outputs, number, moved)
+    between = {f"{name}_{number}": value for name, value in found.intermediates.items()}
     return OutputStage(
-        number, element.manipulated, action.following(element.applied), element.status, named
+        number,
+        found.outputs["manipulated"],
+        {f"{name}_{number}": value for name, value in found.next_state.items()},
+        status,
+        {**between, **conditions},
+    )
+
+
+@cache
+def output_stage_block(anti_windup: AntiWindup, *, takes_up: bool = False) -> Block:
+    """Return the block of an output with an integral: proportional + integral in automatic.
+
+    The integral takes its increment under the anti-windup rule (`blocks.integral`). The other
+    modes, limits and faults are those of every output (`blocks.final_element`).
+
+    Parameters
+    ----------
+    anti_windup : AntiWindup
+    takes_up : bool
+        Whether it has the port taken_up.
+
+    Examples
+    --------
+    >>> [entry.name for entry in output_stage_block("none").state]
+    ['integral', 'last_output']
+    """
+    element, action = output_element(), integral(anti_windup)
+
+    def equations(s: Symbols) -> Equations:
+        known = ca.logic_and(s["numbers"], s["sensors"])
+        before = s["integral"]
+        if takes_up:
+            before = before + ca.if_else(known, s["taken_up"], 0)
+        unlimited = s["proportional"] + before
+        asked = asked_ports(Asked(unlimited, known, s["numbers"], s["sensors"]))
+        given = {**s, **asked, "integral": before, "known": known, "last_applied": s["last_output"]}
+        found = element("output_end", {p.name: given[p.name] for p in element.inputs}, {}).outputs
+        manipulated = found["manipulated"]
+        given |= applied_ports(Applied(manipulated, found["controls"], found["follows"]))
+        ended = called(action, "integral_action", given)
+        return Equations(
+            {"integral": ended.outputs["following"], "last_output": manipulated},
+            {signal.name: found[signal.name] for signal in output_results()},
+            {"signals_known": known, "unlimited": unlimited},
+        )
+
+    own = [p for p in action.inputs if p.name in ("tracking_time", "saturation_rate")]
+    return Block(
+        f"output_{action.name}{'_taking_up' if takes_up else ''}",
+        (
+            Signal("proportional", description="what does not come from the integral"),
+            Signal("increment", description="what the integral gains in automatic"),
+            *([Signal("taken_up", description="of a change of gains")] if takes_up else []),
+            truth("numbers", "the signals used are numbers"),
+            truth("sensors", "their sensors are sound"),
+            *OUTPUT_PORTS,
+            *own,
+        ),
+        (Signal("integral", description="integral part of the output"), LAST_OUTPUT),
+        output_results(),
+        equations,
+        ("The output is proportional + integral within its limits.",),
     )
 
 
@@ -124,17 +193,16 @@ def stage_equations(stages: Sequence[OutputStage], intermediates: Mapping[str, c
 
     Examples
     --------
-    >>> stage = OutputStage(1, ca.SX(10), ca.SX(7), ca.SX(9), {"unlimited_1": ca.SX(12)})
+    >>> stage = OutputStage(1, ca.SX(10), {"integral_1": ca.SX(7)}, ca.SX(9), {})
     >>> equations = stage_equations([stage], {"error_1": ca.SX(3)})
     >>> sorted(equations.next_state), sorted(equations.outputs), sorted(equations.intermediates)
-    (['integral_1', 'last_output_1'], ['manipulated_1', 'status_1'], ['error_1', 'unlimited_1'])
+    (['integral_1'], ['manipulated_1', 'status_1'], ['error_1'])
     """
     next_state: dict[str, ca.SX] = {}
     outputs: dict[str, ca.SX] = {}
     named = dict(intermediates)
     for stage in stages:
-        next_state[f"integral_{stage.number}"] = stage.integral
-        next_state[f"last_output_{stage.number}"] = stage.manipulated
+        next_state |= stage.next_state
         outputs[f"manipulated_{stage.number}"] = stage.manipulated
         outputs[f"status_{stage.number}"] = stage.status
         named |= stage.intermediates

@@ -5,14 +5,17 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.ports import called, truth
 from clepsydra.controllers.blocks.validity import is_number, is_time_step
-from clepsydra.program.step_law import Symbols
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
 
 #: Fewer points make no table, more make one that nobody checks.
 FEWEST_POINTS, MOST_POINTS = 2, 15
@@ -113,8 +116,8 @@ class Schedule:
         """Return scheduling_variable."""
         return [signals.like(self.signal, "scheduling_variable", f"{self.shown}, filtered")]
 
-    def followed(self, symbols: Symbols) -> ca.SX:
-        """Return the scheduling variable of this sample.
+    def followed(self, symbols: Symbols) -> Equations:
+        """Return the scheduling variable of this sample as the output followed.
 
         Parameters
         ----------
@@ -126,20 +129,16 @@ class Schedule:
         >>> schedule = Schedule("setpoint_1", Signal("level_1", "V"), 2)
         >>> numbers = dict(setpoint_1=8.0, scheduling_variable=4.0, schedule_filter_time=3.0,
         ...                time_step=1.0)
-        >>> float(schedule.followed({name: ca.DM(value) for name, value in numbers.items()}))
+        >>> found = schedule.followed({name: ca.DM(value) for name, value in numbers.items()})
+        >>> float(found.outputs["followed"])
         5.0
         """
-        raw, last = symbols[self.variable], symbols["scheduling_variable"]
-        time_step = symbols["time_step"]
-        usable = ca.logic_and(is_number(raw), is_time_step(time_step))
         sensor = self.variable.replace("measurement_", "sensor_")
+        given = {**symbols, "asked": symbols[self.variable]}
         if sensor != self.variable:
-            usable = ca.logic_and(usable, symbols[sensor])
-        step = ca.if_else(usable, time_step, 1)
-        filter_time = ca.fmax(symbols["schedule_filter_time"], 0)
-        moved = last + (raw - last) * (step / (filter_time + step))
-        taken = ca.logic_and(usable, is_number(moved))
-        return ca.if_else(taken, moved, last)
+            given["sensor"] = symbols[sensor]
+        block = _schedule_filter(sensor != self.variable)
+        return called(block, "schedule_filter", given)
 
     def interpolated(self, symbols: Symbols, at: ca.SX, names: Sequence[str]) -> dict[str, ca.SX]:
         """Return the scheduled parameters at a value of the scheduling variable.
@@ -164,15 +163,79 @@ class Schedule:
         >>> float(schedule.interpolated(symbols, ca.DM(3.0), ["gain"])["gain"])
         12.5
         """
-        points = [symbols[f"schedule_point_{k}"] for k in range(1, self.points + 1)]
-        found = {name: symbols[f"{name}_at_1"] for name in names}
-        for k, (low, high) in enumerate(itertools.pairwise(points), start=1):
-            rises = high > low
-            share = (at - low) / ca.if_else(rises, high - low, 1)
-            within = ca.logic_and(rises, at > low)
-            beyond = at >= high
-            for name in names:
-                first, last = symbols[f"{name}_at_{k}"], symbols[f"{name}_at_{k + 1}"]
-                here = ca.if_else(beyond, last, first + share * (last - first))
-                found[name] = ca.if_else(within, here, found[name])
+        points = {f"point_{k}": symbols[f"schedule_point_{k}"] for k in self._numbers}
+        block = _table(self.points)
+        found = {}
+        for name in names:
+            values = {f"value_{k}": symbols[f"{name}_at_{k}"] for k in self._numbers}
+            given = {**points, **values, "place": at}
+            found[name] = called(block, f"{name}_table", given).outputs["value"]
         return found
+
+    @property
+    def _numbers(self) -> range:
+        return range(1, self.points + 1)
+
+
+@cache
+def _schedule_filter(sensed: bool) -> Block:
+    """Return the block that follows a scheduling variable: one that is measured has a sensor."""
+
+    def equations(s: Symbols) -> Equations:
+        raw, last, time_step = s["asked"], s["scheduling_variable"], s["time_step"]
+        usable = ca.logic_and(is_number(raw), is_time_step(time_step))
+        if sensed:
+            usable = ca.logic_and(usable, s["sensor"])
+        step = ca.if_else(usable, time_step, 1)
+        filter_time = ca.fmax(s["schedule_filter_time"], 0)
+        moved = last + (raw - last) * (step / (filter_time + step))
+        taken = ca.logic_and(usable, is_number(moved))
+        found = ca.if_else(taken, moved, last)
+        return Equations({"scheduling_variable": found}, {"followed": found})
+
+    return Block(
+        "measured_schedule_filter" if sensed else "schedule_filter",
+        (
+            Signal("asked", description="what the scheduling variable follows"),
+            *([truth("sensor", "its sensor is sound")] if sensed else []),
+            Signal("schedule_filter_time", "s"),
+            Signal("time_step", "s"),
+        ),
+        (Signal("scheduling_variable"),),
+        (Signal("followed", description="the scheduling variable of this sample"),),
+        equations,
+        ("The scheduling variable, filtered; it stays where it is not known.",),
+    )
+
+
+@cache
+def _table(count: int) -> Block:
+    """Return the block of a table over so many points."""
+
+    def equations(s: Symbols) -> Equations:
+        points, values = (
+            [s[f"{what}_{k}"] for k in range(1, count + 1)] for what in ("point", "value")
+        )
+        found = values[0]
+        for (low, high), (first, last) in zip(
+            itertools.pairwise(points), itertools.pairwise(values), strict=True
+        ):
+            rises = high > low
+            share = (s["place"] - low) / ca.if_else(rises, high - low, 1)
+            within = ca.logic_and(rises, s["place"] > low)
+            here = ca.if_else(s["place"] >= high, last, first + share * (last - first))
+            found = ca.if_else(within, here, found)
+        return Equations({}, {"value": found})
+
+    return Block(
+        f"table_of_{count}_points",
+        (
+            Signal("place", description="where it is read"),
+            *(Signal(f"point_{k}") for k in range(1, count + 1)),
+            *(Signal(f"value_{k}") for k in range(1, count + 1)),
+        ),
+        (),
+        (Signal("value"),),
+        equations,
+        ("Straight lines between points, and the end values beyond.",),
+    )

@@ -7,6 +7,11 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.ports import truth
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations
+
 
 @dataclass(frozen=True)
 class StatusBit:
@@ -38,13 +43,17 @@ STATUS_BITS: dict[str, StatusBit] = {
 }
 
 
-def status_word(conditions: Mapping[str, ca.SX]) -> ca.SX:
+def status_word(
+    conditions: Mapping[str, ca.SX], bits: Mapping[str, StatusBit] = STATUS_BITS
+) -> ca.SX:
     """Return the sum of the bits whose condition holds.
 
     Parameters
     ----------
     conditions : mapping
-        Every name of `STATUS_BITS` to a truth value.
+        Every name of a bit to a truth value.
+    bits : mapping
+        Name to bit.
 
     Examples
     --------
@@ -53,9 +62,19 @@ def status_word(conditions: Mapping[str, ca.SX]) -> ca.SX:
     17
     """
     word = ca.SX(0)
-    for name, bit in STATUS_BITS.items():
+    for name, bit in bits.items():
         word = word + ca.if_else(conditions[name], bit.value, 0)
     return word
+
+
+#: The block that makes it of the conditions told_BIT.
+STATUS_WORD = Block(
+    "status_word",
+    tuple(truth(f"told_{name}", bit.meaning) for name, bit in STATUS_BITS.items()),
+    (),
+    (Signal("status", low=0.0, high=255.0, kind="integer", description="sum of the bits"),),
+    lambda s: Equations({}, {"status": status_word({n: s[f"told_{n}"] for n in STATUS_BITS})}),
+)
 
 
 def read_status(word: int) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.output_stage import OutputStage, output_stage
 from clepsydra.program.step_law import Symbols
@@ -42,6 +43,7 @@ class Feedback(NamedTuple):
 
 def varying_lqi(
     symbols: Symbols,
+    moved: Sequence[Signal],
     feedback: Feedback,
     gains: Gains,
     former: Gains | None,
@@ -59,6 +61,8 @@ def varying_lqi(
     ----------
     symbols : mapping
         integral_i, bias_i, time_step and what `blocks.output_stage` reads.
+    moved : sequence of Signal [m]
+        The process inputs.
     feedback : Feedback
     gains, former : sequence of sequences [m][n]
         F in this sample and in the last one; None where F never changes.
@@ -81,33 +85,33 @@ def varying_lqi(
     >>> symbols = {f"{name}_1": ca.DM(value) for name, value in given.items()}
     >>> true = ca.DM(1)
     >>> stages, _ = varying_lqi(
-    ...     symbols | {"time_step": true}, Feedback([ca.DM(3)], [ca.DM(0)], true, true),
-    ...     [[ca.DM(2)]], [[ca.DM(1)]], [[ca.DM(1)]], "none")
-    >>> float(stages[0].manipulated), float(stages[0].integral)
+    ...     symbols | {"time_step": true}, [Signal("pump")],
+    ...     Feedback([ca.DM(3)], [ca.DM(0)], true, true), [[ca.DM(2)]], [[ca.DM(1)]],
+    ...     [[ca.DM(1)]], "none")
+    >>> float(stages[0].manipulated), float(stages[0].next_state["integral_1"])
     (1.0, 7.0)
     """
-    known = ca.logic_and(feedback.numbers, feedback.sensors)
     stages, named = [], {f"error_{j}": e for j, e in enumerate(feedback.errors, start=1)}
     for place, (row, integral_row) in enumerate(zip(gains, integral_gains, strict=True)):
         i = place + 1
         fed_back = _sum(row, feedback.state)
         rate = _sum(integral_row, feedback.errors)
         named |= {f"fed_back_{i}": fed_back, f"integral_rate_{i}": rate}
-        own: Symbols = symbols
+        taken_up = None
         if former is not None:
             taken_up = fed_back - _sum(former[place], feedback.state)
-            integral = symbols[f"integral_{i}"]
-            own = {**symbols, f"integral_{i}": integral + ca.if_else(known, taken_up, 0)}
             named[f"taken_up_{i}"] = taken_up
         stages.append(
             output_stage(
-                own,
+                symbols,
                 i,
+                moved[place],
                 proportional=symbols[f"bias_{i}"] - fed_back,
                 increment=symbols["time_step"] * rate,
                 signals_are_numbers=feedback.numbers,
                 sensors_are_good=feedback.sensors,
                 anti_windup=anti_windup,
+                taken_up=taken_up,
             )
         )
     return stages, named

@@ -15,8 +15,8 @@ from clepsydra.controllers.blocks.anti_windup import tracking_share
 from clepsydra.controllers.blocks.derivative import filtered_derivative
 from clepsydra.controllers.blocks.error_shape import gap_error
 from clepsydra.controllers.blocks.final_element import FinalElement, final_element
-from clepsydra.controllers.blocks.handover import Asked, Limits
-from clepsydra.controllers.blocks.integral import IntegralAction
+from clepsydra.controllers.blocks.handover import Asked
+from clepsydra.controllers.blocks.integral import applied_ports, integral
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step, value_or_zero
 from clepsydra.controllers.fuzzy.inference import Centroid, surface
 from clepsydra.controllers.fuzzy.kinds import FuzzyInput, FuzzyOutput, followed_measurements
@@ -295,21 +295,21 @@ class _Writer:
         element = final_element(
             symbols,
             j,
+            self.manipulated[j - 1],
             Asked(asked, usable, numbers, sensors),
             rate_limited=output.rate_limited,
         )
         if position:
             share = tracking_share(time_step, symbols[f"fading_time_{j}"])
-            fading = IntegralAction(
-                integral=symbols[f"offset_{j}"],
-                proportional=wish,
-                increment=-share * symbols[f"offset_{j}"],
-                known=usable,
-                last_applied=last,
-                anti_windup="conditional_integration",
-                time_step=symbols["time_step"],
-                tracking_time=None,
-                limits=Limits(symbols[f"low_limit_{j}"], symbols[f"high_limit_{j}"]),
-            )
-            state[f"offset_{j}"] = fading.following(element.applied)
+            fading = {
+                "integral": symbols[f"offset_{j}"],
+                "proportional": wish,
+                "increment": -share * symbols[f"offset_{j}"],
+                "known": usable,
+                "last_applied": last,
+                **applied_ports(element.applied),
+            }
+            name = f"{self.manipulated[j - 1].identifier}_offset"
+            found = integral("conditional_integration")(name, fading, {})
+            state[f"offset_{j}"] = found.outputs["following"]
         return element

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import casadi as ca
 import numpy as np
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.ports import called, truth
 from clepsydra.controllers.blocks.validity import is_number, is_time_step
 from clepsydra.controllers.observers.structure import ObserverStructure
-from clepsydra.program.step_law import Symbols
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
+
+_BEFORE, _HELD, _BESIDE = "a sample before", "held for a sample", "not as estimated"
 
 
 def observer_parameters(
@@ -32,10 +36,10 @@ def observer_parameters(
     """
     estimated = structure.estimated
     return [
-        *_numbers("transition", structure.transition, estimated, estimated, "a sample before"),
-        *_numbers("input_effect", structure.moved, estimated, manipulated, "held for a sample"),
+        *_numbers("transition", structure.transition, estimated, estimated, _BEFORE),
+        *_numbers("input_effect", structure.moved, estimated, manipulated, _HELD),
         *_numbers("observation", structure.shown, measured, estimated, "at once"),
-        *_numbers("correction", structure.corrected, estimated, measured, "not as estimated"),
+        *_numbers("correction", structure.corrected, estimated, measured, _BESIDE),
     ]
 
 
@@ -59,58 +63,28 @@ def observer_state(structure: ObserverStructure) -> list[Signal]:
     ]
 
 
-def surprises(
+def corrected(
     symbols: Symbols,
     structure: ObserverStructure,
+    measured: Sequence[Signal],
     deviations: Sequence[ca.SX],
     measurements_known: ca.SX,
-) -> list[ca.SX]:
-    """Return y − C x̂: what the measurements of this sample show that was not expected.
+) -> tuple[list[ca.SX], list[ca.SX]]:
+    """Return x̂ + M (y − C x̂), the estimate with the measurements of this sample, and y − C x̂.
 
-    Where a measurement is unusable there is none, and the observer goes on with what the
-    inputs do.
+    Where a measurement is unusable there is no surprise, and the observer goes on with what the
+    inputs do. It is the block observer_correction.
 
     Parameters
     ----------
     symbols : mapping
-        estimate_j, observation_j_k.
+        estimate_j, observation_j_k, correction_j_k.
     structure : ObserverStructure
+    measured : sequence of Signal
     deviations : sequence of casadi.SX
         y, each measurement less its value at the operating point.
     measurements_known : casadi.SX
         Whether all are numbers from sound sensors.
-
-    Examples
-    --------
-    >>> yes = np.ones((1, 1), bool)
-    >>> structure = ObserverStructure((Signal("tank.level", "m"),), yes, yes, yes, yes)
-    >>> numbers = dict(estimate_1=ca.DM(2), observation_1_1=ca.DM(50))
-    >>> float(surprises(numbers, structure, [ca.DM(110)], ca.DM(1))[0])
-    10.0
-    """
-    expected = [symbols[f"estimate_{j}"] for j in range(1, structure.size + 1)]
-    return [
-        ca.if_else(
-            measurements_known,
-            deviation - _row(symbols, "observation", structure.shown, j, expected),
-            0,
-        )
-        for j, deviation in enumerate(deviations)
-    ]
-
-
-def corrected_estimate(
-    symbols: Symbols, structure: ObserverStructure, surprise: Sequence[ca.SX]
-) -> list[ca.SX]:
-    """Return x̂ + M (y − C x̂): the estimate with the measurement of this sample.
-
-    Parameters
-    ----------
-    symbols : mapping
-        estimate_j, correction_j_k.
-    structure : ObserverStructure
-    surprise : sequence of casadi.SX
-        y − C x̂
 
     References
     ----------
@@ -122,35 +96,68 @@ def corrected_estimate(
 
     >>> yes = np.ones((1, 1), bool)
     >>> structure = ObserverStructure((Signal("tank.level", "m"),), yes, yes, yes, yes)
-    >>> numbers = dict(estimate_1=ca.DM(2), correction_1_1=ca.DM(0.5))
-    >>> float(corrected_estimate(numbers, structure, [ca.DM(0.5)])[0])
-    2.25
+    >>> numbers = dict(estimate_1=ca.DM(2), observation_1_1=ca.DM(1), correction_1_1=ca.DM(0.5))
+    >>> found = corrected(numbers, structure, [Signal("level", "m")], [ca.DM(2.5)], ca.DM(1))
+    >>> float(found[0][0]), float(found[1][0])
+    (2.25, 0.5)
     """
-    return [
-        symbols[f"estimate_{j + 1}"] + _row(symbols, "correction", structure.corrected, j, surprise)
-        for j in range(structure.size)
+    shown = _counted("deviation", measured, "less its value at the operating point")
+    estimates = _counted("corrected", structure.estimated, "with the measurements of the sample")
+    block = Block(
+        "observer_correction",
+        (
+            *observer_state(structure),
+            *shown,
+            truth("known", "the measurements are numbers from sound sensors"),
+            *_numbers("observation", structure.shown, measured, structure.estimated, "at once"),
+            *_numbers("correction", structure.corrected, structure.estimated, measured, _BESIDE),
+        ),
+        (),
+        (*estimates, *_counted("surprise", measured, "less what was expected")),
+        lambda s: _correction(s, structure, [s[signal.name] for signal in shown]),
+        ("The estimate with the measurements: x + M (y - C x).",),
+    )
+    values = {signal.name: value for signal, value in zip(shown, deviations, strict=True)}
+    given = {**symbols, **values, "known": measurements_known}
+    found = list(called(block, "observer_correction", given).outputs.values())
+    return found[: structure.size], found[structure.size :]
+
+
+def _correction(s: Symbols, structure: ObserverStructure, deviations: Sequence[ca.SX]) -> Equations:
+    expected = [s[f"estimate_{j}"] for j in range(1, structure.size + 1)]
+    surprise = [
+        ca.if_else(s["known"], value - _row(s, "observation", structure.shown, j, expected), 0)
+        for j, value in enumerate(deviations)
     ]
+    found = {
+        f"corrected_{j + 1}": value + _row(s, "correction", structure.corrected, j, surprise)
+        for j, value in enumerate(expected)
+    }
+    return Equations({}, found | {f"surprise_{j}": e for j, e in enumerate(surprise, start=1)})
 
 
-def expected_next(
+def predicted(
     symbols: Symbols,
     structure: ObserverStructure,
-    corrected: Sequence[ca.SX],
+    manipulated: Sequence[Signal],
+    estimate: Sequence[ca.SX],
     moves: Sequence[ca.SX],
-) -> dict[str, ca.SX]:
+) -> Mapping[str, ca.SX]:
     """Return estimate_j of the next sample: Φ x̂ + Γ (u − u°).
 
     u is what was really given out, after mode, limits and hold, so that neither an operator's
     hand nor saturation misleads the observer. Φ and Γ are those of one sampling period. In a
-    sample whose time step is unusable, or where numbers run over, the estimate stays.
+    sample whose time step is unusable, or where numbers run over, the estimate stays. It is the
+    block observer_prediction.
 
     Parameters
     ----------
     symbols : mapping
         estimate_j, transition_j_k, input_effect_j_i, time_step.
     structure : ObserverStructure
-    corrected : sequence of casadi.SX
-        The corrected estimate.
+    manipulated : sequence of Signal
+    estimate : sequence of casadi.SX
+        The corrected one.
     moves : sequence of casadi.SX
         u − u°, each input less its value at the operating point.
 
@@ -160,18 +167,53 @@ def expected_next(
     >>> structure = ObserverStructure((Signal("tank.level", "m"),), yes, yes, yes, yes)
     >>> numbers = dict(estimate_1=ca.SX(2), transition_1_1=ca.SX(0.5), input_effect_1_1=ca.SX(3),
     ...                time_step=ca.SX(1))
-    >>> float(ca.evalf(expected_next(numbers, structure, [ca.SX(4)], [ca.SX(0.1)])["estimate_1"]))
+    >>> found = predicted(numbers, structure, [Signal("pump", "V")], [ca.SX(4)], [ca.SX(0.1)])
+    >>> float(ca.evalf(found["estimate_1"]))
     2.3
     """
-    goes_on = is_time_step(symbols["time_step"])
+    estimated = structure.estimated
+    before = _counted("corrected", estimated, "with the measurements of the sample")
+    moved = _counted("move", manipulated, "less its value at the operating point")
+    block = Block(
+        "observer_prediction",
+        (
+            *before,
+            *moved,
+            Signal("time_step", "s"),
+            *_numbers("transition", structure.transition, estimated, estimated, _BEFORE),
+            *_numbers("input_effect", structure.moved, estimated, manipulated, _HELD),
+        ),
+        tuple(observer_state(structure)),
+        (),
+        lambda s: _prediction(s, structure, *([s[p.name] for p in ps] for ps in (before, moved))),
+        ("The estimate of the next sample: Phi x + Gamma (u - u0), u as it was applied.",),
+    )
+    ports = [*before, *moved]
+    values = {signal.name: v for signal, v in zip(ports, [*estimate, *moves], strict=True)}
+    return called(block, "observer_prediction", {**symbols, **values}).next_state
+
+
+def _prediction(
+    s: Symbols,
+    structure: ObserverStructure,
+    corrected: Sequence[ca.SX],
+    moves: Sequence[ca.SX],
+) -> Equations:
+    goes_on = is_time_step(s["time_step"])
     following = {}
     for j, before in enumerate(corrected):
-        value = _row(symbols, "transition", structure.transition, j, corrected)
-        value = value + _row(symbols, "input_effect", structure.moved, j, moves)
-        kept = symbols[f"estimate_{j + 1}"]
+        value = _row(s, "transition", structure.transition, j, corrected)
+        value = value + _row(s, "input_effect", structure.moved, j, moves)
         usable = ca.logic_and(goes_on, ca.logic_and(is_number(value), is_number(before)))
-        following[f"estimate_{j + 1}"] = ca.if_else(usable, value, kept)
-    return following
+        following[f"estimate_{j + 1}"] = ca.if_else(usable, value, s[f"estimate_{j + 1}"])
+    return Equations(following, {})
+
+
+def _counted(name: str, signals: Sequence[Signal], when: str) -> list[Signal]:
+    return [
+        Signal(f"{name}_{j}", signal.unit, description=f"{signal.name}, {when}")
+        for j, signal in enumerate(signals, start=1)
+    ]
 
 
 def observer_values(

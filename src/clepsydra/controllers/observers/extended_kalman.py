@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
@@ -11,6 +11,7 @@ import casadi as ca
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.ports import called, port, truth
 from clepsydra.controllers.blocks.sampled_matrices import (
     from_upper_triangle,
     sampled_expressions,
@@ -21,8 +22,9 @@ from clepsydra.controllers.observers.measured_state import KnownState
 from clepsydra.controllers.process_equations import NEARLY_EMPTY, ProcessEquations, model_parameter
 from clepsydra.engine.runge_kutta import runge_kutta_step
 from clepsydra.linear.process_symbols import Constant
+from clepsydra.program.block import Block
 from clepsydra.program.counted_loop import counted_loop
-from clepsydra.program.step_law import Symbols
+from clepsydra.program.step_law import Equations, Symbols
 
 #: More states make a law that nobody can read or check on a plant.
 MOST_STATES = 12
@@ -155,25 +157,93 @@ class ExtendedKalman:
         return [*estimates, *covariances]
 
     def known(self, symbols: Symbols, measured: Sequence[ca.SX], usable: ca.SX) -> KnownState:
-        """Return the estimate corrected by the measurements of this sample."""
+        """Return the estimate corrected by the measurements of this sample.
+
+        It is the block kalman_correction, and what is expected in the next sample the block
+        kalman_prediction, on one memory.
+        """
+        process, memory, n = self.equations.point.process, self.memory(), len(self.equations.states)
+        values = [
+            replace(process.signal(name), name=f"measured_{k}")
+            for k, name in enumerate(self.measurements, start=1)
+        ]
+        surprises = [replace(v, name=f"surprise_{k}") for k, v in enumerate(values, start=1)]
+        corrected = [
+            replace(entry, name=f"corrected_{entry.name}", description="with the measurements")
+            for entry in memory
+        ]
+        moved = [
+            replace(process.signal(name), name=f"applied_{i}")
+            for i, name in enumerate(self.equations.inputs, start=1)
+        ]
+        noises = self.parameters()
+        correction = Block(
+            "kalman_correction",
+            (
+                *map(port, values),
+                truth("usable", "the measurements are numbers from sound sensors"),
+                *map(port, memory),
+                *self._models([*self._readings, *self._slopes]),
+                *noises[: len(values)],
+            ),
+            (),
+            (*map(port, corrected), *map(port, surprises)),
+            self._corrected,
+            ("The estimate corrected by one measurement after the other.",),
+        )
+        prediction = Block(
+            "kalman_prediction",
+            (
+                *map(port, corrected),
+                *map(port, moved),
+                Signal("time_step", "s"),
+                *self._models([self.equations.rates, *self._linear]),
+                *noises[len(values) :],
+            ),
+            tuple(memory),
+            (),
+            self._following,
+            ("The estimate and its covariance expected in the next sample.",),
+        )
+        given = {f"measured_{k}": value for k, value in enumerate(measured, start=1)}
+        found = called(correction, "kalman_correction", {**symbols, **given, "usable": usable})
+        x = list(found.outputs.values())[:n]
+
+        def following(applied: Sequence[ca.SX]) -> dict[str, ca.SX]:
+            given = {f"applied_{i}": value for i, value in enumerate(applied, start=1)}
+            values = {**symbols, **found.outputs, **given}
+            return dict(called(prediction, "kalman_prediction", values).next_state)
+
+        named = {signal.name: found.outputs[signal.name] for signal in surprises}
+        named |= {f"state_{j}": value for j, value in enumerate(x, start=1)}
+        return KnownState(x, following, named)
+
+    def _models(self, expressions: Sequence[ca.SX]) -> list[Signal]:
+        return [model_parameter(each) for each in self.equations.used_in(expressions)]
+
+    def _memory_in(self, s: Symbols, prefix: str = "") -> tuple[list[ca.SX], ca.SX]:
+        """Return x and P."""
         n = len(self.equations.states)
-        pairs = [(j, k) for j in range(1, n + 1) for k in range(j, n + 1)]
-        P = from_upper_triangle([symbols[f"covariance_{j}_{k}"] for j, k in pairs], n)
-        x = [symbols[f"estimate_{j}"] for j in range(1, n + 1)]
+        values = [s[f"{prefix}{entry.name}"] for entry in self.memory()]
+        return values[:n], from_upper_triangle(values[n:], n)
+
+    def _corrected(self, s: Symbols) -> Equations:
+        x, P = self._memory_in(s)
+        n = len(x)
         nothing = [ca.SX(0)] * len(self.equations.inputs)
-        named = {}
-        for k, value in enumerate(measured):
+        found = {}
+        for k in range(len(self.measurements)):
             number = k + 1
             reading, slope = self.equations.evaluated(
-                [self._readings[k], self._slopes[k]], x, nothing, symbols
+                [self._readings[k], self._slopes[k]], x, nothing, s
             )
             spread = P @ slope.T
-            noise = symbols[f"sensor_noise_{number}"]
+            noise = s[f"sensor_noise_{number}"]
             total = (slope @ spread)[0] + noise * noise
-            sure = ca.logic_and(usable, ca.logic_and(total > 0, is_number(total)))
+            sure = ca.logic_and(s["usable"], ca.logic_and(total > 0, is_number(total)))
             share = ca.densify(spread) / ca.if_else(sure, total, 1)
-            surprise = ca.if_else(sure, value - reading, 0)
-            named[f"surprise_{number}"] = surprise
+            surprise = ca.if_else(sure, s[f"measured_{number}"] - reading, 0)
+            found[f"surprise_{number}"] = surprise
             corrected = [was + share[j] * surprise for j, was in enumerate(x)]
             x = self.equations.bounded(corrected)
             less = [
@@ -182,17 +252,17 @@ class ExtendedKalman:
                 for j in range(i, n)
             ]
             P = from_upper_triangle(less, n)
-        named |= {f"state_{j}": value for j, value in enumerate(x, start=1)}
-        return KnownState(x, lambda applied: self._following(symbols, x, P, applied), named)
+        values = zip(self.memory(), [*x, *upper_triangle(P)], strict=True)
+        return Equations({}, {f"corrected_{e.name}": value for e, value in values} | found)
 
-    def _following(
-        self, symbols: Symbols, x: Sequence[ca.SX], P: ca.SX, applied: Sequence[ca.SX]
-    ) -> dict[str, ca.SX]:
+    def _following(self, s: Symbols) -> Equations:
         """Return what is expected in the next sample."""
-        good = is_time_step(symbols["time_step"])
-        time = ca.if_else(good, symbols["time_step"], 1)
-        ends = self.equations.bounded(self._moved(symbols, x, time, applied))
-        following = self._spread(symbols, x, P, time, applied)
+        x, P = self._memory_in(s, "corrected_")
+        applied = [s[f"applied_{i}"] for i in range(1, len(self.equations.inputs) + 1)]
+        good = is_time_step(s["time_step"])
+        time = ca.if_else(good, s["time_step"], 1)
+        ends = self.equations.bounded(self._moved(s, x, time, applied))
+        following = self._spread(s, x, P, time, applied)
         n = len(x)
         diagonal = [following[j, j] for j in range(n)]
         spans = [signal.span for signal in self.equations.signals_of_states()]
@@ -201,18 +271,17 @@ class ExtendedKalman:
             ca.logic_and(value >= 0, value <= min(span * span, 1e300))
             for value, span in zip(diagonal, spans, strict=True)
         ]
-        estimates = [is_number(end) for end in ends]
-        moves = ca.logic_and(good, all_of(estimates))
-        spreads = ca.logic_and(moves, all_of([*sound, *map(is_number, upper_triangle(following))]))
-        named = {}
-        for j, end in enumerate(ends, start=1):
-            kept = symbols[f"estimate_{j}"]
-            named[f"estimate_{j}"] = ca.if_else(moves, end, kept)
-        for j in range(1, n + 1):
-            for k in range(j, n + 1):
-                name = f"covariance_{j}_{k}"
-                named[name] = ca.if_else(spreads, following[j - 1, k - 1], symbols[name])
-        return named
+        entries = upper_triangle(following)
+        moves = ca.logic_and(good, all_of([is_number(end) for end in ends]))
+        spreads = ca.logic_and(moves, all_of([*sound, *map(is_number, entries)]))
+        taken = [(moves, end) for end in ends] + [(spreads, entry) for entry in entries]
+        return Equations(
+            {
+                entry.name: ca.if_else(*each, s[entry.name])
+                for entry, each in zip(self.memory(), taken, strict=True)
+            },
+            {},
+        )
 
     def _moved(
         self, symbols: Symbols, x: Sequence[ca.SX], time: ca.SX, applied: Sequence[ca.SX]

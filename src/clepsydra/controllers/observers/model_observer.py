@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -11,9 +11,11 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.ports import called, port, truth, with_used_inputs
 from clepsydra.controllers.blocks.validity import is_number, is_time_step
 from clepsydra.linear.lie_derivatives import InputAffineEquations
-from clepsydra.program.step_law import Symbols
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,71 +110,145 @@ class ModelObserver:
             for j, name in enumerate(self.estimated, start=1)
         ]
 
-    def corrected_estimate(
+    def estimate(
         self,
         symbols: Symbols,
         measured: Sequence[ca.SX],
         known: ca.SX,
-        read: Callable[[Sequence[ca.SX]], list[ca.SX]],
+        models: Sequence[Signal],
+        read: Callable[[Sequence[ca.SX], Symbols], list[ca.SX]],
     ) -> list[ca.SX]:
         """Return x̂ with the measurements of this sample, or as expected where these are unusable.
 
+        It is the block observer_correction.
+
         Parameters
         ----------
         symbols : mapping
-            estimate_j and correction_j_k.
+            estimate_j, correction_j_k and model_*.
         measured : sequence of casadi.SX [p]
         known : casadi.SX
             Whether they are numbers from sound sensors.
+        models : sequence of Signal
+            The constants of the process.
         read : callable
-            h: takes x̂ and returns what the sensors would show.
+            h: takes x̂ and model_* and returns what the sensors would show.
         """
-        expected = [symbols[f"estimate_{j}"] for j in range(1, len(self.estimated) + 1)]
-        surprise = [
-            ca.if_else(known, value - reading, 0)
-            for value, reading in zip(measured, read(expected), strict=True)
+        process = self.equations.point.process
+        shown = [
+            port(replace(process.signal(name), name=f"measured_{k}"))
+            for k, name in enumerate(self.measurements, start=1)
         ]
-        found = []
-        for j, value in enumerate(expected):
-            for k in np.flatnonzero(self.corrected[j]).tolist():
-                value = value + symbols[f"correction_{j + 1}_{k + 1}"] * surprise[k]
-            found.append(value)
-        return found
 
-    def expected_next(
+        def equations(s: Symbols) -> Equations:
+            expected = [s[signal.name] for signal in self.state()]
+            surprise = [
+                ca.if_else(s["known"], s[signal.name] - reading, 0)
+                for signal, reading in zip(shown, read(expected, s), strict=True)
+            ]
+            found = {}
+            for j, value in enumerate(expected):
+                for k in np.flatnonzero(self.corrected[j]).tolist():
+                    value = value + s[f"correction_{j + 1}_{k + 1}"] * surprise[k]
+                found[f"corrected_{j + 1}"] = value
+            return Equations({}, found)
+
+        block = with_used_inputs(
+            Block(
+                "observer_correction",
+                (
+                    *shown,
+                    truth("known", "the measurements are numbers from sound sensors"),
+                    *map(port, self.state()),
+                    *self.parameters(),
+                    *models,
+                ),
+                (),
+                tuple(self._estimates()),
+                equations,
+                ("The estimate with the measurements: x + M (y - h(x)).",),
+            )
+        )
+        values = {signal.name: value for signal, value in zip(shown, measured, strict=True)}
+        found = called(block, "observer_correction", {**symbols, **values, "known": known})
+        return list(found.outputs.values())
+
+    def _estimates(self) -> list[Signal]:
+        return [
+            port(replace(signal, name=f"corrected_{j}", description="with the measurements"))
+            for j, signal in enumerate(self.state(), start=1)
+        ]
+
+    def predicted(
         self,
         symbols: Symbols,
         estimate: Sequence[ca.SX],
-        rates: Callable[[Sequence[ca.SX]], list[ca.SX]],
+        applied: Sequence[ca.SX],
+        models: Sequence[Signal],
+        rates: Callable[[Sequence[ca.SX], Sequence[ca.SX], Symbols], list[ca.SX]],
     ) -> dict[str, ca.SX]:
         """Return estimate_j of the next sample by one step of the classical Runge-Kutta method.
+
+        It is the block observer_prediction.
 
         Parameters
         ----------
         symbols : mapping
-            estimate_j and time_step.
+            estimate_j, model_* and time_step.
         estimate : sequence of casadi.SX [N]
             Corrected.
+        applied : sequence of casadi.SX [m]
+            The inputs that were really given out.
+        models : sequence of Signal
+            The constants of the process.
         rates : callable
-            f: takes x̂ and returns dx̂/dt under the inputs that were really given out.
+            f: takes x̂, u and model_* and returns dx̂/dt.
         """
-        good = is_time_step(symbols["time_step"])
-        step = ca.if_else(good, symbols["time_step"], 1)
-
-        def moved(slopes: Sequence[ca.SX], time: ca.SX) -> list[ca.SX]:
-            return [x + time * slope for x, slope in zip(estimate, slopes, strict=True)]
-
-        half = 0.5 * step
-        first = rates(estimate)
-        second = rates(moved(first, half))
-        third = rates(moved(second, half))
-        fourth = rates(moved(third, step))
-        slopes = [
-            (a + 2 * (b + c) + d) / 6
-            for a, b, c, d in zip(first, second, third, fourth, strict=True)
+        process = self.equations.point.process
+        moved = [
+            port(replace(process.signal(name), name=f"applied_{i}"))
+            for i, name in enumerate(self.equations.inputs, start=1)
         ]
-        following = {}
-        for j, end in enumerate(moved(slopes, step), start=1):
-            usable = ca.logic_and(good, is_number(end))
-            following[f"estimate_{j}"] = ca.if_else(usable, end, symbols[f"estimate_{j}"])
-        return following
+        before = self._estimates()
+
+        def equations(s: Symbols) -> Equations:
+            x, u = ([s[signal.name] for signal in ports] for ports in (before, moved))
+            return Equations(_runge_kutta(s, x, lambda x: rates(x, u, s)), {})
+
+        block = with_used_inputs(
+            Block(
+                "observer_prediction",
+                (*before, *moved, Signal("time_step", "s"), *models),
+                tuple(self.state()),
+                (),
+                equations,
+                ("The estimate of the next sample, by the equations of the process.",),
+            )
+        )
+        ports = [*before, *moved]
+        values = {p.name: value for p, value in zip(ports, [*estimate, *applied], strict=True)}
+        return dict(called(block, "observer_prediction", {**symbols, **values}).next_state)
+
+
+def _runge_kutta(
+    s: Symbols, estimate: Sequence[ca.SX], rates: Callable[[Sequence[ca.SX]], list[ca.SX]]
+) -> dict[str, ca.SX]:
+    good = is_time_step(s["time_step"])
+    step = ca.if_else(good, s["time_step"], 1)
+
+    def moved(slopes: Sequence[ca.SX], time: ca.SX) -> list[ca.SX]:
+        return [x + time * slope for x, slope in zip(estimate, slopes, strict=True)]
+
+    half = 0.5 * step
+    first = rates(estimate)
+    second = rates(moved(first, half))
+    third = rates(moved(second, half))
+    fourth = rates(moved(third, step))
+    slopes = [
+        (a + 2 * (b + c) + d) / 6 for a, b, c, d in zip(first, second, third, fourth, strict=True)
+    ]
+    following = {}
+    for j, end in enumerate(moved(slopes, step), start=1):
+        usable = ca.logic_and(good, is_number(end))
+        following[f"estimate_{j}"] = ca.if_else(usable, end, s[f"estimate_{j}"])
+    return following

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.ports import truth
 from clepsydra.controllers.blocks.validity import is_number
-from clepsydra.program.step_law import Symbols
+from clepsydra.controllers.plant_shell.ports import count, of_process
+from clepsydra.controllers.plant_shell.scan import Scan
+from clepsydra.controllers.plant_shell.scan_watch import SAMPLING_PERIOD
+from clepsydra.controllers.plant_shell.start import ANEW
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
 
 #: Currents in which a transmitter tells a fault, and between which it measures [mA].
 FAULT_BELOW, UNCERTAIN_BELOW, UNCERTAIN_ABOVE, FAULT_ABOVE = 3.6, 3.8, 20.5, 21.0
+_ENDS = (("low", 4), ("high", 20))
 #: How long a fault is ridden through if nothing else is said [s].
 SENSOR_DELAY = 4.0
 
@@ -23,38 +30,102 @@ _ROUNDING = 1e-4
 _LARGEST_COUNT = 1e7
 
 
-@dataclass(frozen=True)
-class Diagnosis:
-    """What is known of a sensor in a scan.
+MEASURED = Signal("measured", description="the measurement, or the last good one")
+GOOD = truth("good", "the measurement may be used")
+
+
+@cache
+def signal_check(*, ranged: bool) -> Block:
+    """Return the block that judges a transmitter.
+
+    A fault first seen in scan k has failed in scan k + n, with n the delay in whole scans,
+    rounded up; a start forgets how long it has lasted.
 
     Parameters
     ----------
-    value : casadi.SX
-        The measurement, or while it is faulty the last good one.
-    number : casadi.SX
-        Whether the measurement is a number.
-    good : casadi.SX
-        Whether it may be used.
-    uncertain : casadi.SX
-        Whether it is good and its current close to that of a fault.
-    failed : casadi.SX
-        Whether it has been faulty for longer than its delay.
-    next_state, named : dict
+    ranged : bool
+        Whether the values at 4 and 20 mA are known, so that its current can be told.
 
     Examples
     --------
-    >>> true, false = ca.SX(1), ca.SX(0)
-    >>> bool(Diagnosis(ca.SX(3.0), true, true, false, false, {}, {}).good)
-    True
-    """
+    5 mA in a range from 0 to 16:
 
-    value: ca.SX
-    number: ca.SX
-    good: ca.SX
-    uncertain: ca.SX
-    failed: ca.SX
-    next_state: dict[str, ca.SX]
-    named: dict[str, ca.SX]
+    >>> given = dict(measurement=1, sensor=1, sensor_delay=4, sampling_period=1, anew=0,
+    ...              range_low=0, range_high=16)
+    >>> symbols = {name: ca.DM(value) for name, value in given.items()}
+    >>> kept = {"good_measurement": ca.DM(0), "fault_scans": ca.DM(0)}
+    >>> found = signal_check(ranged=True)("level_1_check", symbols, kept)
+    >>> float(found.intermediates["current"]), bool(found.outputs["good"])
+    (5.0, True)
+    """
+    ends = [
+        Signal(f"range_{end}", description=f"its value at {current} mA, in its unit")
+        for end, current in _ENDS
+    ]
+    return Block(
+        "signal_check" if ranged else "signal_check_without_range",
+        (
+            Signal("measurement", description="the measurement, in its unit"),
+            truth("sensor", "the input card reports no fault"),
+            *(ends if ranged else []),
+            Signal("sensor_delay", "s", description="time for which a fault is ridden through"),
+            SAMPLING_PERIOD,
+            ANEW,
+        ),
+        (
+            Signal(
+                "good_measurement", description="the measurement when it was good the last time"
+            ),
+            count("fault_scans", _LARGEST_COUNT, "scans since a fault was seen"),
+        ),
+        (
+            MEASURED,
+            truth("is_number", "the measurement is a number"),
+            GOOD,
+            truth("uncertain", "it is good, and its current close to that of a fault"),
+            truth("failed", "it has been faulty for longer than its delay"),
+        ),
+        lambda symbols: _checked(symbols, ranged=ranged),
+        ("Transmitter of 4 to 20 mA, judged as NAMUR NE 43 says.",),
+    )
+
+
+def _checked(symbols: Symbols, *, ranged: bool) -> Equations:
+    raw = symbols["measurement"]
+    number = is_number(raw)
+    good, uncertain = ca.logic_and(number, symbols["sensor"]), ca.SX(0)
+    between: dict[str, ca.SX] = {}
+    if ranged:
+        low, high = symbols["range_low"], symbols["range_high"]
+        wide = high != low
+        width = ca.if_else(wide, high - low, 1)
+        # A range of no width tells no current.
+        current = ca.if_else(wide, 4.0 + 16.0 * (raw - low) / width, 0)
+        inside = ca.logic_and(current >= FAULT_BELOW, current <= FAULT_ABOVE)
+        good = ca.logic_and(good, inside)
+        measures = ca.logic_and(current >= UNCERTAIN_BELOW, current <= UNCERTAIN_ABOVE)
+        uncertain = ca.logic_and(good, ca.logic_not(measures))
+        between = {"width": width, "current": current}
+    before = ca.if_else(symbols["anew"], 0, symbols["fault_scans"])
+    scans = ca.fmin(_LARGEST_COUNT - 1.0, ca.fmax(0, before)) + 1
+    scans = ca.if_else(good, 0, scans)
+    period = symbols["sampling_period"]
+    period = ca.if_else(period > 0, period, 1)
+    # At most the delay rounded up; one that is not a number, set at run time, is over at once.
+    waits = scans - 1 < symbols["sensor_delay"] / period - _ROUNDING
+    waits = ca.logic_and(waits, scans < _LARGEST_COUNT)
+    value = ca.if_else(good, raw, symbols["good_measurement"])
+    return Equations(
+        {"good_measurement": value, "fault_scans": scans},
+        {
+            "measured": value,
+            "is_number": number,
+            "good": good,
+            "uncertain": uncertain,
+            "failed": ca.logic_and(ca.logic_not(good), ca.logic_not(waits)),
+        },
+        between | {"period": period, "waits": waits},
+    )
 
 
 @dataclass(frozen=True)
@@ -97,23 +168,15 @@ class MonitoredSensor:
 
     def parameters(self) -> list[Signal]:
         """The range, where it is known, and the delay."""
-        j, y, found = self.number, self.signal, []
-        if self.range is not None:
-            for end, current, value in zip(("low", "high"), (4, 20), self.range, strict=True):
-                found.append(
-                    signals.gain(f"range_{end}_{j}", y.unit, value, f"{y.name} at {current} mA")
-                )
-        found.append(
-            Signal(
-                f"sensor_delay_{j}",
-                "s",
-                low=0.0,
-                high=signals.LARGEST_PARAMETER,
-                initial=self.delay,
-                description=f"time for which a fault of {y.name} is ridden through",
-            )
-        )
-        return found
+        j, y, largest = self.number, self.signal, signals.LARGEST_PARAMETER
+        words = f"time for which a fault of {y.name} is ridden through"
+        return [
+            *(
+                signals.gain(f"range_{end}_{j}", y.unit, value, f"{y.name} at {current} mA")
+                for (end, current), value in zip(_ENDS, self.range or (), strict=False)
+            ),
+            Signal(f"sensor_delay_{j}", "s", "", 0.0, largest, self.delay, description=words),
+        ]
 
     def unwired(self) -> dict[str, float]:
         """What its inputs are until somebody wires them: no current, and not good."""
@@ -125,71 +188,12 @@ class MonitoredSensor:
 
     def state(self) -> list[Signal]:
         """The last good value, and for how many scans there is a fault."""
-        j, y = self.number, self.signal
-        initial = y.initial if math.isfinite(y.initial) else 0.0
-        return [
-            Signal(
-                f"good_measurement_{j}", y.unit, y.display_unit, y.low, y.high, initial,
-                description=f"{y.name} when it was good the last time",
-            ),
-            Signal(
-                f"fault_scans_{j}", low=0.0, high=_LARGEST_COUNT, kind="integer",
-                description=f"scans since a fault of {y.name} was seen",
-            ),
-        ]  # fmt: skip
+        return [of_process(port, self.number, self.signal) for port in self._block.state]
 
-    def diagnosed(self, symbols: Symbols, anew: ca.SX) -> Diagnosis:
-        """Judge the sensor; a start forgets how long a fault has lasted.
+    @property
+    def _block(self) -> Block:
+        return signal_check(ranged=self.range is not None)
 
-        A fault first seen in scan k has failed in scan k + n, with n the delay in whole scans,
-        rounded up.
-        """
-        j = self.number
-        raw, kept = symbols[f"measurement_{j}"], symbols[f"good_measurement_{j}"]
-        number = is_number(raw)
-        good, named = ca.logic_and(number, symbols[f"sensor_{j}"]), {f"value_is_number_{j}": number}
-        uncertain = ca.SX(0)
-        if self.range is not None:
-            current = self._current(symbols, raw, named)
-            inside = ca.logic_and(current >= FAULT_BELOW, current <= FAULT_ABOVE)
-            good = ca.logic_and(good, inside)
-            measures = ca.logic_and(current >= UNCERTAIN_BELOW, current <= UNCERTAIN_ABOVE)
-            uncertain = ca.logic_and(good, ca.logic_not(measures))
-        before = ca.if_else(anew, 0, symbols[f"fault_scans_{j}"])
-        count = ca.fmin(_LARGEST_COUNT - 1.0, ca.fmax(0, before)) + 1
-        count = ca.if_else(good, 0, count)
-        # A delay that is not a number, set at run time, is over at once.
-        delay = self._scans(symbols, named)
-        waits = ca.logic_and(count <= delay, count < _LARGEST_COUNT)
-        bad = ca.logic_not(good)
-        failed = ca.logic_and(bad, ca.logic_not(waits))
-        value = ca.if_else(good, raw, kept)
-        named |= {
-            f"measurement_good_{j}": good,
-            f"sensor_bad_{j}": bad,
-            f"sensor_uncertain_{j}": uncertain,
-            f"fault_scans_used_{j}": before,
-            f"delay_scans_{j}": delay,
-            f"fault_waits_{j}": waits,
-            f"sensor_failed_{j}": failed,
-        }
-        following = {f"good_measurement_{j}": value, f"fault_scans_{j}": count}
-        return Diagnosis(value, number, good, uncertain, failed, following, named)
-
-    def _current(self, symbols: Symbols, raw: ca.SX, named: dict[str, ca.SX]) -> ca.SX:
-        """Return the current that a measurement stands for [mA]; 0 in a range of no width."""
-        low, high = symbols[f"range_low_{self.number}"], symbols[f"range_high_{self.number}"]
-        wide = high != low
-        width = ca.if_else(wide, high - low, 1)
-        current = ca.if_else(wide, 4.0 + 16.0 * (raw - low) / width, 0)
-        j = self.number
-        named |= {f"range_is_wide_{j}": wide, f"range_width_{j}": width, f"current_{j}": current}
-        return current
-
-    def _scans(self, symbols: Symbols, named: dict[str, ca.SX]) -> ca.SX:
-        """Return the delay in whole scans, rounded up."""
-        period = symbols["sampling_period"]
-        period = ca.if_else(period > 0, period, 1)
-        scans = symbols[f"sensor_delay_{self.number}"] / period - _ROUNDING
-        named |= {"sampling_period_used": period, f"delay_in_scans_{self.number}": scans}
-        return ca.ceil(scans)
+    def checked(self, scan: Scan) -> dict[str, ca.SX]:
+        """Judge the sensor: the outputs of its `signal_check`."""
+        return scan.call(self._block, f"{self.signal.identifier}_check", self.number)

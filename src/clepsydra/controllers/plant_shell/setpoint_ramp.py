@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import casadi as ca
@@ -10,38 +9,73 @@ import casadi as ca
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.limits import limit
-from clepsydra.controllers.blocks.validity import is_number, is_time_step
-from clepsydra.controllers.plant_shell.sensor_diagnosis import Diagnosis
-from clepsydra.program.step_law import Symbols
+from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers.blocks.validity import LARGEST_NUMBER, is_number
+from clepsydra.controllers.plant_shell.ports import largest_rate, of_process
+from clepsydra.controllers.plant_shell.scan import Scan
+from clepsydra.controllers.plant_shell.scan_watch import STEP_GOOD, TIME_STEP
+from clepsydra.controllers.plant_shell.sensor_diagnosis import GOOD, MEASURED
+from clepsydra.controllers.plant_shell.start import FIRST
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
 
 
-@dataclass(frozen=True)
-class RampedValue:
-    """The setpoint that the law gets in a scan.
+def _ramped(symbols: Symbols) -> Equations:
+    raw, last, rate = symbols["setpoint"], symbols["ramped_setpoint"], symbols["setpoint_rate"]
+    good, measured, in_force = symbols["good"], symbols["measured"], symbols["in_force"]
+    number = is_number(raw)
+    # A transmitter may be scaled the other way round.
+    ends = symbols["range_low"], symbols["range_high"]
+    asked = limit(raw, ca.fmin(*ends), ca.fmax(*ends))
+    begin = ca.if_else(good, measured, ca.if_else(number, asked, last))
+    before = ca.if_else(symbols["first"], begin, last)
+    target = ca.if_else(number, asked, before)
+    way = rate * ca.if_else(symbols["step_good"], symbols["time_step"], 0)
+    on_its_way = ca.if_else(symbols["held"], before, limit(target, before - way, before + way))
+    on_its_way = ca.if_else(in_force, on_its_way, ca.if_else(good, measured, before))
+    value = ca.if_else(rate < signals.LARGEST_PARAMETER, on_its_way, target)
+    return Equations(
+        {"ramped_setpoint": value},
+        {
+            "setpoint_used": value,
+            "given": number,
+            "limited": ca.logic_and(number, asked != raw),
+            "ramps": ca.logic_and(in_force, value != target),
+        },
+        {"asked": asked, "before": before, "target": target, "way": way, "on_its_way": on_its_way},
+    )
 
-    Parameters
-    ----------
-    value : casadi.SX
-    number : casadi.SX
-        Whether what was asked for is a number.
-    limited : casadi.SX
-        Whether what was asked for is a number outside the range.
-    ramps : casadi.SX
-        Whether the value is still on its way.
-    next_state, named : dict
 
-    Examples
-    --------
-    >>> bool(RampedValue(ca.SX(3.0), ca.SX(1), ca.SX(0), ca.SX(0), {}, {}).ramps)
-    False
-    """
-
-    value: ca.SX
-    number: ca.SX
-    limited: ca.SX
-    ramps: ca.SX
-    next_state: dict[str, ca.SX]
-    named: dict[str, ca.SX]
+#: The setpoint of a scan. One outside the range is held at the end of it: what it asks for cannot
+#: be measured, and one scan of it would fill an integral. A setpoint that is not a number leaves
+#: the last one. While no output that needs it is in automatic the ramp stands at the measurement,
+#: and there it begins in the first scan. While a fault is ridden through it stands where it is:
+#: the output is held, and would jump by what the ramp had gone meanwhile.
+RAMP = Block(
+    "setpoint_ramp",
+    (
+        Signal("setpoint", description="what is asked for, in the unit of the measurement"),
+        Signal("range_low", description="one end of the range"),
+        Signal("range_high", description="the other end"),
+        Signal("setpoint_rate", description="largest rate, in its unit a second; 1e9 for none"),
+        TIME_STEP,
+        STEP_GOOD,
+        MEASURED,
+        GOOD,
+        truth("in_force", "an output that needs the setpoint is in automatic"),
+        truth("held", "a sensor is bad that such an output needs"),
+        FIRST,
+    ),
+    (Signal("ramped_setpoint", description="the setpoint that was followed in the last scan"),),
+    (
+        Signal("setpoint_used", description="the setpoint that the law gets"),
+        truth("given", "what is asked for is a number"),
+        truth("limited", "what is asked for is a number outside the range"),
+        truth("ramps", "the setpoint is still on its way"),
+    ),
+    _ramped,
+    ("A setpoint within its range: ramped in automatic, at the measurement otherwise.",),
+)
 
 
 @dataclass(frozen=True)
@@ -77,98 +111,40 @@ class RampedSetpoint:
 
     def parameters(self) -> list[Signal]:
         """The largest rate."""
-        return [
-            Signal(
-                f"setpoint_rate_{self.number}",
-                signals.ratio_of_units(self.signal.unit, "s"),
-                low=0.0,
-                high=signals.LARGEST_PARAMETER,
-                initial=self.rate,
-                description=f"largest rate of the setpoint of {self.signal.name}, "
-                f"{signals.LARGEST_PARAMETER:g} for none",
-            )
-        ]
+        return [largest_rate("setpoint_rate", self.number, self.signal, self.rate)]
 
     def state(self) -> list[Signal]:
         """The setpoint of the last scan."""
-        y = self.signal
-        initial = y.initial if math.isfinite(y.initial) else 0.0
-        return [
-            Signal(
-                f"ramped_setpoint_{self.number}", y.unit, y.display_unit, y.low, y.high, initial,
-                description=f"setpoint of {y.name} that was followed in the last scan",
-            )
-        ]  # fmt: skip
+        return [of_process(port, self.number, self.signal) for port in RAMP.state]
 
     def ramped(
-        self,
-        symbols: Symbols,
-        measured: Diagnosis | None,
-        in_force: ca.SX,
-        held: ca.SX,
-        first: ca.SX,
-    ) -> RampedValue:
-        """Return the setpoint of this scan.
-
-        One outside the range is held at the end of it: what it asks for cannot be measured, and one
-        scan of it would fill an integral. A setpoint that is not a number leaves the last one.
-        While no output that needs it is in automatic the ramp stands at the measurement, and there
-        it begins in the first scan. While a fault is ridden through it stands where it is: the
-        output is held, and would jump by what the ramp had gone meanwhile.
+        self, scan: Scan, measured: Symbols | None, in_force: ca.SX, held: ca.SX
+    ) -> dict[str, ca.SX]:
+        """Return the setpoint of this scan, as the outputs of `RAMP`.
 
         Parameters
         ----------
-        symbols : mapping
-            setpoint_j, ramped_setpoint_j, setpoint_rate_j, time_step and the range.
-        measured : Diagnosis or None
-            The measurement it belongs to.
-        in_force : casadi.SX
-            Whether an output that needs it is in automatic.
-        held : casadi.SX
-            Whether a sensor is bad that such an output needs.
-        first : casadi.SX
-            Whether nothing was remembered before this scan.
+        scan : Scan
+        measured : mapping or None
+            Outputs of the check of the measurement that it belongs to; the ramp of a setpoint
+            without one counts as always in force.
+        in_force, held : casadi.SX
+            As the inputs of `RAMP`.
         """
-        j = self.number
-        raw, last = symbols[f"setpoint_{j}"], symbols[f"ramped_setpoint_{j}"]
-        rate, step = symbols[f"setpoint_rate_{j}"], symbols["time_step"]
-        number = is_number(raw)
-        asked = self._within_range(raw, symbols)
-        beyond = ca.logic_and(number, asked != raw)
-        begin = ca.if_else(number, asked, last)
-        if measured is not None:
-            begin = ca.if_else(measured.good, measured.value, begin)
-        kept = ca.if_else(first, begin, last)
-        target = ca.if_else(number, asked, kept)
-        way = rate * ca.if_else(is_time_step(step), step, 0)
-        on_its_way = ca.if_else(held, kept, limit(target, kept - way, kept + way))
-        if measured is not None:
-            stands = ca.if_else(measured.good, measured.value, kept)
-            on_its_way = ca.if_else(in_force, on_its_way, stands)
-        value = ca.if_else(rate < signals.LARGEST_PARAMETER, on_its_way, target)
-        ramps = ca.logic_and(in_force, value != target)
-        named = {
-            f"setpoint_used_{j}": value,
-            f"setpoint_given_{j}": number,
-            f"setpoint_in_range_{j}": asked,
-            f"setpoint_limited_{j}": beyond,
-            f"setpoint_wanted_{j}": target,
-            f"setpoint_before_{j}": kept,
-            f"setpoint_move_{j}": way,
-            f"setpoint_on_its_way_{j}": on_its_way,
-            f"setpoint_held_{j}": held,
-            f"setpoint_in_force_{j}": in_force,
-        }
-        following = {f"ramped_setpoint_{j}": value}
-        return RampedValue(value, number, beyond, ramps, following, named)
+        low, high = self._range(scan)
+        return scan.call(
+            RAMP, f"{self.signal.identifier}_ramp", self.number,
+            range_low=low,
+            range_high=high,
+            measured=measured["measured"] if measured else ca.SX(0),
+            good=measured["good"] if measured else ca.SX(0),
+            in_force=in_force if measured else ca.SX(1),
+            held=held,
+        )  # fmt: skip
 
-    def _within_range(self, value: ca.SX, symbols: Symbols) -> ca.SX:
-        """Return a setpoint held in the range; a transmitter may be scaled the other way round."""
+    def _range(self, scan: Scan) -> tuple[ca.SX, ca.SX]:
+        """Return the range; an end that the signal does not have is no limit."""
         if self.sensor_range is not None:
-            ends = [symbols[f"range_{end}_{self.sensor_range}"] for end in ("low", "high")]
-            return limit(value, ca.fmin(*ends), ca.fmax(*ends))
-        if math.isfinite(self.signal.low):
-            value = ca.fmax(self.signal.low, value)
-        if math.isfinite(self.signal.high):
-            value = ca.fmin(self.signal.high, value)
-        return value
+            return scan[f"range_low_{self.sensor_range}"], scan[f"range_high_{self.sensor_range}"]
+        low = max(self.signal.low, -LARGEST_NUMBER)
+        return ca.SX(low), ca.SX(min(self.signal.high, LARGEST_NUMBER))

@@ -11,23 +11,22 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
-from clepsydra.controllers.plant_shell.fail_safe import (
-    SafeOutput,
-    acknowledge_input,
-    acknowledge_state,
-)
+from clepsydra.controllers.plant_shell.fail_safe import TAKE_UP_SCANS, SafeOutput
 from clepsydra.controllers.plant_shell.members import Members, members_of
-from clepsydra.controllers.plant_shell.output_limits import rate_limit_parameter
-from clepsydra.controllers.plant_shell.scan_time import scan_parameters
+from clepsydra.controllers.plant_shell.ports import largest_rate
+from clepsydra.controllers.plant_shell.scan_watch import (
+    SAMPLING_PERIOD,
+    SCAN_TOLERANCE,
+    SCAN_WATCH,
+)
 from clepsydra.controllers.plant_shell.sensor_diagnosis import MonitoredSensor
 from clepsydra.controllers.plant_shell.setpoint_ramp import RampedSetpoint
 from clepsydra.controllers.plant_shell.settings import PlantShell
-from clepsydra.controllers.plant_shell.start import start_input, start_states
+from clepsydra.controllers.plant_shell.start import START
 from clepsydra.controllers.plant_shell.status import status_signal
 from clepsydra.controllers.plant_shell.step import ShellStep
-from clepsydra.controllers.plant_shell.take_up import take_up_parameter
-from clepsydra.controllers.plant_shell.watchdog import watchdog_signals
 from clepsydra.controllers.python_law import PythonLaw
+from clepsydra.program.entries import signal_of
 from clepsydra.program.step_law import StepLaw, step_law
 
 _DESCRIPTION = (
@@ -164,7 +163,9 @@ def _shelled(
     bare: Controller, period: float, settings: PlantShell, members: Members
 ) -> ShelledController:
     """Return the controller behind the shell that its members make."""
-    law, (counted, watchdog) = bare.law, watchdog_signals()
+    law = bare.law
+    asked, watchdog = START.inputs[:2], SCAN_WATCH.outputs[-1]
+    *begun, acknowledge = map(signal_of, START.state)
     every: list[MonitoredSensor | RampedSetpoint | SafeOutput] = [
         *members.sensors,
         *members.setpoints,
@@ -172,17 +173,25 @@ def _shelled(
     ]
     parameters = [p for member in every for p in member.parameters()]
     parameters += [
-        rate_limit_parameter(i, members.outputs[i - 1].signal, rate)
+        largest_rate("rate_limit", i, members.outputs[i - 1].signal, rate)
         for i, rate in members.rates.items()
     ]
-    parameters += scan_parameters(period, settings.scan_tolerance)
-    parameters.append(take_up_parameter(members.take_up_scans))
+    chosen = (
+        (SAMPLING_PERIOD, period),
+        (SCAN_TOLERANCE, settings.scan_tolerance),
+        (TAKE_UP_SCANS, float(members.take_up_scans)),
+    )
+    parameters += [replace(parameter, initial=value) for parameter, value in chosen]
     kept = {entry.name for entry in law.state}
     # A law that does not remember what was applied leaves that to the shell.
     last = [signals.last_output(output.number, output.signal) for output in members.outputs]
     state = [s for member in every for s in member.state()]
-    state += [*(s for s in last if s.name not in kept), acknowledge_state(), counted]
-    _check_clashes(bare, [start_input(), acknowledge_input(), *parameters, *state, watchdog])
+    state += [
+        *(s for s in last if s.name not in kept),
+        acknowledge,
+        *map(signal_of, SCAN_WATCH.state),
+    ]
+    _check_clashes(bare, [*asked, *parameters, *state, *begun, watchdog])
     initial = {**bare.initial_state, **{signal.name: signal.initial for signal in state}}
     # An input that nobody wires is to be seen: no sensor, manual, and no time between two scans.
     unwired = {"time_step": 0.0}
@@ -194,9 +203,9 @@ def _shelled(
     step = ShellStep(law, members, [*law.state, *state], initial)
     shelled = step_law(
         f"{law.name}_with_shell",
-        inputs=[*inputs, start_input(), acknowledge_input()],
+        inputs=[*inputs, *asked],
         parameters=[*law.parameters, *parameters],
-        state=[*law.state, *state, *start_states()],
+        state=[*law.state, *state, *begun],
         outputs=[*map(_with_shell_status, law.outputs), watchdog],
         equations=step.equations,
         description=(*law.description, *_DESCRIPTION),
@@ -208,7 +217,7 @@ def _shelled(
         design=bare.design,
         law=shelled,
         values={**bare.values, **members.own_rates, **{p.name: p.initial for p in parameters}},
-        initial_state={**initial, **{s.name: 0.0 for s in start_states()}},
+        initial_state={**initial, **{s.name: 0.0 for s in begun}},
         measurements=bare.measurements,
         setpoints=bare.setpoints,
         manipulated=bare.manipulated,
@@ -225,7 +234,7 @@ def _check_clashes(bare: Controller, added: Iterable[Signal]) -> None:
     """Refuse a law that uses a name of the shell for something else."""
     law = bare.law
     taken = {e.name for e in (*law.inputs, *law.parameters, *law.state, *law.outputs)}
-    for signal in (*added, *start_states()):
+    for signal in added:
         if signal.name in taken:
             raise InputError(
                 f"{bare.name}, plant shell, law {law.name}", signal.name,

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import casadi as ca
 
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.blocks.status import STATUS_BITS, StatusBit
+from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers.blocks.status import STATUS_BITS, StatusBit, status_word
+from clepsydra.controllers.plant_shell.ports import count
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations
 
 #: Name to bit. The first eight mean what they mean without the shell (`blocks.status`); the
 #: limits are those of the actuator, also while a rate limit holds the output within tighter ones.
@@ -37,6 +40,7 @@ SHELL_STATUS_BITS: dict[str, StatusBit] = {
         16384, "a setpoint lies outside its range and is held at the end of it"
     ),
 }
+_LARGEST_WORD = float(sum(bit.value for bit in SHELL_STATUS_BITS.values()))
 
 
 def status_signal(signal: Signal) -> Signal:
@@ -50,8 +54,9 @@ def status_signal(signal: Signal) -> Signal:
     bits = ", ".join(
         f"{bit.value} {name.replace('_', ' ')}" for name, bit in SHELL_STATUS_BITS.items()
     )
-    high = float(sum(bit.value for bit in SHELL_STATUS_BITS.values()))
-    return replace(signal, low=0.0, high=high, kind="integer", description=f"sum of {bits}")
+    return replace(
+        signal, low=0.0, high=_LARGEST_WORD, kind="integer", description=f"sum of {bits}"
+    )
 
 
 def bit_of(word: ca.SX, name: str) -> ca.SX:
@@ -62,40 +67,19 @@ def bit_of(word: ca.SX, name: str) -> ca.SX:
     >>> [bool(ca.evalf(bit_of(ca.SX(41), name))) for name in ("at_high_limit", "sensor_fault")]
     [True, False]
     """
-    value = STATUS_BITS[name].value
-    return bits_from(word, value) - 2.0 * bits_from(word, 2 * value) == 1.0
+    value = float(STATUS_BITS[name].value)
+    return ca.floor(word / value) - 2.0 * ca.floor(word / (2.0 * value)) == 1.0
 
 
-def bits_from(word: ca.SX, value: int) -> ca.SX:
-    """Return a word without the bits below one, which becomes the first.
-
-    Examples
-    --------
-    >>> int(bits_from(ca.DM(41), 8))
-    5
-    """
-    return ca.floor(word / float(value))
-
-
-def status_bits(conditions: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
-    """Return the values of the bits whose condition holds, and 0 for the others.
-
-    The status word is their sum.
-
-    Parameters
-    ----------
-    conditions : mapping
-        Every name of `SHELL_STATUS_BITS` to a truth value.
-
-    Examples
-    --------
-    >>> held = {n: ca.DM(n in ("automatic", "scan_time_off")) for n in SHELL_STATUS_BITS}
-    >>> int(sum(status_bits(held).values()))
-    2049
-    """
-    return {
-        name: ca.if_else(conditions[name], bit.value, 0) for name, bit in SHELL_STATUS_BITS.items()
-    }
+#: The status word of an output, from its conditions.
+STATUS_WORD = Block(
+    "plant_status",
+    tuple(truth(name, bit.meaning) for name, bit in SHELL_STATUS_BITS.items()),
+    (),
+    (count("status", _LARGEST_WORD, "the sum of the bits whose condition holds"),),
+    lambda symbols: Equations({}, {"status": status_word(symbols, SHELL_STATUS_BITS)}),
+    ("The status word of an output: one bit a condition.",),
+)
 
 
 def read_status(word: int) -> tuple[str, ...]:

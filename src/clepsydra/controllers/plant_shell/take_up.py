@@ -8,7 +8,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.controller import Controller
 from clepsydra.program.delay_ring import DelayRing
@@ -21,24 +20,6 @@ _CHANGE = 0.02
 MOST_SCANS = 20
 #: Scans without sensors, and scans after which a law has settled.
 _ABSENT, _SETTLED = 10, 100
-
-
-def take_up_parameter(scans: int) -> Signal:
-    """Return take_up_scans.
-
-    Examples
-    --------
-    >>> take_up_parameter(1).kind
-    'integer'
-    """
-    return Signal(
-        "take_up_scans",
-        low=1.0,
-        high=1e6,
-        initial=float(scans),
-        kind="integer",
-        description="scans for which the law follows its last output after a warm start or a fault",
-    )
 
 
 def take_up_scans(controller: Controller, sampling_period: float, safe: Sequence[float]) -> int:

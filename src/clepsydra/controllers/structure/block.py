@@ -102,3 +102,29 @@ class Block(Protocol):
 
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Run forward from what the sources ask for; `limits` are those after each port."""
+
+
+class WithoutSignals:
+    """A block of a scheme that has no signals of its own but for those that it names.
+
+    Examples
+    --------
+    >>> WithoutSignals().state()
+    []
+    """
+
+    def parameters(self) -> list[Signal]:
+        """Its parameters."""
+        return []
+
+    def state(self) -> list[Signal]:
+        """Its state."""
+        return []
+
+    def inputs(self) -> list[Signal]:
+        """Inputs that it has beside measurements, setpoints and what belongs to outputs."""
+        return []
+
+    def outputs(self) -> list[Signal]:
+        """What it gives to the plant."""
+        return []

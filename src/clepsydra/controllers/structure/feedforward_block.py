@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
 
@@ -11,9 +12,11 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.blocks.lead_lag import lead_lag
+from clepsydra.controllers.blocks.ports import called, truth
 from clepsydra.controllers.blocks.validity import is_number, is_time_step, value_or_zero
-from clepsydra.controllers.structure.block import Closed, Opened
-from clepsydra.program.step_law import Symbols
+from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
 
 
 @dataclass(frozen=True)
@@ -76,7 +79,7 @@ class FeedforwardTerm:
 
 
 @dataclass(frozen=True)
-class FeedforwardBlock:
+class FeedforwardBlock(WithoutSignals):
     """A sum: what a loop asks for, and feedforward from other signals.
 
     With the last outputs of the other loops as signals it is inverted decoupling. A signal that
@@ -124,14 +127,6 @@ class FeedforwardBlock:
         """Those of all terms."""
         return [state for term in self.terms for state in term.state()]
 
-    def inputs(self) -> list[Signal]:
-        """None."""
-        return []
-
-    def outputs(self) -> list[Signal]:
-        """None."""
-        return []
-
     def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Those after it: they bound the loop's part loosely."""
         return (after[0],)
@@ -141,32 +136,23 @@ class FeedforwardBlock:
         (source,) = asked
         added, following = ca.SX(0), {}
         sensors = source.sensors
-        time_step_good = is_time_step(symbols["time_step"])
         for term in self.terms:
-            raw = symbols[term.taken_from]
-            good = is_number(raw)
-            if term.taken_from.startswith("measurement_"):
-                sound = symbols[term.taken_from.replace("measurement", "sensor")]
-                good = ca.logic_and(good, sound)
-                sensors = ca.logic_and(sensors, sound)
-            deviation = value_or_zero(raw, good) - symbols[f"feedforward_reference_{term.label}"]
-            good = ca.logic_and(good, is_number(deviation))
-            gain = symbols[f"feedforward_gain_{term.label}"]
-            lagged = symbols[f"lagged_signal_{term.label}"]
-            if not term.dynamic:
-                following[f"lagged_signal_{term.label}"] = ca.if_else(good, deviation, lagged)
-                added = added + gain * ca.if_else(good, deviation, lagged)
-                continue
-            filtered = lead_lag(
-                ca.if_else(good, deviation, lagged),
-                lagged,
-                symbols[f"feedforward_lead_{term.label}"],
-                symbols[f"feedforward_lag_{term.label}"],
-                ca.if_else(time_step_good, symbols["time_step"], 1),
-            )
-            kept = ca.logic_and(time_step_good, is_number(filtered.lagged))
-            following[f"lagged_signal_{term.label}"] = ca.if_else(kept, filtered.lagged, lagged)
-            added = added + gain * filtered.value
+            sensor = _sensor_of(term)
+            given = {
+                "signal": symbols[term.taken_from],
+                "time_step": symbols["time_step"],
+                "lagged_signal": symbols[f"lagged_signal_{term.label}"],
+            }
+            if sensor is not None:
+                given["sensor"] = symbols[sensor]
+                sensors = ca.logic_and(sensors, symbols[sensor])
+            for what in ("gain", "reference", *(("lead", "lag") if term.dynamic else ())):
+                given[what] = symbols[f"feedforward_{what}_{term.label}"]
+            block = _feedforward(term.dynamic, sensor is not None)
+            name = f"{term.signal.identifier}_to_{self.moved.identifier}"
+            found = called(block, name, given)
+            following[f"lagged_signal_{term.label}"] = found.next_state["lagged_signal"]
+            added = added + found.outputs["added"]
         value = source.value + added
 
         def close(applied: Sequence[Applied]) -> Closed:
@@ -177,3 +163,45 @@ class FeedforwardBlock:
             return Closed(following, {}, (told,))
 
         return Opened((Asked(value, source.usable, source.numbers, sensors),), close)
+
+
+def _sensor_of(term: FeedforwardTerm) -> str | None:
+    measured = term.taken_from.startswith("measurement_")
+    return term.taken_from.replace("measurement", "sensor") if measured else None
+
+
+@cache
+def _feedforward(dynamic: bool, sensed: bool) -> Block:
+    """Return the block of a term; a signal that is an output of the law has no sensor."""
+
+    def equations(s: Symbols) -> Equations:
+        good = is_number(s["signal"])
+        if sensed:
+            good = ca.logic_and(good, s["sensor"])
+        deviation = value_or_zero(s["signal"], good) - s["reference"]
+        good = ca.logic_and(good, is_number(deviation))
+        taken = ca.if_else(good, deviation, s["lagged_signal"])
+        if not dynamic:
+            return Equations({"lagged_signal": taken}, {"added": s["gain"] * taken})
+        time_step_good = is_time_step(s["time_step"])
+        time_step = ca.if_else(time_step_good, s["time_step"], 1)
+        filtered = lead_lag(taken, s["lagged_signal"], s["lead"], s["lag"], time_step)
+        kept = ca.logic_and(time_step_good, is_number(filtered.lagged))
+        lagged = ca.if_else(kept, filtered.lagged, s["lagged_signal"])
+        return Equations({"lagged_signal": lagged}, {"added": s["gain"] * filtered.value})
+
+    dynamics = (Signal("lead", "s"), Signal("lag", "s"), Signal("time_step", "s"))
+    return Block(
+        f"{'dynamic' if dynamic else 'static'}_feedforward{'' if sensed else '_of_output'}",
+        (
+            Signal("signal", description="what acts on the output"),
+            *([truth("sensor", "its sensor is sound")] if sensed else []),
+            Signal("gain"),
+            Signal("reference", description="the signal at which nothing is added"),
+            *(dynamics if dynamic else ()),
+        ),
+        (Signal("lagged_signal", description="the signal less its reference, lagged"),),
+        (Signal("added", description="what is added, in the unit of the output"),),
+        equations,
+        ("A signal that fails leaves what is added where it went to at last.",),
+    )

@@ -11,6 +11,7 @@ from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.structure.block import Block, Closed, Opened
 from clepsydra.controllers.structure.output_block import OutputBlock
 from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.controllers.structure.plain_loop import closed, is_plain
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
@@ -55,9 +56,17 @@ def structure_law(
     """
     ordered = _in_order(name, blocks)
     outputs = sorted((b for b in blocks if isinstance(b, OutputBlock)), key=lambda b: b.number)
+    loops = _plain_loops(blocks)
+    joined = [block for block in ordered if not any(block in pair for pair in loops.values())]
 
     def equations(symbols: Symbols) -> Equations:
-        return _joined(symbols, ordered)
+        found = [closed(symbols, name, *pair) for name, pair in loops.items()]
+        found += _joined(symbols, joined)
+        return Equations(
+            {name: value for each in found for name, value in each.next_state.items()},
+            {name: value for each in found for name, value in each.outputs.items()},
+            {name: value for each in found for name, value in each.named.items()},
+        )
 
     return step_law(
         name,
@@ -144,7 +153,18 @@ def _check_selectors(name: str, blocks: Sequence[Block]) -> None:
                 waiting += block.sources
 
 
-def _joined(symbols: Symbols, ordered: Sequence[Block]) -> Equations:
+def _plain_loops(blocks: Sequence[Block]) -> dict[str, tuple[PidBlock, OutputBlock]]:
+    """Return the loops that are one block with their outputs, by the name of the instance."""
+    pairs = [
+        (loop, output)
+        for loop in blocks
+        for output in blocks
+        if isinstance(loop, PidBlock) and isinstance(output, OutputBlock) and is_plain(loop, output)
+    ]
+    return {f"{output.signal.identifier}_loop": (loop, output) for loop, output in pairs}
+
+
+def _joined(symbols: Symbols, ordered: Sequence[Block]) -> list[Closed]:
     """Run forward from setpoints to outputs, and back with what was applied."""
     after: dict[str, Limits] = {}
     for block in reversed(ordered):
@@ -161,14 +181,9 @@ def _joined(symbols: Symbols, ordered: Sequence[Block]) -> Equations:
         opened[block.name] = step
         asked |= dict(zip(block.ports, step.asked, strict=True))
     applied: dict[str, Applied] = {}
-    closed: dict[str, Closed] = {}
+    ended: dict[str, Closed] = {}
     for block in reversed(ordered):
         result = opened[block.name].close([applied[port] for port in block.ports])
-        closed[block.name] = result
+        ended[block.name] = result
         applied |= dict(zip(block.sources, result.applied, strict=True))
-    results = [closed[block.name] for block in ordered]
-    return Equations(
-        {name: value for result in results for name, value in result.next_state.items()},
-        {name: value for result in results for name, value in result.outputs.items()},
-        {name: value for result in results for name, value in result.named.items()},
-    )
+    return [ended[block.name] for block in ordered]

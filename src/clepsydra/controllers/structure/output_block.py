@@ -9,12 +9,12 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.handover import Asked, Limits
-from clepsydra.controllers.structure.block import Closed, Opened
+from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
 from clepsydra.program.step_law import Symbols
 
 
 @dataclass(frozen=True)
-class OutputBlock:
+class OutputBlock(WithoutSignals):
     """One manipulated variable of a control scheme.
 
     Parameters
@@ -75,10 +75,6 @@ class OutputBlock:
         """The last output."""
         return [signals.last_output(self.number, self.signal)]
 
-    def inputs(self) -> list[Signal]:
-        """None of its own: mode, manual and tracking belong to every output."""
-        return []
-
     def outputs(self) -> list[Signal]:
         """Manipulated variable and status word."""
         return signals.output_signals(self.number, self.signal)
@@ -90,7 +86,9 @@ class OutputBlock:
 
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Move the actuator."""
-        element = final_element(symbols, self.number, asked[0], rate_limited=self.rate_limited)
+        element = final_element(
+            symbols, self.number, self.signal, asked[0], rate_limited=self.rate_limited
+        )
         closed = Closed(
             {f"last_output_{self.number}": element.manipulated},
             {

@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.final_element import ASKED, asked_ports
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
-from clepsydra.controllers.blocks.validity import is_number, is_time_step, value_or_zero
+from clepsydra.controllers.blocks.integral import applied_ports
+from clepsydra.controllers.blocks.ports import called, identifier
+from clepsydra.controllers.blocks.validity import is_number, value_or_zero
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.pid_parameters import pid_parameters, remembered
-from clepsydra.controllers.structure.block import Closed, Opened
-from clepsydra.controllers.structure.pid_terms import LoopSignals, pid_terms
+from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
+from clepsydra.controllers.structure.loop_phases import phases
+from clepsydra.controllers.structure.pid_terms import (
+    LoopSignals,
+    pid_state,
+    pid_terms,
+    time_step_of,
+)
 from clepsydra.controllers.structure.setpoint import (
     Setpoint,
     chosen_setpoint,
@@ -25,7 +34,7 @@ from clepsydra.program.step_law import Symbols
 
 
 @dataclass(frozen=True)
-class PidBlock:
+class PidBlock(WithoutSignals):
     """A PID loop: it measures one signal and moves an output, or another loop's setpoint.
 
     Parameters
@@ -77,213 +86,219 @@ class PidBlock:
     def _chooses(self) -> bool:
         return self.form.remote_setpoint or isinstance(self.setpoint, str)
 
-    def _named(self, what: str) -> str:
-        return f"{what}_{self.number}"
-
     def parameters(self) -> list[Signal]:
         """Settings of the loop; of an inner one also the limits of its setpoint."""
-        found = pid_parameters(self.number, self.form, self.measurement, self.moved)
-        if isinstance(self.setpoint, str):
-            low, high = signals.limit_parameters(self.number, self.measurement)
-            found += [
-                signals.like_parameter(low, self._named("setpoint_low_limit")),
-                signals.like_parameter(high, self._named("setpoint_high_limit")),
-            ]
-        return found
+        return signals.numbered(self.own_parameters(), self.number)
 
     def state(self) -> list[Signal]:
         """Integral, and what it remembers of the last sample."""
-        y, name = self.measurement, self._named
-        found = []
-        if self.form.algorithm == "velocity":
-            found += [
-                signals.like(y, name("last_setpoint"), f"setpoint of {y.name} in the last sample"),
-                signals.like(y, name("last_measurement"), f"{y.name} in the last sample"),
-            ]
-            if self.form.has_derivative:
-                rate = signals.ratio_of_units(y.unit, "s")
-                found.append(Signal(name("last_derivative"), rate))
-        else:
-            found.append(signals.integral_state(self.number, self.moved))
-        if self.form.has_derivative:
-            found.append(
-                signals.like(y, name("filtered_signal"), "what is differentiated, filtered")
-            )
-        if self._chooses or self.form.setpoint_ramp:
-            found.append(
-                signals.like(y, name("working_setpoint"), f"setpoint that {y.name} follows")
-            )
-        if self._chooses:
-            found.append(signals.setpoint_source(name("last_setpoint_source"), y))
-        if self.direct is None:
-            found.append(
-                signals.like(self.moved, name("last_applied"), "what was applied of its output")
-            )
-        known = {parameter.name: parameter for parameter in self.parameters()}
-        return found + [
-            signals.like_parameter(known[parameter], f"last_{parameter}")
-            for parameter in remembered(self.number, self.form)
-        ]
+        return signals.numbered(self.own_state(), self.number)
 
     def inputs(self) -> list[Signal]:
         """Where the setpoint may be chosen: the other setpoint and the choice."""
-        y, name = self.measurement, self._named
+        return signals.numbered(self.own_inputs(), self.number)
+
+    def own_parameters(self) -> list[Signal]:
+        """Return its parameters by the names that they have in the loop."""
+        found = pid_parameters(self.form, self.measurement, self.moved)
         if isinstance(self.setpoint, str):
-            other = signals.like(y, name("local_setpoint"), f"local setpoint of {y.name}")
-            return [other, signals.setpoint_source(name("setpoint_source"), y, remote=True)]
+            ends = signals.limit_parameters(self.number, self.measurement)
+            for what, end in zip(("low", "high"), ends, strict=True):
+                found.append(signals.like_parameter(end, f"setpoint_{what}_limit"))
+        return found
+
+    def own_state(self) -> list[Signal]:
+        """Return its state by the names that it has in the loop."""
+        y, form = self.measurement, self.form
+        found = []
+        if form.algorithm == "velocity":
+            found += [
+                signals.like(y, "last_setpoint", f"setpoint of {y.name} in the last sample"),
+                signals.like(y, "last_measurement", f"{y.name} in the last sample"),
+            ]
+            if form.has_derivative:
+                found.append(Signal("last_derivative", signals.ratio_of_units(y.unit, "s")))
+        else:
+            found.append(signals.integral_of(self.moved))
+        if form.has_derivative:
+            found.append(signals.like(y, "filtered_signal", "what is differentiated, filtered"))
+        if self._chooses or form.setpoint_ramp:
+            found.append(signals.like(y, "working_setpoint", f"setpoint that {y.name} follows"))
+        if self._chooses:
+            found.append(signals.setpoint_source("last_setpoint_source", y))
+        if self.direct is None:
+            found.append(signals.like(self.moved, "last_applied", "what was applied of its output"))
+        known = {parameter.name: parameter for parameter in self.own_parameters()}
+        return found + [
+            signals.like_parameter(known[parameter], f"last_{parameter}")
+            for parameter in remembered(form)
+        ]
+
+    def own_inputs(self) -> list[Signal]:
+        """Return the other setpoint and the choice by the names that they have in the loop."""
+        y = self.measurement
+        if isinstance(self.setpoint, str):
+            other = signals.like(y, "local_setpoint", f"local setpoint of {y.name}")
+            return [other, signals.setpoint_source("setpoint_source", y, remote=True)]
         if self.form.remote_setpoint:
-            other = signals.like(y, name("remote_setpoint"), f"remote setpoint of {y.name}")
-            return [other, signals.setpoint_source(name("setpoint_source"), y)]
+            other = signals.like(y, "remote_setpoint", f"remote setpoint of {y.name}")
+            return [other, signals.setpoint_source("setpoint_source", y)]
         return []
 
-    def outputs(self) -> list[Signal]:
-        """None: it moves other blocks."""
-        return []
+    def of_law(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return what a law has for the loop, by the names that it has in the loop."""
+        own = [*self.own_parameters(), *self.own_state(), *self.own_inputs()]
+        found = {signal.name: symbols[f"{signal.name}_{self.number}"] for signal in own}
+        found |= {what: symbols[f"{what}_{self.measured}"] for what in ("measurement", "sensor")}
+        if not isinstance(self.setpoint, str):
+            found["setpoint"] = symbols[f"setpoint_{self.setpoint}"]
+        if self.direct is not None:
+            found["last_applied"] = symbols[f"last_output_{self.direct}"]
+        return {**found, "time_step": symbols["time_step"]}
+
+    @property
+    def generic(self) -> PidBlock:
+        """The loop without anything of its instance."""
+        setpoint = "outer" if isinstance(self.setpoint, str) else 1
+        y, u = Signal("measurement"), Signal("output")
+        direct = None if self.direct is None else 1
+        return replace(
+            self, name="loop", number=1, measurement=y, measured=1, moved=u, setpoint=setpoint,
+            direct=direct,
+        )  # fmt: skip
 
     def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Those of its setpoint, if another block gives it."""
         if not isinstance(self.setpoint, str):
             return ()
-        names = self._named("setpoint_low_limit"), self._named("setpoint_high_limit")
+        names = (f"setpoint_{end}_limit_{self.number}" for end in ("low", "high"))
         return (Limits(*(symbols[name] for name in names)),)
 
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Compute what it asks for, and keep how its memory goes on."""
-        name = self._named
-        time_step_good = is_time_step(symbols["time_step"])
-        time_step = ca.if_else(time_step_good, symbols["time_step"], 1)
-        raw = symbols[f"measurement_{self.measured}"]
-        valid, sound = is_number(raw), symbols[f"sensor_{self.measured}"]
-        setpoint = self._chosen(symbols, asked)
-        value = setpoint.value
-        if self.form.setpoint_ramp:
-            working = symbols[name("working_setpoint")]
-            value = ramped(value, working, symbols[name("setpoint_ramp")], time_step)
-        # A chosen setpoint that fails is held, and the loop goes on; an only one is not there.
-        needed = [valid] if self._chooses else [setpoint.valid, valid]
-        given = needed[0] if len(needed) == 1 else ca.logic_and(*needed)
-        known = ca.logic_and(given, sound)
-        terms = pid_terms(
-            self.form,
-            self.number,
-            symbols,
-            LoopSignals(
-                setpoint=value,
-                measurement=value_or_zero(raw, valid),
-                known=known,
-                switched=setpoint.switched,
-                last_applied=self._last_applied(symbols),
-                time_step=time_step,
-                time_step_good=time_step_good,
-            ),
-            limits[0],
-        )
-        numbers = ca.logic_and(setpoint.valid, valid)
-        sensors = ca.logic_and(sound, asked[0].sensors) if asked else sound
-        # What cannot be computed asks for what stands.
-        usable = ca.logic_and(known, time_step_good)
-        value_asked = Asked(terms.unlimited, usable, numbers, sensors)
-        named = terms.named | {
-            name("setpoint_is_number"): setpoint.valid,
-            name("measurement_is_number"): valid,
-            name("signals_known"): known,
-        }
+        asking, telling = phases(self.generic)
+        own = self.of_law(symbols) | {"low_limit": limits[0].low, "high_limit": limits[0].high}
+        for outer in asked:
+            own |= {f"remote_{name}": value for name, value in asked_ports(outer).items()}
+        instance = identifier(self.name)
+        first = called(asking, f"{instance}_asks", own)
 
         def close(applied: Sequence[Applied]) -> Closed:
-            (result,) = applied
-            state = terms.next_state(result)
-            if self.direct is None:
-                state[name("last_applied")] = ca.if_else(
-                    is_number(result.value), result.value, symbols[name("last_applied")]
-                )
-            if self._chooses or self.form.setpoint_ramp:
-                state[name("working_setpoint")] = self._working(
-                    symbols, value, terms.measurement, known, result
-                )
-            if self._chooses:
-                last = symbols[name("last_setpoint_source")]
-                heard = ca.logic_and(known, ca.logic_or(result.in_force, result.follows))
-                state[name("last_setpoint_source")] = ca.if_else(heard, self._source(symbols), last)
-            told = (
-                self._told(
-                    symbols, terms.measurement, value, setpoint, known, terms.unlimited, result
-                ),
+            given = {**own, **first.outputs, **applied_ports(applied[0])}
+            last = called(telling, f"{instance}_is_told", given)
+            got = tuple(last.outputs.values())
+            return Closed(
+                {f"{name}_{self.number}": value for name, value in last.next_state.items()},
+                {},
+                (Applied(*got),) if got else (),
+                {f"{name}_{self.number}": value for name, value in first.intermediates.items()},
             )
-            return Closed(state, {}, told if isinstance(self.setpoint, str) else (), named)
 
-        return Opened((value_asked,), close)
+        wish = Asked(*(first.outputs[signal.name] for signal in ASKED))
+        return Opened((wish,), close)
 
-    def _last_applied(self, symbols: Symbols) -> ca.SX:
-        if self.direct is not None:
-            return symbols[f"last_output_{self.direct}"]
-        return symbols[self._named("last_applied")]
+    def asks(self, s: Symbols, remote: Asked | None) -> tuple[Asked, dict[str, ca.SX]]:
+        """Return what the loop asks for, and what `told` needs to know of that.
 
-    def _source(self, symbols: Symbols) -> ca.SX:
+        Parameters
+        ----------
+        s : mapping
+            The signals of the loop by their names in it, and last_applied.
+        remote : Asked or None
+            The setpoint that another block asks for.
+        """
+        time_step, time_step_good = time_step_of(s)
+        raw, sound = s["measurement"], s["sensor"]
+        valid = is_number(raw)
+        setpoint = self._chosen(s, remote)
+        value = setpoint.value
+        if self.form.setpoint_ramp:
+            value = ramped(value, s["working_setpoint"], s["setpoint_ramp"], time_step)
+        # A chosen setpoint that fails is held, and the loop goes on; an only one is not there.
+        given = valid if self._chooses else ca.logic_and(setpoint.valid, valid)
+        known = ca.logic_and(given, sound)
+        measurement = value_or_zero(raw, valid)
+        loop = LoopSignals(value, measurement, known, setpoint.switched, s["last_applied"])
+        terms = pid_terms(self.form, s, loop)
+        numbers = ca.logic_and(setpoint.valid, valid)
+        sensors = sound if remote is None else ca.logic_and(sound, remote.sensors)
+        # What cannot be computed asks for what stands.
+        usable = ca.logic_and(known, time_step_good)
+        carried = {
+            **terms,
+            "setpoint_is_number": setpoint.valid,
+            "measurement_is_number": valid,
+            "signals_known": known,
+            "setpoint_used": value,
+            "measurement_used": measurement,
+            "setpoint_is_remote": setpoint.remote,
+        }
+        return Asked(terms["unlimited"], usable, numbers, sensors), carried
+
+    def told(self, s: Symbols, applied: Applied) -> tuple[dict[str, ca.SX], Applied | None]:
+        """Return the next state, and which setpoint the block got that gives it.
+
+        Parameters
+        ----------
+        s : mapping
+            The signals of the loop by their names in it, last_applied, the limits of what it
+            moves, and what `asks` carried on.
+        applied : Applied
+        """
+        state = pid_state(self.form, s, applied)
+        if self.direct is None:
+            state["last_applied"] = ca.if_else(
+                is_number(applied.value), applied.value, s["last_applied"]
+            )
+        if self._chooses or self.form.setpoint_ramp:
+            state["working_setpoint"] = self._working(s, applied)
+        if self._chooses:
+            last = s["last_setpoint_source"]
+            heard = ca.logic_and(s["signals_known"], ca.logic_or(applied.in_force, applied.follows))
+            state["last_setpoint_source"] = ca.if_else(heard, self._source(s), last)
+        return state, self._got(s, applied) if isinstance(self.setpoint, str) else None
+
+    def _source(self, s: Symbols) -> ca.SX:
         """Return the source of the setpoint; what stands for none leaves the last one."""
-        source = symbols[self._named("setpoint_source")]
-        last = symbols[self._named("last_setpoint_source")]
+        source, last = s["setpoint_source"], s["last_setpoint_source"]
         # The choices as numbers of their own: whatever the input holds, the result is one of them.
         return ca.if_else(source == 1, 1, ca.if_else(source == 0, 0, last))
 
-    def _chosen(self, symbols: Symbols, asked: Sequence[Asked]) -> Setpoint:
-        name = self._named
+    def _chosen(self, s: Symbols, remote: Asked | None) -> Setpoint:
         if not self._chooses:
-            return operator_setpoint(symbols[f"setpoint_{self.setpoint}"])
-        if isinstance(self.setpoint, str):
-            local, (remote,) = symbols[name("local_setpoint")], asked
-            low, high = symbols[name("setpoint_low_limit")], symbols[name("setpoint_high_limit")]
-            held = ca.fmin(high, ca.fmax(low, remote.value))
-            remote = Asked(
-                held,
-                ca.logic_and(remote.usable, is_number(remote.value)),
-                remote.numbers,
-                remote.sensors,
-            )
+            return operator_setpoint(s["setpoint"])
+        if remote is not None:
+            local = s["local_setpoint"]
+            held = ca.fmin(s["setpoint_high_limit"], ca.fmax(s["setpoint_low_limit"], remote.value))
+            usable = ca.logic_and(remote.usable, is_number(remote.value))
+            remote = Asked(held, usable, remote.numbers, remote.sensors)
         else:
-            local, given = symbols[f"setpoint_{self.setpoint}"], symbols[name("remote_setpoint")]
-            true = ca.SX(1)
-            remote = Asked(given, is_number(given), is_number(given), true)
+            local, given = s["setpoint"], s["remote_setpoint"]
+            remote = Asked(given, is_number(given), is_number(given), ca.SX(1))
         return chosen_setpoint(
-            local,
-            remote,
-            self._source(symbols),
-            symbols[name("last_setpoint_source")],
-            symbols[name("working_setpoint")],
+            local, remote, self._source(s), s["last_setpoint_source"], s["working_setpoint"]
         )
 
-    def _working(
-        self, symbols: Symbols, value: ca.SX, measurement: ca.SX, known: ca.SX, applied: Applied
-    ) -> ca.SX:
+    def _working(self, s: Symbols, applied: Applied) -> ca.SX:
         """Return the setpoint to go on from; a ramp starts at the measurement."""
         if not self.form.setpoint_ramp:
-            return value
-        working = symbols[self._named("working_setpoint")]
-        elsewhere = ca.if_else(ca.logic_and(applied.follows, known), measurement, working)
-        return ca.if_else(applied.in_force, value, elsewhere)
+            return s["setpoint_used"]
+        starts = ca.logic_and(applied.follows, s["signals_known"])
+        elsewhere = ca.if_else(starts, s["measurement_used"], s["working_setpoint"])
+        return ca.if_else(applied.in_force, s["setpoint_used"], elsewhere)
 
-    def _told(
-        self,
-        symbols: Symbols,
-        measurement: ca.SX,
-        value: ca.SX,
-        setpoint: Setpoint,
-        known: ca.SX,
-        unlimited: ca.SX,
-        applied: Applied,
-    ) -> Applied:
-        """Tell the outer loop which setpoint it got.
+    def _got(self, s: Symbols, applied: Applied) -> Applied:
+        """Return which setpoint it got, for the outer loop.
 
         Where this loop cannot follow, at a limit or in another mode, that is its measurement
         (external reset).
         """
-        if not isinstance(self.setpoint, str):
-            return applied
-        remote = ca.logic_and(setpoint.remote, applied.in_force)
-        got = ca.if_else(applied.value == unlimited, value, measurement)
-        local = symbols[self._named("local_setpoint")]
+        measurement, local = s["measurement_used"], s["local_setpoint"]
+        remote = ca.logic_and(s["setpoint_is_remote"], applied.in_force)
+        got = ca.if_else(applied.value == s["unlimited"], s["setpoint_used"], measurement)
         stands = ca.logic_and(applied.in_force, is_number(local))
         elsewhere = ca.if_else(stands, value_or_zero(local, is_number(local)), measurement)
-        usable = ca.logic_or(stands, known)
+        usable = ca.logic_or(stands, s["signals_known"])
         follows = ca.logic_and(
             ca.logic_or(applied.in_force, applied.follows),
             ca.logic_and(ca.logic_not(remote), usable),

@@ -9,9 +9,10 @@ import casadi as ca
 
 from clepsydra.controllers.blocks.derivative import FilteredDerivative, filtered_derivative
 from clepsydra.controllers.blocks.error_shape import gap_error, squared_error
-from clepsydra.controllers.blocks.handover import Applied, Limits
-from clepsydra.controllers.blocks.integral import IntegralAction
-from clepsydra.controllers.blocks.validity import is_number
+from clepsydra.controllers.blocks.handover import Applied
+from clepsydra.controllers.blocks.integral import applied_ports, integral
+from clepsydra.controllers.blocks.ports import called
+from clepsydra.controllers.blocks.validity import is_number, is_time_step
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.pid_parameters import remembered
 from clepsydra.program.step_law import Symbols
@@ -31,14 +32,10 @@ class LoopSignals:
         Whether the setpoint comes from another source than in the last sample.
     last_applied : casadi.SX
         What the loop moves, in the last sample.
-    time_step : casadi.SX
-        Above zero [s].
-    time_step_good : casadi.SX
-        Whether it is the one given.
 
     Examples
     --------
-    >>> values = [ca.DM(value) for value in (5, 4, 1, 0, 3, 1, 1)]
+    >>> values = [ca.DM(value) for value in (5, 4, 1, 0, 3)]
     >>> float(LoopSignals(*values).setpoint)
     5.0
     """
@@ -48,42 +45,22 @@ class LoopSignals:
     known: ca.SX
     switched: ca.SX
     last_applied: ca.SX
-    time_step: ca.SX
-    time_step_good: ca.SX
 
 
-@dataclass(frozen=True)
-class PidTerms:
-    """What a loop asks for, and how its memory goes on.
-
-    Parameters
-    ----------
-    unlimited : casadi.SX
-        What it asks for.
-    measurement : casadi.SX
-        y
-    next_state : callable
-        Takes the `Applied` value and returns names of the state to their next values.
-    named : dict
-        Names for values on the way.
+def time_step_of(s: Symbols) -> tuple[ca.SX, ca.SX]:
+    """Return the time step, 1 s in place of one that is none, and whether it is one.
 
     Examples
     --------
-    >>> terms = PidTerms(ca.DM(7.0), ca.DM(4.0), lambda applied: {}, {})
-    >>> float(terms.unlimited)
-    7.0
+    >>> [float(value) for value in time_step_of({"time_step": ca.DM(-2)})]
+    [1.0, 0.0]
     """
-
-    unlimited: ca.SX
-    measurement: ca.SX
-    next_state: Callable[[Applied], dict[str, ca.SX]]
-    named: dict[str, ca.SX]
+    good = is_time_step(s["time_step"])
+    return ca.if_else(good, s["time_step"], 1), good
 
 
-def pid_terms(
-    form: PidForm, number: int, symbols: Symbols, loop: LoopSignals, limits: Limits
-) -> PidTerms:
-    """Write the terms of loop `number`; the equations of each form stand in `PidForm`.
+def pid_terms(form: PidForm, s: Symbols, loop: LoopSignals) -> dict[str, ca.SX]:
+    """Return the terms of a loop; the equations of each form stand in `PidForm`.
 
     An integral time at or below zero switches integral action off: nothing is divided by it.
     Where a parameter differs from the last sample, the integral takes up what that changes in
@@ -94,119 +71,137 @@ def pid_terms(
     Parameters
     ----------
     form : PidForm
-    number : int
-        k, from 1.
-    symbols : mapping
-        The law's signals by name.
+    s : mapping
+        Parameters and state of the loop by name, and the time step.
     loop : LoopSignals
-    limits : Limits
-        Of what the loop moves.
+
+    Returns
+    -------
+    dict
+        unlimited, what it asks for; and on the way there error, and proportional, increment and
+        integral_used, or in the velocity form change; filtered and rate of the derivative.
 
     Examples
     --------
     One sample of PI control at an error of 1 with K = 2, Ti = 10 s and I = 5:
 
     >>> given = dict(proportional_gain=2, integral_time=10, setpoint_weight=1, integral=5,
-    ...              last_proportional_gain=2, last_setpoint_weight=1)
-    >>> symbols = {f"{name}_1": ca.DM(value) for name, value in given.items()}
-    >>> loop = LoopSignals(*(ca.DM(value) for value in (1, 0, 1, 0, 5, 1, 1)))
-    >>> terms = pid_terms(PidForm(anti_windup="none"), 1, symbols, loop,
-    ...                   Limits(ca.DM(0), ca.DM(9)))
-    >>> float(terms.unlimited)
+    ...              last_proportional_gain=2, last_setpoint_weight=1, time_step=1)
+    >>> s = {name: ca.DM(value) for name, value in given.items()}
+    >>> loop = LoopSignals(*(ca.DM(value) for value in (1, 0, 1, 0, 5)))
+    >>> float(pid_terms(PidForm(anti_windup="none"), s, loop)["unlimited"])
     7.0
     """
-    writer = _Writer(form, number, symbols, loop)
-    return writer.velocity() if form.algorithm == "velocity" else writer.positional(limits)
+    writer = _Writer(form, s, loop)
+    return writer.velocity() if form.algorithm == "velocity" else writer.positional()
+
+
+def pid_state(form: PidForm, s: Symbols, applied: Applied) -> dict[str, ca.SX]:
+    """Return the next state of a loop.
+
+    Parameters
+    ----------
+    form : PidForm
+    s : mapping
+        Parameters and state of the loop, its terms, and setpoint_used, measurement_used and
+        signals_known of its `LoopSignals`; last_applied.
+    applied : Applied
+
+    Examples
+    --------
+    What was applied by hand is followed:
+
+    >>> given = dict(integral=5, integral_used=5, proportional=2, increment=1, last_applied=7,
+    ...              proportional_gain=2, setpoint_weight=1, last_proportional_gain=2,
+    ...              last_setpoint_weight=1, signals_known=1, time_step=1)
+    >>> s = {name: ca.DM(value) for name, value in given.items()}
+    >>> by_hand = Applied(ca.DM(9), ca.DM(0), ca.DM(1))
+    >>> float(pid_state(PidForm(anti_windup="none"), s, by_hand)["integral"])
+    7.0
+    """
+    known, good = s["signals_known"], is_time_step(s["time_step"])
+    usable = ca.logic_and(known, good)
+
+    def kept(value: ca.SX, last: str) -> ca.SX:
+        return ca.if_else(ca.logic_and(usable, is_number(value)), value, s[last])
+
+    state: dict[str, ca.SX] = {}
+    if form.has_derivative:
+        state["filtered_signal"] = kept(s["filtered"], "filtered_signal")
+    if form.algorithm == "velocity":
+        state["last_setpoint"] = kept(s["setpoint_used"], "last_setpoint")
+        state["last_measurement"] = kept(s["measurement_used"], "last_measurement")
+        if form.has_derivative:
+            state["last_derivative"] = kept(s["rate"], "last_derivative")
+        heard = usable
+    else:
+        if form.has_derivative:  # there is none without a time step
+            known = usable
+        block = integral(form.winding)
+        given = {**s, **applied_ports(applied), "integral": s["integral_used"], "known": known}
+        found = called(block, "integral_action", given)
+        following = found.outputs["following"]
+        # After nonsense at run time the integral is still the one before it.
+        state["integral"] = ca.if_else(is_number(following), following, s["integral"])
+        heard = ca.logic_or(applied.in_force, ca.logic_and(applied.follows, known))
+    for parameter in remembered(form):
+        taken = ca.logic_and(heard, is_number(s[parameter]))
+        state[f"last_{parameter}"] = ca.if_else(taken, s[parameter], s[f"last_{parameter}"])
+    return state
 
 
 class _Writer:
-    def __init__(self, form: PidForm, number: int, symbols: Symbols, loop: LoopSignals) -> None:
-        self.form, self.number, self.symbols, self.loop = form, number, symbols, loop
+    def __init__(self, form: PidForm, s: Symbols, loop: LoopSignals) -> None:
+        self.form, self.s, self.loop = form, s, loop
+        self.time_step, self.time_step_good = time_step_of(s)
         self.error = loop.setpoint - loop.measurement
-        self.gain = self._value("proportional_gain")
+        self.gain = s["proportional_gain"]
 
-    def _name(self, what: str) -> str:
-        return f"{what}_{self.number}"
-
-    def _value(self, what: str) -> ca.SX:
-        return self.symbols[self._name(what)]
-
-    def positional(self, limits: Limits) -> PidTerms:
-        form, loop, name = self.form, self.loop, self._name
-        derivative = self._derivative(self._value) if form.has_derivative else None
-        nonintegral, acting = self._nonintegral(derivative, self._value)
+    def positional(self) -> dict[str, ca.SX]:
+        form, loop = self.form, self.loop
+        derivative = self._derivative(self._now) if form.has_derivative else None
+        proportional, acting = self._nonintegral(derivative, self._now)
         integral_gain = self._integral_gain() if form.has_integral else ca.SX(0)
-        increment = (loop.time_step * integral_gain) * acting
+        increment = (self.time_step * integral_gain) * acting
         known = loop.known
         if derivative is not None:  # there is none without a time step
-            known = ca.logic_and(known, loop.time_step_good)
-        integral = self._integral(nonintegral, known)
-        action = IntegralAction(
-            integral=integral,
-            proportional=nonintegral,
-            increment=increment,
-            known=known,
-            last_applied=loop.last_applied,
-            anti_windup=form.winding,
-            time_step=loop.time_step,
-            tracking_time=self.symbols.get(name("tracking_time")),
-            limits=limits,
-        )
-
-        def next_state(applied: Applied) -> dict[str, ca.SX]:
-            following = action.following(applied)
-            # After nonsense at run time the integral is still the one before it.
-            kept = ca.if_else(is_number(following), following, self._value("integral"))
-            state = {name("integral"): kept}
-            if derivative is not None:
-                state[name("filtered_signal")] = self._kept_filter(derivative)
-            heard = ca.logic_or(applied.in_force, ca.logic_and(applied.follows, known))
-            return state | self._remembered(heard)
-
-        unlimited = nonintegral + integral
-        named = {
-            name("error"): self.error,
-            name("integral_gain_used"): integral_gain,
-            name("proportional"): nonintegral,
-            name("increment"): increment,
-            name("integral_used"): integral,
-            name("unlimited"): unlimited,
+            known = ca.logic_and(known, self.time_step_good)
+        integral_used = self._integral(proportional, known)
+        return {
+            "error": self.error,
+            "integral_gain_used": integral_gain,
+            "proportional": proportional,
+            "increment": increment,
+            "integral_used": integral_used,
+            "unlimited": proportional + integral_used,
+            **({} if derivative is None else {"filtered": derivative.filtered}),
         }
-        return PidTerms(unlimited, loop.measurement, next_state, named)
 
-    def velocity(self) -> PidTerms:
-        form, loop, name = self.form, self.loop, self._name
+    def velocity(self) -> dict[str, ca.SX]:
+        form, loop, s = self.form, self.loop, self.s
         # A setpoint from another source moves the output by its integral alone.
-        last_setpoint = ca.if_else(loop.switched, loop.setpoint, self._value("last_setpoint"))
-        moved = self._value("setpoint_weight") * (loop.setpoint - last_setpoint) - (
-            loop.measurement - self._value("last_measurement")
+        last_setpoint = ca.if_else(loop.switched, loop.setpoint, s["last_setpoint"])
+        moved = s["setpoint_weight"] * (loop.setpoint - last_setpoint) - (
+            loop.measurement - s["last_measurement"]
         )
-        change = self.gain * moved + (loop.time_step * self._integral_gain()) * self.error
-        derivative = self._derivative(self._value) if form.has_derivative else None
-        if derivative is not None:
+        change = self.gain * moved + (self.time_step * self._integral_gain()) * self.error
+        found = {"error": self.error}
+        if form.has_derivative:
+            derivative = self._derivative(self._now)
             # A change of the filter, or of the source of the setpoint, is no turn of the signal.
-            turned = self._derivative(self._former).rate - self._value("last_derivative")
+            turned = self._derivative(self._former).rate - s["last_derivative"]
             if form.derivative_on == "error":
                 turned = ca.if_else(loop.switched, 0, turned)
-            change = change + (self.gain * self._value("derivative_time")) * turned
-        unlimited = loop.last_applied + change
+            change = change + (self.gain * s["derivative_time"]) * turned
+            found |= {"filtered": derivative.filtered, "rate": derivative.rate}
+        return {**found, "change": change, "unlimited": loop.last_applied + change}
 
-        def next_state(applied: Applied) -> dict[str, ca.SX]:
-            state = {
-                name("last_setpoint"): self._kept(loop.setpoint, "last_setpoint"),
-                name("last_measurement"): self._kept(loop.measurement, "last_measurement"),
-            }
-            if derivative is not None:
-                state[name("filtered_signal")] = self._kept_filter(derivative)
-                state[name("last_derivative")] = self._kept(derivative.rate, "last_derivative")
-            return state | self._remembered(ca.logic_and(loop.known, loop.time_step_good))
+    def _now(self, what: str) -> ca.SX:
+        return self.s[what]
 
-        named = {
-            name("error"): self.error,
-            name("change"): change,
-            name("unlimited"): unlimited,
-        }
-        return PidTerms(unlimited, loop.measurement, next_state, named)
+    def _former(self, what: str) -> ca.SX:
+        """Return a parameter as it was in the last sample, if a change of it matters."""
+        return self.s[f"last_{what}" if what in remembered(self.form) else what]
 
     def _nonintegral(
         self, derivative: FilteredDerivative | None, read: Callable[[str], ca.SX]
@@ -239,52 +234,29 @@ class _Writer:
             ratio = read("derivative_filter")
             given = ratio > 0
             filter_time = ca.fmax(0, read("derivative_time")) / ca.if_else(given, ratio, 1)
-        filtered = self._value("filtered_signal")
+        filtered = self.s["filtered_signal"]
         if self.form.derivative_on == "measurement":
-            found = filtered_derivative(loop.measurement, filtered, filter_time, loop.time_step)
+            found = filtered_derivative(loop.measurement, filtered, filter_time, self.time_step)
             return FilteredDerivative(-found.rate, found.filtered)
         # A setpoint from another source is no movement of the error.
         filtered = ca.if_else(loop.switched, self.error, filtered)
-        return filtered_derivative(self.error, filtered, filter_time, loop.time_step)
+        return filtered_derivative(self.error, filtered, filter_time, self.time_step)
 
     def _integral_gain(self) -> ca.SX:
         if self.form.algorithm == "parallel":
-            return self._value("integral_gain")
-        integral_time = self._value("integral_time")
+            return self.s["integral_gain"]
+        integral_time = self.s["integral_time"]
         acts = integral_time > 0
         return ca.if_else(acts, self.gain / ca.if_else(acts, integral_time, 1), 0)
 
-    def _former(self, what: str) -> ca.SX:
-        """Return a parameter as it was in the last sample, if a change of it matters."""
-        return self.symbols.get(f"last_{self._name(what)}", self._value(what))
-
     def _integral(self, nonintegral: ca.SX, known: ca.SX) -> ca.SX:
         """Return the integral with which this sample goes on without a bump."""
-        form, integral = self.form, self._value("integral")
+        form, before = self.form, self.s["integral"]
         derivative = self._derivative(self._former) if form.has_derivative else None
         former, _ = self._nonintegral(derivative, self._former)
         changed = ca.SX(0)
-        for parameter in remembered(self.number, form):
-            differs = self.symbols[parameter] != self.symbols[f"last_{parameter}"]
-            changed = ca.logic_or(changed, differs)
-        taken_up = ca.if_else(
-            ca.logic_and(changed, known), integral + (former - nonintegral), integral
-        )
+        for parameter in remembered(form):
+            changed = ca.logic_or(changed, self.s[parameter] != self.s[f"last_{parameter}"])
+        taken_up = ca.if_else(ca.logic_and(changed, known), before + (former - nonintegral), before)
         restarted = self.loop.last_applied - nonintegral
         return ca.if_else(ca.logic_and(self.loop.switched, known), restarted, taken_up)
-
-    def _remembered(self, heard: ca.SX) -> dict[str, ca.SX]:
-        state = {}
-        for parameter in remembered(self.number, self.form):
-            value, last = self.symbols[parameter], self.symbols[f"last_{parameter}"]
-            taken = ca.logic_and(heard, is_number(value))
-            state[f"last_{parameter}"] = ca.if_else(taken, value, last)
-        return state
-
-    def _kept(self, value: ca.SX, last: str) -> ca.SX:
-        usable = ca.logic_and(self.loop.known, self.loop.time_step_good)
-        taken = ca.logic_and(usable, is_number(value))
-        return ca.if_else(taken, value, self._value(last))
-
-    def _kept_filter(self, derivative: FilteredDerivative) -> ca.SX:
-        return self._kept(derivative.filtered, "filtered_signal")

@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 
 import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.final_element import ASKED, asked_ports
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
+from clepsydra.controllers.blocks.integral import APPLIED, applied_ports
+from clepsydra.controllers.blocks.ports import called, identifier, truth
 from clepsydra.controllers.blocks.validity import is_number, value_or_zero
-from clepsydra.controllers.structure.block import Closed, Opened
-from clepsydra.program.step_law import Symbols
+from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
 
 #: A wild signal within this share of its range cannot be divided by.
 _TOO_SMALL = 1e-3
 
 
 @dataclass(frozen=True)
-class RatioBlock:
+class RatioBlock(WithoutSignals):
     """What is asked for is a ratio times a wild signal, in units of both.
 
     Parameters
@@ -71,18 +76,6 @@ class RatioBlock:
             for end, value in (("lowest", 0.0), ("highest", 10.0))
         ]
 
-    def state(self) -> list[Signal]:
-        """None."""
-        return []
-
-    def inputs(self) -> list[Signal]:
-        """None."""
-        return []
-
-    def outputs(self) -> list[Signal]:
-        """None."""
-        return []
-
     def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Those of the ratio."""
         if self.source is None:
@@ -92,38 +85,86 @@ class RatioBlock:
 
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Multiply."""
-        raw, sound = symbols[f"measurement_{self.measured}"], symbols[f"sensor_{self.measured}"]
-        number = is_number(raw)
-        wild = value_or_zero(raw, number)
-        good = ca.logic_and(number, sound)
+        j, name = self.measured, identifier(self.name)
+        given = {what: symbols[f"{what}_{j}"] for what in ("measurement", "sensor")}
+        for source, ends in zip(asked, self.limits(symbols, limits), strict=True):
+            given |= {f"trim_{n}": value for n, value in asked_ports(source).items()}
+            given |= {"lowest_ratio": ends.low, "highest_ratio": ends.high}
         if not asked:
-            ratio = symbols[f"ratio_{self.number}"]
-            product = Asked(ratio * wild, ca.logic_and(good, is_number(ratio)), number, sound)
-            return Opened((product,), lambda applied: Closed({}))
-        (source,) = asked
-        (ends,) = self.limits(symbols, limits)
-        ratio = ca.fmin(ends.high, ca.fmax(ends.low, source.value))
+            given["ratio"] = symbols[f"ratio_{self.number}"]
+        first = called(_asks(bool(asked)), f"{name}_asks", given).outputs
+        product = Asked(*(first[signal.name] for signal in ASKED))
+
+        def close(applied: Sequence[Applied]) -> Closed:
+            if not asked:
+                return Closed({})
+            span = self.wild.span
+            smallest = _TOO_SMALL * span if ca.SX(span).is_regular() else 0.0
+            told = {**first, **applied_ports(applied[0]), "smallest": ca.SX(smallest)}
+            last = called(_IS_TOLD, f"{name}_is_told", told).outputs
+            return Closed({}, {}, (Applied(*last.values()),))
+
+        return Opened((product,), close)
+
+
+@cache
+def _asks(trimmed: bool) -> Block:
+    """Return the block of the product, with the ratio that is given or that a loop trims."""
+    trim = tuple(replace(signal, name=f"trim_{signal.name}") for signal in ASKED)
+
+    def equations(s: Symbols) -> Equations:
+        number = is_number(s["measurement"])
+        wild = value_or_zero(s["measurement"], number)
+        good = ca.logic_and(number, s["sensor"])
+        if not trimmed:
+            usable = ca.logic_and(good, is_number(s["ratio"]))
+            return Equations({}, asked_ports(Asked(s["ratio"] * wild, usable, number, s["sensor"])))
+        source = Asked(*(s[signal.name] for signal in trim))
+        ratio = ca.fmin(s["highest_ratio"], ca.fmax(s["lowest_ratio"], source.value))
         product = Asked(
             ratio * wild,
             ca.logic_and(good, source.usable),
             ca.logic_and(number, source.numbers),
-            ca.logic_and(sound, source.sensors),
+            ca.logic_and(s["sensor"], source.sensors),
         )
-        span = self.wild.span
-        smallest = _TOO_SMALL * span if ca.SX(span).is_regular() else 0.0
-        divisible = ca.fabs(wild) > smallest
+        return Equations({}, {**asked_ports(product), "ratio": ratio, "wild": wild, "good": good})
 
-        def close(applied: Sequence[Applied]) -> Closed:
-            (result,) = applied
-            # What was applied as asked is told to the last bit: no rounding looks like a limit.
-            quotient = result.value / ca.if_else(divisible, wild, 1)
-            got = ca.if_else(result.value == product.value, ratio, quotient)
-            known = ca.logic_and(divisible, good)
-            told = Applied(
-                ca.if_else(known, got, ratio),
-                ca.logic_and(result.in_force, known),
-                ca.logic_and(result.follows, known),
-            )
-            return Closed({}, {}, (told,))
+    ratios = (*trim, Signal("lowest_ratio"), Signal("highest_ratio"))
+    return Block(
+        "trimmed_ratio_asks" if trimmed else "ratio_asks",
+        (
+            Signal("measurement", description="the wild signal"),
+            truth("sensor", "its sensor is good"),
+            *(ratios if trimmed else (Signal("ratio"),)),
+        ),
+        (),
+        (*ASKED, *(_CARRIED if trimmed else ())),
+        equations,
+        ("What follows is asked to be the ratio times the wild signal.",),
+    )
 
-        return Opened((product,), close)
+
+def _is_told(s: Symbols) -> Equations:
+    wild, ratio = s["wild"], s["ratio"]
+    divisible = ca.fabs(wild) > s["smallest"]
+    # What was applied as asked is told to the last bit: no rounding looks like a limit.
+    quotient = s["applied"] / ca.if_else(divisible, wild, 1)
+    got = ca.if_else(s["applied"] == s["asked"], ratio, quotient)
+    known = ca.logic_and(divisible, s["good"])
+    told = Applied(
+        ca.if_else(known, got, ratio),
+        ca.logic_and(s["in_force"], known),
+        ca.logic_and(s["follows"], known),
+    )
+    return Equations({}, {f"got_{name}": value for name, value in applied_ports(told).items()})
+
+
+_CARRIED = (Signal("ratio"), Signal("wild"), truth("good", "the wild signal is known"))
+_IS_TOLD = Block(
+    "trimmed_ratio_is_told",
+    (*APPLIED, ASKED[0], *_CARRIED, Signal("smallest", description="that is divided by")),
+    (),
+    tuple(replace(signal, name=f"got_{signal.name}") for signal in APPLIED),
+    _is_told,
+    ("The ratio that was applied, or the one asked for where that cannot be told.",),
+)

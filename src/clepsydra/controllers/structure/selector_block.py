@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Literal
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.final_element import ASKED, asked_ports
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
-from clepsydra.controllers.structure.block import Closed, Opened
-from clepsydra.program.step_law import Symbols
+from clepsydra.controllers.blocks.ports import called, identifier
+from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
 
 Selection = Literal["low", "high"]
 
 
 @dataclass(frozen=True)
-class SelectorBlock:
+class SelectorBlock(WithoutSignals):
     """The lowest or highest of several values.
 
     All its sources are told what was applied, so the integrals of those that were not selected
@@ -50,31 +53,22 @@ class SelectorBlock:
         """The selected value."""
         return (self.name,)
 
-    def parameters(self) -> list[Signal]:
-        """None."""
-        return []
-
-    def state(self) -> list[Signal]:
-        """None."""
-        return []
-
-    def inputs(self) -> list[Signal]:
-        """None."""
-        return []
-
-    def outputs(self) -> list[Signal]:
-        """None."""
-        return []
-
     def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Those after it, for every source."""
         return (after[0],) * len(self.sources)
 
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Select."""
-        chosen = asked[0]
-        for other in asked[1:]:
-            chosen = self._better(chosen, other)
+        chosen, name = asked[0], identifier(self.name)
+        for source, other in zip(self.sources[1:], asked[1:], strict=True):
+            given = {
+                f"{each}_{n}": value
+                for each, wish in (("first", chosen), ("second", other))
+                for n, value in asked_ports(wish).items()
+            }
+            instance = f"{name}_or_{identifier(source)}"
+            found = called(_selector(self.selection), instance, given)
+            chosen = Asked(*(found.outputs[signal.name] for signal in ASKED))
 
         def close(applied: Sequence[Applied]) -> Closed:
             (result,) = applied
@@ -86,13 +80,35 @@ class SelectorBlock:
 
         return Opened((chosen,), close)
 
-    def _better(self, first: Asked, second: Asked) -> Asked:
-        pick = ca.fmin if self.selection == "low" else ca.fmax
+
+@cache
+def _selector(selection: Selection) -> Block:
+    """Return the block that selects one of two."""
+
+    def equations(s: Symbols) -> Equations:
+        first, second = (
+            Asked(*(s[f"{each}_{signal.name}"] for signal in ASKED)) for each in ("first", "second")
+        )
+        pick = ca.fmin if selection == "low" else ca.fmax
         both = ca.logic_and(first.usable, second.usable)
         one = ca.if_else(first.usable, first.value, second.value)
-        return Asked(
+        chosen = Asked(
             ca.if_else(both, pick(first.value, second.value), one),
             ca.logic_or(first.usable, second.usable),
             ca.logic_and(first.numbers, second.numbers),
             ca.logic_and(first.sensors, second.sensors),
         )
+        return Equations({}, asked_ports(chosen))
+
+    return Block(
+        f"{selection}_selector",
+        tuple(
+            replace(signal, name=f"{each}_{signal.name}")
+            for each in ("first", "second")
+            for signal in ASKED
+        ),
+        (),
+        ASKED,
+        equations,
+        (f"The {selection}est of two values; one that is not usable is passed over.",),
+    )

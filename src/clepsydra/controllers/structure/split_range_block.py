@@ -10,9 +10,12 @@ import casadi as ca
 from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
+from clepsydra.controllers.blocks.integral import APPLIED, applied_ports
 from clepsydra.controllers.blocks.limits import limit
-from clepsydra.controllers.structure.block import Closed, Opened
-from clepsydra.program.step_law import Symbols
+from clepsydra.controllers.blocks.ports import called, identifier, truth
+from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class SplitRangeBlock:
+class SplitRangeBlock(WithoutSignals):
     """One value from 0 to 100 % moves several actuators.
 
     Parameters
@@ -106,18 +109,6 @@ class SplitRangeBlock:
         """Those of all legs."""
         return [parameter for leg in self.legs for parameter in leg.parameters()]
 
-    def state(self) -> list[Signal]:
-        """None."""
-        return []
-
-    def inputs(self) -> list[Signal]:
-        """None."""
-        return []
-
-    def outputs(self) -> list[Signal]:
-        """None."""
-        return []
-
     def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """From the start of the first part to the end of the last."""
         starts = [symbols[f"split_start_{leg.number}"] for leg in self.legs]
@@ -130,9 +121,14 @@ class SplitRangeBlock:
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Split."""
         (source,) = asked
-        parts = [_Part(symbols, leg) for leg in self.legs]
-        shares = [part.share_of(source.value) for part in parts]
-        values = [part.value_at(share) for part, share in zip(parts, shares, strict=True)]
+        parts = [
+            {what: symbols[f"split_{what}_{leg.number}"] for what in _ENDS} for leg in self.legs
+        ]
+        found = [
+            called(_PART, identifier(leg.port(self.name)), {**part, "asked": source.value}).outputs
+            for leg, part in zip(self.legs, parts, strict=True)
+        ]
+        values = [each["value"] for each in found]
         told = tuple(
             Asked(value, source.usable, source.numbers, source.sensors) for value in values
         )
@@ -143,14 +139,14 @@ class SplitRangeBlock:
             # What was asked, less what the actuators in automatic missed of it: beside one that
             # is moved by hand they go on as they are. Else where the last of them stands.
             reached, stands = limit(source.value, ends.low, ends.high), ends.low
-            for part, share, value, result in zip(parts, shares, values, applied, strict=True):
+            for leg, part, each, result in zip(self.legs, parts, found, applied, strict=True):
                 in_force = ca.logic_or(in_force, result.in_force)
                 follows = ca.logic_and(follows, ca.logic_or(result.follows, result.in_force))
-                got = part.share_at(result.value)
-                missed = ca.logic_and(result.in_force, result.value != value)
-                reached = reached + ca.if_else(missed, part.width * (got - share), 0)
-                place = part.start + part.width * got
-                stands = ca.if_else(got > 0, ca.fmax(stands, place), stands)
+                given = {**part, **each, **applied_ports(result)}
+                instance = f"{identifier(leg.port(self.name))}_is_told"
+                told = called(_PART_IS_TOLD, instance, given).outputs
+                reached = reached + told["missed"]
+                stands = ca.if_else(told["moves"], ca.fmax(stands, told["place"]), stands)
             value = ca.if_else(in_force, reached, stands)
             result = Applied(value, in_force, ca.logic_and(follows, ca.logic_not(in_force)))
             return Closed({}, {}, (result,))
@@ -158,27 +154,65 @@ class SplitRangeBlock:
         return Opened(told, close)
 
 
-class _Part:
-    """The part of the range of one leg, and the way there and back."""
+_ENDS = ("start", "end", "at_start", "at_end")
+_PORTS = (
+    Signal("start", "%", description="start of its part of the range"),
+    Signal("end", "%", description="end of its part of the range"),
+    Signal("at_start", description="the actuator there"),
+    Signal("at_end"),
+)
 
-    def __init__(self, symbols: Symbols, leg: Leg) -> None:
-        number = leg.number
-        self.start = symbols[f"split_start_{number}"]
-        self.width = ca.fmax(0, symbols[f"split_end_{number}"] - self.start)
-        self.at_start = symbols[f"split_at_start_{number}"]
-        self.stroke = symbols[f"split_at_end_{number}"] - self.at_start
 
-    def share_of(self, value: ca.SX) -> ca.SX:
-        """Return how far into this part a value is, from 0 to 1."""
-        wide = self.width > 0
-        return limit((value - self.start) / ca.if_else(wide, self.width, 1), ca.SX(0), ca.SX(1))
+def _width(s: Symbols) -> ca.SX:
+    return ca.fmax(0, s["end"] - s["start"])
 
-    def value_at(self, share: ca.SX) -> ca.SX:
-        """Return the actuator's value there."""
-        return self.at_start + self.stroke * share
 
-    def share_at(self, value: ca.SX) -> ca.SX:
-        """Return the share that an actuator's value stands for."""
-        moves = self.stroke != 0
-        share = (value - self.at_start) / ca.if_else(moves, self.stroke, 1)
-        return ca.if_else(moves, limit(share, ca.SX(0), ca.SX(1)), 0)
+def _part(s: Symbols) -> Equations:
+    width = _width(s)
+    wide = width > 0
+    reach = (s["asked"] - s["start"]) / ca.if_else(wide, width, 1)
+    share = limit(reach, ca.SX(0), ca.SX(1))
+    value = s["at_start"] + (s["at_end"] - s["at_start"]) * share
+    return Equations({}, {"share": share, "value": value})
+
+
+def _part_is_told(s: Symbols) -> Equations:
+    width, stroke = _width(s), s["at_end"] - s["at_start"]
+    moves = stroke != 0
+    reach = (s["applied"] - s["at_start"]) / ca.if_else(moves, stroke, 1)
+    got = ca.if_else(moves, limit(reach, ca.SX(0), ca.SX(1)), 0)
+    missed = ca.logic_and(s["in_force"], s["applied"] != s["value"])
+    return Equations(
+        {},
+        {
+            "missed": ca.if_else(missed, width * (got - s["share"]), 0),
+            "place": s["start"] + width * got,
+            "moves": got > 0,
+        },
+    )
+
+
+_FOUND = (
+    Signal("share", description="how far into its part what is asked for is, 0 to 1"),
+    Signal("value", description="what the actuator is asked for"),
+)
+_PART = Block(
+    "split_range_part",
+    (Signal("asked", "%"), *_PORTS),
+    (),
+    _FOUND,
+    _part,
+    ("One actuator of a split range.",),
+)
+_PART_IS_TOLD = Block(
+    "split_range_part_is_told",
+    (*APPLIED[:2], *_PORTS, *_FOUND),
+    (),
+    (
+        Signal("missed", "%", description="what is missing of what was asked for"),
+        Signal("place", "%", description="where in the range the actuator stands"),
+        truth("moves", "it stands within its part, or beyond it"),
+    ),
+    _part_is_told,
+    ("What became of one actuator of a split range.",),
+)

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
-from clepsydra.deploy.printing.heading import comment, commented, heading
+from clepsydra.deploy.c99.layout import instances, kept
+from clepsydra.deploy.c99.structures import WIDTH, Structures, block_name
+from clepsydra.deploy.printing.called_blocks import called_blocks
+from clepsydra.deploy.printing.heading import heading
 from clepsydra.deploy.printing.identifiers import C_WORDS, check_distinct, check_identifier
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
+from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.program import Program
 
-#: A line with its comment is no wider than this [characters].
-WIDTH = 98
-_TYPES = {"integer": "int32_t", "boolean": "bool"}
-_REAL = {"double": "double", "single": "float"}
+REAL = {"double": "double", "single": "float"}
 _NUMBERS: dict[Precision, tuple[str, str]] = {
     "double": (
         "Needs IEEE 754 doubles, evaluated as doubles; the source switches fused multiply-add off",
@@ -26,7 +26,6 @@ _NUMBERS: dict[Precision, tuple[str, str]] = {
     ),
 }
 _NOTES = ("No allocation, no recursion, no static state: one state structure for each instance.",)
-_PLACEHOLDER = "  char nothing; /* a structure of C99 has at least one member */"
 
 
 def check_names(program: Program) -> None:
@@ -38,39 +37,43 @@ def check_names(program: Program) -> None:
     >>> from clepsydra.program.program import Block
     >>> check_names(Program("law", (), (Signal("tank_1.level"),), (), (), Block(1, (), ())))
     """
-    place = f"program {program.name}"
-    check_identifier(program.name, place, "C", C_WORDS, ignore_case=False)
-    groups: list[Sequence[Entry]] = [
-        kept(program), program.inputs, program.parameters, program.outputs,
-    ]  # fmt: skip
-    for group in groups:
-        entries = []
-        for entry in group:
-            name = signal_of(entry).identifier
-            check_identifier(name, f"{place}, {entry.name}", "C", C_WORDS, ignore_case=False)
-            entries.append((name, f"{place}, {entry.name}"))
-            if is_ring(entry):
-                entries.append((f"{name}_position", f"{place}, position in {entry.name}"))
-        check_distinct(entries, "C", ignore_case=False)
+    for each in (*called_blocks(program), program):
+        place = f"program {each.name}"
+        check_identifier(each.name, place, "C", C_WORDS, ignore_case=False)
+        for group in (each.inputs, each.parameters, each.outputs):
+            check_distinct(_checked(place, group), "C", ignore_case=False)
+        called = [(call.instance, f"{place}, {call.instance}") for call in instances(each)]
+        check_distinct([*_checked(place, kept(each)), *called], "C", ignore_case=False)
+        for name, where in called:
+            check_identifier(name, where, "C", C_WORDS, ignore_case=False)
 
 
-def kept(program: Program) -> tuple[Entry, ...]:
-    """Return what lives from sample to sample: the state, then the rings of loops.
-
-    Examples
-    --------
-    >>> from clepsydra.base.signal import Signal
-    >>> from clepsydra.program.program import Block
-    >>> kept(Program("law", (Signal("x"),), (), (), (), Block(1, (), (0,))))[0].name
-    'x'
-    """
-    return (*program.state, *program.rings)
+def _checked(place: str, group: Sequence[Entry]) -> Iterator[tuple[str, str]]:
+    """Yield the names of members and where they stand; refuse what C does not accept."""
+    for entry in group:
+        name = signal_of(entry).identifier
+        check_identifier(name, f"{place}, {entry.name}", "C", C_WORDS, ignore_case=False)
+        yield name, f"{place}, {entry.name}"
+        if is_ring(entry):
+            yield f"{name}_position", f"{place}, position in {entry.name}"
 
 
 def print_header(
-    program: Program, origin: Origin | None = None, precision: Precision = "double"
+    program: Program,
+    head: Sequence[str],
+    origin: Origin | None = None,
+    precision: Precision = "double",
 ) -> str:
-    """Print the header: four structures and four functions.
+    """Print the header: four structures, those of the blocks' states, and four functions.
+
+    Parameters
+    ----------
+    program : Program
+        In its printed form.
+    head : sequence of str
+        The comment that it begins with.
+    origin : Origin, optional
+    precision : {"double", "single"}
 
     Examples
     --------
@@ -78,19 +81,24 @@ def print_header(
     >>> from clepsydra.program.program import Block, Operation
     >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
     >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
-    >>> "void double_it_initialise(double_it_state *state);" in print_header(program)
+    >>> "void double_it_initialise(double_it_state *state);" in print_header(program, [])
     True
     """
     name = program.name
     guard = f"{name.upper()}_H"
-    structures = _Structures(program, origin, _REAL[precision])
-    lines = head_comment(program, origin, precision)
-    lines += [f"#ifndef {guard}", f"#define {guard}", ""]
+    structures = Structures(name, REAL[precision], origin)
+    of_blocks = Structures(name, REAL[precision])
+    lines = [*head, f"#ifndef {guard}", f"#define {guard}", ""]
     lines += ["#include <stdbool.h>", "#include <stdint.h>", ""]
     lines += ["#ifdef __cplusplus", 'extern "C" {', "#endif", ""]
-    lines += structures.parameters() + structures.state()
-    lines += structures.plain("inputs", "Inputs of one sample.", program.inputs)
-    lines += structures.plain("outputs", "Outputs of one sample.", program.outputs)
+    lines += structures.parameters(program)
+    for block in called_blocks(program):
+        if block.state:
+            title = f"What an instance of {block.name} keeps."
+            lines += of_blocks.state(block, block_name(name, block), title)
+    lines += structures.state(program, name, "State: what the next sample needs.")
+    lines += structures.plain(program.inputs, name, "inputs", "Inputs of one sample.")
+    lines += structures.plain(program.outputs, name, "outputs", "Outputs of one sample.")
     lines += [
         "/* Sets the parameters' values. */",
         *default_parameters_head(name, ";"),
@@ -189,51 +197,3 @@ def _function_head(name: str, arguments: Sequence[str], end: str) -> list[str]:
         return [opening, *(f"    {row}" for row in rows)]
     indent = " " * len(opening)
     return [opening + rows[0], *(indent + row for row in rows[1:])]
-
-
-class _Structures:
-    """Prints the structures; numbers that come from somewhere say so."""
-
-    def __init__(self, program: Program, origin: Origin | None, real: str) -> None:
-        self._program = program
-        self._origin = origin
-        self._types = {**_TYPES, "real": real}
-
-    def parameters(self) -> list[str]:
-        members = [
-            line
-            for entry in self._program.parameters
-            for line in self._member(entry, comment(entry, source=self._source(entry)))
-        ]
-        return self._structure("parameters", "Parameters: constant or tuned.", members)
-
-    def state(self) -> list[str]:
-        members = []
-        counted = {ring.name: "turn" for ring in self._program.rings}
-        for entry in kept(self._program):
-            about = comment(
-                entry, source=self._source(entry), counted=counted.get(entry.name, "sample")
-            )
-            members += self._member(entry, about)
-        return self._structure("state", "State: what the next sample needs.", members)
-
-    def plain(self, what: str, title: str, entries: Sequence[Entry]) -> list[str]:
-        members = [line for entry in entries for line in self._member(entry, comment(entry))]
-        return self._structure(what, title, members)
-
-    def _source(self, entry: Entry) -> str:
-        return self._origin.source_of(entry) if self._origin else ""
-
-    def _member(self, entry: Entry, about: str) -> list[str]:
-        signal = signal_of(entry)
-        size = f"[{entry.length}]" if is_ring(entry) else ""
-        member = f"{self._types[signal.kind]} {signal.identifier}{size};"
-        lines = commented(member, about, "/*", "*/", WIDTH - 2)
-        if size:
-            place = f"int32_t {signal.identifier}_position;"
-            lines += commented(place, "[1] place of the oldest value", "/*", "*/", WIDTH - 2)
-        return [f"  {line}" for line in lines]
-
-    def _structure(self, what: str, title: str, members: Sequence[str]) -> list[str]:
-        end = f"}} {self._program.name}_{what};"
-        return [f"/* {title} */", "typedef struct {", *(members or [_PLACEHOLDER]), end, ""]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from clepsydra.deploy.printing.expressions import Notation
+from clepsydra.base.signal import Kind
+from clepsydra.deploy.printing.expressions import Expression, Notation, render
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.program import LIBRARY
 
@@ -50,6 +51,22 @@ def real_type(notation: Notation) -> str:
     ('double', 'float')
     """
     return "float" if notation.single else "double"
+
+
+def literal(number: float, kind: Kind, notation: Notation) -> str:
+    """Write a number in the type of a signal.
+
+    Examples
+    --------
+    >>> [literal(1.0, kind, notation_of("single")) for kind in ("real", "integer", "boolean")]
+    ['1.0f', '1', 'true']
+    """
+    if kind == "integer":
+        # The lowest 32-bit integer has no literal of its own in C.
+        return "INT32_MIN" if number == -(2.0**31) else str(int(number))
+    if kind == "boolean":
+        return "true" if number else "false"
+    return render(Expression("constant", number=number), notation)
 
 
 def arithmetic_check(notation: Notation) -> list[str]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from clepsydra.deploy.c99.interface import check_names, print_header
+from clepsydra.deploy.c99.interface import check_names, head_comment, print_header
+from clepsydra.deploy.c99.layout import printed_form
 from clepsydra.deploy.c99.source import print_source
 from clepsydra.deploy.printing.heading import check_printable
 from clepsydra.deploy.printing.origin import Origin
@@ -53,7 +54,8 @@ def print_c(
     ``NAME_initialise`` sets the initial state, ``NAME_default_parameters`` the parameters'
     values, and ``NAME_step`` computes one sample: it reads parameters, state and inputs,
     writes outputs and the next state. Integer signals are ``int32_t``, boolean ones ``bool``,
-    all others ``double`` or ``float`` in their SI unit.
+    all others ``double`` or ``float`` in their SI unit. A block that the program calls becomes
+    one static function ``NAME_BLOCK_step``, and each instance a member of the state.
 
     Parameters
     ----------
@@ -74,6 +76,8 @@ def print_c(
         It is no program, an operation is fused, a name is no identifier of C, two names become
         one, an integer or boolean result may be something else, or a number or a count is
         outside single precision.
+    ValueError
+        Two blocks of one name compute different things, or one is called inside a loop.
 
     Examples
     --------
@@ -86,7 +90,9 @@ def print_c(
     """
     check_printable(program)
     program = in_precision(program, precision)
+    head = head_comment(program, origin, precision)
+    program = printed_form(program)
     check_whole_results(program, precision)
     check_names(program)
-    header = print_header(program, origin, precision)
-    return CSource(program.name, header, print_source(program, origin, precision))
+    header = print_header(program, head, origin, precision)
+    return CSource(program.name, header, print_source(program, head, origin, precision))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from clepsydra.deploy.c99.interface import kept
-from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.deploy.c99.layout import instances, kept, printed_form
 from clepsydra.deploy.printing.precision import Precision
+from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.program import Program
 
 _REAL = {"double": 8, "single": 4}
@@ -38,20 +38,27 @@ def state_size(program: Program, precision: Precision = "double") -> int:
     >>> state_size(program), state_size(program, "single")
     (120, 60)
     """
+    return _extent(printed_form(program), precision)[0]
+
+
+def _extent(program: Program, precision: Precision) -> tuple[int, int]:
+    """Return the size of a structure and that of its widest member's type [bytes]."""
     size, widest = 0, 1
-    for width, count in _members(program, precision):
-        size += -size % width + width * count
-        widest = max(widest, width)
-    return max(size + -size % widest, 1)
+    for width, aligned in _members(program, precision):
+        size += -size % aligned + width
+        widest = max(widest, aligned)
+    return max(size + -size % widest, 1), widest
 
 
 def _members(program: Program, precision: Precision) -> Iterator[tuple[int, int]]:
-    """Yield the width of each member [bytes] and how many there are of it."""
+    """Yield of each member how much it takes, and at a multiple of what it stands [bytes]."""
     widths = {"real": _REAL[precision], "integer": 4, "boolean": 1}
     for entry in kept(program):
         width = widths[signal_of(entry).kind]
         if is_ring(entry):
-            yield width, entry.length
-            yield _POSITION, 1
+            yield width * entry.length, width
+            yield _POSITION, _POSITION
         else:
-            yield width, 1
+            yield width, width
+    for call in instances(program):
+        yield _extent(call.program, precision)

@@ -6,21 +6,27 @@ import textwrap
 from collections.abc import Sequence
 
 from clepsydra.deploy.c99.notation import real_type
-from clepsydra.deploy.printing.entries import is_ring
 from clepsydra.deploy.printing.expressions import Expression, Notation, render
 from clepsydra.deploy.printing.listing import (
     Assignment,
+    BlockCall,
     Branch,
     CountedLoop,
     ListingStatement,
     RingTurn,
 )
+from clepsydra.program.entries import is_ring
 
 _LINE = 98
 
 
 def statement(entry: ListingStatement, notation: Notation, depth: int) -> list[str]:
     """Write a statement of a listing, one string a line.
+
+    Raises
+    ------
+    ValueError
+        It is the call of a block, inside a loop or a branch.
 
     Examples
     --------
@@ -32,6 +38,8 @@ def statement(entry: ListingStatement, notation: Notation, depth: int) -> list[s
     """
     if isinstance(entry, Assignment):
         return _declare(entry, notation, depth, "const ")
+    if isinstance(entry, BlockCall):
+        raise ValueError(f"{entry.instance}: a block is called in the equations of a law only")
     indent = "  " * depth
     lines = [line for start in entry.start for line in _declare(start, notation, depth, "")]
     if isinstance(entry, CountedLoop):
@@ -83,6 +91,39 @@ def assign(left: str, right: str, depth: int) -> list[str]:
     indent = "  " * depth
     line = f"{indent}{left} = {right};"
     return [line] if len(line) <= _LINE else [f"{indent}{left} =", f"{indent}    {right};"]
+
+
+def declare(kind: str, name: str, depth: int) -> list[str]:
+    """Write the declaration of a variable on one line, or on two where one is too long.
+
+    Examples
+    --------
+    >>> declare("law_filter_outputs", "first", 1)
+    ['  law_filter_outputs first;']
+    """
+    indent = "  " * depth
+    line = f"{indent}{kind} {name};"
+    return [line] if len(line) <= _LINE else [f"{indent}{kind}", f"{indent}    {name};"]
+
+
+def call(function: str, arguments: Sequence[str], depth: int) -> list[str]:
+    """Write a call, with as many arguments on a line as fit.
+
+    Examples
+    --------
+    >>> call("law_filter_step", ["&state->first", "u", "&first"], 1)
+    ['  law_filter_step(&state->first, u, &first);']
+    """
+    indent = "  " * depth
+    *others, last = arguments
+    rows = [f"{indent}{function}("]
+    for text in (*(f"{each}," for each in others), f"{last});"):
+        joined = rows[-1] + (" " if rows[-1].endswith(",") else "") + text
+        if len(joined) <= _LINE:
+            rows[-1] = joined
+        else:
+            rows.append(f"{indent}    {text}")
+    return rows
 
 
 def advance(member: str, length: int, depth: int) -> list[str]:

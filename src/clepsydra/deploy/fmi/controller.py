@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from clepsydra.base.errors import InputError
+from clepsydra.deploy.c99.layout import printed_form, state_names, state_paths
 from clepsydra.deploy.fmi.dependencies import output_dependencies
-from clepsydra.deploy.fmi.model import FmuModel, variables_of
-from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, variables_of
 from clepsydra.deploy.printing.origin import Origin
+from clepsydra.program.entries import is_ring, signal_of
+from clepsydra.program.inlined import inlined
 from clepsydra.program.program import Program
 
 _FUNCTIONS = """\
@@ -33,7 +37,8 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
     sampling period as communication step there is one scan in each, at its start. Before the
     first step the outputs are those of a scan that leaves the state as it is. Inputs start as in
     every other export: behind a plant shell in manual, without a sensor and without a time step,
-    until the importer sets them.
+    until the importer sets them. A state that lives in an instance of a block has the name of that
+    instance before its own.
 
     Parameters
     ----------
@@ -61,17 +66,26 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
             f"program {program.name}, sampling period", f"{period!r} s", "a time above 0 s",
             "give the period that the controller was designed for",
         )  # fmt: skip
-    states = [signal_of(entry) for entry in program.state if not is_ring(entry)]
+    paths, named = state_paths(printed_form(program)), state_names(program)
+    states = [
+        FmuVariable(
+            replace(signal_of(entry), name=named[entry.name]),
+            f"state.{'.'.join(path)}", "local", "discrete",
+        )
+        for entry, path in zip(program.state, paths, strict=True)
+        if not is_ring(entry)
+    ]  # fmt: skip
     rings = {entry.name for entry in program.state if is_ring(entry)}
     depends_on = [
-        tuple(name for name in names if name not in rings) for names in output_dependencies(program)
+        tuple(named.get(name, name) for name in names if name not in rings)
+        for names in output_dependencies(inlined(program))
     ]
     return FmuModel(
         programs=(program,),
         variables=(
             *variables_of(program.parameters, "parameters", "parameter", "tunable"),
             *variables_of(program.inputs, "inputs", "input", "discrete"),
-            *variables_of(states, "state", "local", "discrete"),
+            *states,
             *variables_of(program.outputs, "outputs", "output", "discrete", depends_on),
         ),
         functions=_FUNCTIONS.format(name=program.name),

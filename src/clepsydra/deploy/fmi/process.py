@@ -8,13 +8,13 @@ from clepsydra.deploy.fmi.dependencies import output_dependencies
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, variables_of
 from clepsydra.deploy.fmi.process_names import held_signals, shown_contents
 from clepsydra.deploy.fmi.side_program import call_beside
-from clepsydra.deploy.printing.entries import is_ring, signal_of
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.process_program import HELD, process_program
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.step_size import check_substeps
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
+from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.program import Program
 from clepsydra.program.reader import inline
 

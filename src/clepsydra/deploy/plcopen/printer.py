@@ -8,7 +8,7 @@ from clepsydra.deploy.plcopen.document import Task, document, flavour_of
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import dialect_of
-from clepsydra.deploy.structured_text.function_block import function_block
+from clepsydra.deploy.structured_text.library import function_blocks
 from clepsydra.deploy.structured_text.project import CONFIGURATION, RESOURCE, TASK, make_project
 from clepsydra.program.program import Program
 
@@ -50,8 +50,8 @@ def print_plcopen(
     True
     """
     flavour, spoken = flavour_of(dialect), dialect_of(dialect)
-    unit = function_block(program, spoken, precision, origin)
-    return document(program.name, [unit], spoken, flavour, None)
+    units = function_blocks(program, spoken, precision, origin)
+    return document(program.name, units, spoken, flavour, None)
 
 
 def print_plcopen_project(
@@ -89,8 +89,8 @@ def print_plcopen_project(
     >>> text = print_plcopen_project(
     ...     controller.program(), process_program(plant.point, 1),
     ...     controller.input_wires | controller.output_wires, 1.0, dialect="matiec")
-    >>> 'interval="T#1s"' in text, text.count("<pou ")
-    (True, 3)
+    >>> 'interval="T#1s"' in text, text.count('pouType="program"')
+    (True, 1)
     """
     flavour, spoken = flavour_of(dialect), dialect_of(dialect)
     project = make_project(

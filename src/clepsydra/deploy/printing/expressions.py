@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,6 +15,13 @@ from clepsydra.program.program import COMPARISONS, LOGIC
 # demands is put in parentheses.
 _LOOSE, _SIGNED, _SUM, _PRODUCT, _ATOM = range(5)
 _CHOICES = frozenset({"select", "maximum", "minimum", "number"})
+# Integers: read, constant, counted from a truth value, rounded; the others have whole operands.
+# How a comparison may be written from the other side.
+_GREATER = frozenset({"greater", "greater_equal"})
+_INTEGERS = frozenset(
+    {"integer", "whole", "count", "rounded", "quotient", "greatest", "least", "limit"}
+)
+_ARITHMETIC = frozenset({"add", "subtract", "multiply", "negate", "absolute"})
 
 
 @dataclass(frozen=True)
@@ -25,7 +32,10 @@ class Expression:
     ----------
     code : str
         An operation code of `clepsydra.program.program`, or "variable" (a number), "flag"
-        (a truth value) or "constant".
+        (a truth value) or "constant". Where a language has integers also "integer" (a variable),
+        "whole" (a constant), "count" (1 of a truth value that holds, else 0), "rounded" (of a
+        whole number), "quotient" (the rest is dropped), "greatest", "least" and "limit" (from,
+        value, to) of integers, and "real" (the number that an integer is).
     operands : tuple of Expression
     text : str
         What is written for a variable or a flag.
@@ -47,12 +57,28 @@ class Expression:
     @property
     def is_atom(self) -> bool:
         """Whether it can be written twice without being computed twice."""
-        return self.code in ("variable", "flag", "constant")
+        if self.code == "real":
+            return self.operands[0].is_atom
+        return self.code in ("variable", "flag", "constant", "integer", "whole")
 
     @property
     def is_truth(self) -> bool:
         """Whether it is a truth value."""
+        if self.code == "select":
+            return self.operands[1].is_truth
         return self.code in ("flag", "truth") or self.code in COMPARISONS or self.code in LOGIC
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether it is an integer."""
+        if self.code == "select":
+            return self.operands[1].is_whole
+        return self.code in _INTEGERS or (self.code in _ARITHMETIC and self.operands[0].is_whole)
+
+    @property
+    def is_choice(self) -> bool:
+        """Whether it is one of two values."""
+        return self.code in _CHOICES
 
 
 def variable(text: str) -> Expression:
@@ -77,6 +103,37 @@ def flag(text: str) -> Expression:
     return Expression("flag", text=text)
 
 
+def integer(text: str) -> Expression:
+    """Return the expression that reads an integer, as a number.
+
+    Examples
+    --------
+    >>> integer("scans").operands[0].is_whole
+    True
+    """
+    return Expression("real", (Expression("integer", text=text),))
+
+
+def as_select(choice: Expression) -> Expression:
+    """Return the larger or smaller of two numbers, or a truth value's number, as what it selects.
+
+    Examples
+    --------
+    >>> as_select(Expression("maximum", (variable("a"), variable("b")))).operands[0].code
+    'less'
+    """
+    code, operands = choice.code, choice.operands
+    if code == "number":
+        one, zero = Expression("constant", number=1.0), Expression("constant")
+        return Expression("select", (operands[0], one, zero))
+    if code in ("maximum", "minimum"):
+        sides = operands[::-1] if code == "maximum" else operands
+        return Expression("select", (Expression("less", sides), *operands))
+    return choice
+
+
+#: A number with as many zeros at its end is written with an exponent.
+_ZEROS = 6
 _OPPOSITE = {"and": "or", "or": "and"}
 
 
@@ -150,6 +207,10 @@ class Notation:
         Whether numbers are single-precision ones.
     suffix : str
         What stands behind a number to give it its type.
+    width : int
+        A folded expression grows no wider than this [characters].
+    formal : mapping
+        Code of an operation to the names of its function's parameters, where they are written.
 
     Examples
     --------
@@ -168,6 +229,27 @@ class Notation:
     infinity: str = ""
     single: bool = False
     suffix: str = ""
+    width: int = 72
+    formal: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def has_types(self) -> bool:
+        """Whether whole numbers and truth values are computed in types of their own."""
+        return "real" in self.functions
+
+    def writes(self, expression: Expression) -> bool:
+        """Whether an expression can be part of another one.
+
+        A function that selects evaluates both alternatives, so these have to be at hand.
+        """
+        if expression.code in ("real", "rounded", "number"):
+            return expression.code == "number" or self.writes(expression.operands[0])
+        if expression.code not in self.statements:
+            return True
+        if "select" not in self.functions or not expression.is_choice:
+            return False
+        at_hand = expression.operands[1:] if expression.code == "select" else expression.operands
+        return all(map(_at_hand, at_hand))
 
 
 def decimal(value: float, *, single: bool = False) -> str:
@@ -181,8 +263,8 @@ def decimal(value: float, *, single: bool = False) -> str:
     --------
     >>> [decimal(value) for value in (1e300, 0.1, -0.0, 5e-324, 1e22, 3.0)]
     ['1.0E300', '0.1', '-0.0', '5.0E-324', '1.0E22', '3.0']
-    >>> decimal(0.10000000149011612, single=True)
-    '0.1'
+    >>> decimal(0.10000000149011612, single=True), decimal(1e9), decimal(-1200000.0)
+    ('0.1', '1.0E9', '-1200000.0')
     """
     if not math.isfinite(value):
         raise ValueError(f"{value} has no decimal form")
@@ -191,9 +273,23 @@ def decimal(value: float, *, single: bool = False) -> str:
         shortest = str(np.float32(value))
         text = shortest if np.float32(float(shortest)) == value else text
     mantissa, _, exponent = text.partition("e")
+    whole = mantissa.removesuffix(".0")
+    digits = whole.rstrip("0")
+    if not exponent and len(whole) - len(digits) >= _ZEROS and whole != mantissa:
+        point = 2 if digits.startswith("-") else 1
+        exponent = str(len(whole) - point)
+        mantissa = f"{digits[:point]}.{digits[point:] or '0'}"
     if "." not in mantissa:
         mantissa += ".0"
     return f"{mantissa}E{int(exponent)}" if exponent else mantissa
+
+
+def _at_hand(expression: Expression) -> bool:
+    """Whether an expression costs next to nothing, and is defined whatever it reads."""
+    if expression.is_atom or (expression.is_whole and not expression.is_choice):
+        return True
+    defined = expression.code in _ARITHMETIC or expression.code in COMPARISONS | LOGIC
+    return defined and all(operand.is_atom for operand in expression.operands)
 
 
 def render(expression: Expression, notation: Notation) -> str:
@@ -217,8 +313,10 @@ def render(expression: Expression, notation: Notation) -> str:
 
 def _written(expression: Expression, notation: Notation) -> tuple[str, int]:
     code, operands = expression.code, expression.operands
-    if code in ("variable", "flag"):
+    if code in ("variable", "flag", "integer"):
         return expression.text, _ATOM
+    if code == "whole":
+        return f"{expression.number:.0f}", _SIGNED if expression.number < 0 else _ATOM
     if code == "constant":
         return _constant(expression.number, notation)
     if code in notation.operators:
@@ -233,9 +331,17 @@ def _written(expression: Expression, notation: Notation) -> tuple[str, int]:
         return _operator(Expression("not_equal", (operands[0], zero)), notation)
     if code in _CHOICES and code not in notation.statements:
         return _choice(expression, notation), _LOOSE
+    if code in _CHOICES and code != "select":
+        return _written(as_select(expression), notation)
     if code in notation.functions:
-        arguments = ", ".join(_operand(operand, notation, _LOOSE) for operand in operands)
-        return f"{notation.functions[code]}({arguments})", _ATOM
+        texts = [_operand(operand, notation, _LOOSE) for operand in operands]
+        if code == "select":
+            # The function has the alternative of FALSE first.
+            texts[1:] = texts[:0:-1]
+        formal = notation.formal.get(code, ())
+        if formal:
+            texts = [f"{name} := {text}" for name, text in zip(formal, texts, strict=True)]
+        return f"{notation.functions[code]}({', '.join(texts)})", _ATOM
     raise InputError(
         f"program, operation {code}",
         code,
@@ -265,9 +371,9 @@ def _operator(expression: Expression, notation: Notation) -> tuple[str, int]:
         # A chain of one operator needs no parentheses; a mixture gets them all.
         needed = _LOOSE if left.code == code else _ATOM
         strength, least = _LOOSE, (needed, _ATOM)
-    elif code in COMPARISONS:
+    elif code in COMPARISONS or code in _GREATER:
         strength, least = _LOOSE, (_SIGNED, _SIGNED)
-    elif code in ("multiply", "divide"):
+    elif code in ("multiply", "divide", "quotient"):
         strength, least = _PRODUCT, (_PRODUCT, _ATOM)
     else:
         strength, least = _SUM, (_SUM, _PRODUCT)

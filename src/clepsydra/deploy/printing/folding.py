@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
+from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.expressions import (
     Expression,
     Notation,
-    flag,
-    render,
-    simplified,
     variable,
 )
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.listing import (
     Assignment,
+    BlockCall,
     Branch,
     CountedLoop,
     Listing,
@@ -23,12 +22,18 @@ from clepsydra.deploy.printing.listing import (
     parts,
 )
 from clepsydra.deploy.printing.needed import needed_body, needed_part, needed_values
-from clepsydra.program.program import Block, Conditional, Loop, Operation
+from clepsydra.deploy.printing.scope import Scope
+from clepsydra.deploy.printing.whole_numbers import WholeRange
+from clepsydra.program.program import (
+    COMPARISONS,
+    Block,
+    Call,
+    Conditional,
+    Loop,
+    Operation,
+    read_by,
+)
 
-#: A folded expression grows no wider than this [characters].
-_WIDTH = 72
-#: Choices are folded into choices no deeper than this, so that a chain of ELSIF stays readable.
-_DEPTH = 4
 #: What stands for an argument that its block does not read.
 _UNREAD = variable("")
 
@@ -41,6 +46,8 @@ def list_block(
     *,
     labels: Mapping[int, str],
     preferred: Mapping[int, str],
+    read: Callable[[Signal, str], Expression] | None = None,
+    ranges: Mapping[int, WholeRange] | None = None,
 ) -> Listing:
     """Fold the operations of a block into statements.
 
@@ -61,12 +68,19 @@ def list_block(
         scope already.
     preferred : mapping
         Value to the name that it gets if it needs a variable.
+    read : callable, optional
+        Takes an output of a block and the text that names it, and returns the expression that
+        reads it; for a program with calls.
+    ranges : mapping, optional
+        Bounds of the values that are whole numbers: where the notation has types for them,
+        these are computed as integers.
 
     Examples
     --------
     A value that is read twice gets a variable, one that is read once is written in its place:
 
     >>> from clepsydra.deploy.c99.notation import notation_of
+    >>> from clepsydra.deploy.printing.expressions import render
     >>> notation = notation_of("double")
     >>> block = Block(1, (Operation(1, "multiply", (0, 0)), Operation(2, "add", (1, 1))), (2,))
     >>> listing = list_block(block, [variable("x")], notation, Identifiers([], ignore_case=False),
@@ -74,15 +88,21 @@ def list_block(
     >>> [statement.name for statement in listing.statements], render(listing.results[0], notation)
     (['square'], 'square + square')
     """
-    lister = _Lister(notation, names)
-    statements, results = lister.block(block, arguments, labels, preferred)
+    lister = _Lister(notation, names, read)
+    statements, results = lister.block(block, arguments, labels, preferred, ranges or {})
     return Listing(tuple(statements), tuple(results), lister.tables)
 
 
 class _Lister:
-    def __init__(self, notation: Notation, names: Identifiers) -> None:
+    def __init__(
+        self,
+        notation: Notation,
+        names: Identifiers,
+        read: Callable[[Signal, str], Expression] | None,
+    ) -> None:
         self._notation = notation
         self._names = names
+        self._read = read
         self.tables: dict[str, tuple[float, ...]] = {}
 
     def block(
@@ -91,9 +111,13 @@ class _Lister:
         arguments: Sequence[Expression],
         labels: Mapping[int, str],
         preferred: Mapping[int, str],
+        ranges: Mapping[int, WholeRange],
     ) -> tuple[list[ListingStatement], list[Expression]]:
-        scope = _Scope(self._notation, self._names, dict(enumerate(arguments)), preferred)
+        scope = Scope(self._notation, self._names, dict(enumerate(arguments)), preferred, ranges)
         block, uses = needed_part(block)
+        scope.name_by_ports(block)
+        scope.count_by_readers(block)
+        compared = self._only_compared(block)
         for statement in block.statements:
             if isinstance(statement, Loop):
                 self._loop(statement, scope, labels, uses)
@@ -101,18 +125,40 @@ class _Lister:
             if isinstance(statement, Conditional):
                 self._conditional(statement, scope, labels, uses)
                 continue
+            if isinstance(statement, Call):
+                self._call(statement, scope)
+                continue
             expression = scope.operation(statement)
             scope.values[statement.target] = expression
             if expression.is_atom:
                 continue
+            if statement.target in compared:
+                continue
             if statement.target in labels:
                 scope.assign(statement.target, labels[statement.target])
-            elif uses.get(statement.target, 0) > 1 or statement.code in self._notation.rounding:
+            elif expression.code in self._notation.rounding or (
+                uses.get(statement.target, 0) > 1
+                and not scope.is_short(expression, uses[statement.target])
+            ):
                 scope.assign(statement.target)
         return scope.statements, [scope.values[value] for value in block.results]
 
+    def _only_compared(self, block: Block) -> set[int]:
+        """Return the rounded values that nothing but a comparison reads."""
+        if not self._notation.has_types:
+            return set()
+        rounded = {
+            each.target
+            for each in block.statements
+            if isinstance(each, Operation) and each.code in self._notation.rounding
+        }
+        for each in block.statements:
+            if not (isinstance(each, Operation) and each.code in COMPARISONS):
+                rounded.difference_update(read_by(each))
+        return rounded.difference(block.results)
+
     def _loop(
-        self, loop: Loop, scope: _Scope, labels: Mapping[int, str], uses: Mapping[int, int]
+        self, loop: Loop, scope: Scope, labels: Mapping[int, str], uses: Mapping[int, int]
     ) -> None:
         names, first = self._names, len(loop.tables)
         entries = []
@@ -124,7 +170,9 @@ class _Lister:
             if number not in read:
                 entries.append(_UNREAD)
                 continue
-            name = names.new(f"{loop.name}_table")
+            # By their texts: equal numbers may be zeros of different sign.
+            known = (name for name, other in self.tables.items() if repr(other) == repr(table))
+            name = next(known, "") or names.new(f"{loop.name}_table")
             self.tables[name] = table
             entries.append(variable(f"{name}[{index}]"))
         carried = self._carried(loop, live, scope, labels)
@@ -142,7 +190,7 @@ class _Lister:
                 for argument, value in enumerate(loop.invariants, first + count + rings)
             ),
         ]
-        body, results = self.block(needed, inside, {}, {})
+        body, results = self.block(needed, inside, {}, {}, {})
         update = self._update(list(carried.values()), results[: len(live)], body)
         turns = map(RingTurn, loop.rings, oldest, results[len(live) :])
         scope.statements.append(
@@ -152,7 +200,7 @@ class _Lister:
     def _conditional(
         self,
         conditional: Conditional,
-        scope: _Scope,
+        scope: Scope,
         labels: Mapping[int, str],
         uses: Mapping[int, int],
     ) -> None:
@@ -165,7 +213,7 @@ class _Lister:
             for k, value in enumerate(conditional.carried + conditional.invariants)
         ]
         start = tuple(Assignment(carried[k], scope.values[conditional.carried[k]]) for k in live)
-        body, results = self.block(needed, inside, {}, {})
+        body, results = self.block(needed, inside, {}, {}, {})
         update = self._update(list(carried.values()), results, body)
         if body or update:
             condition = scope.values[conditional.condition]
@@ -174,11 +222,29 @@ class _Lister:
         else:
             scope.statements += start
 
+    def _call(self, call: Call, scope: Scope) -> None:
+        if self._read is None:
+            raise ValueError(f"{call.instance}: say how its outputs are read")
+        program, states = call.program, len(call.program.state)
+        name = self._names.new(call.instance)
+        arguments = []
+        for signal, value in zip(program.inputs, call.arguments[states:], strict=True):
+            given = scope.values[value]
+            truth = signal.kind == "boolean" and given.code == "number"
+            given = given.operands[0] if truth else given
+            written = self._notation.writes(given)
+            arguments.append(scope.values[value] if written else scope.atom(value))
+        scope.statements.append(BlockCall(name, program, tuple(arguments)))
+        # The next state stays in the instance.
+        scope.values |= dict.fromkeys(call.targets[:states], _UNREAD)
+        for signal, target in zip(program.outputs, call.targets[states:], strict=True):
+            scope.values[target] = self._read(signal, f"{name}.{signal.identifier}")
+
     def _carried(
         self,
         statement: Loop | Conditional,
         live: Sequence[int],
-        scope: _Scope,
+        scope: Scope,
         labels: Mapping[int, str],
     ) -> dict[int, str]:
         """Name the variables of those carried values that need one, by their position."""
@@ -204,87 +270,3 @@ class _Lister:
                 result = variable(kept)
             update.append(Assignment(name, result))
         return tuple(update)
-
-
-class _Scope:
-    """The values of one block while its statements are written."""
-
-    def __init__(
-        self,
-        notation: Notation,
-        names: Identifiers,
-        values: dict[int, Expression],
-        preferred: Mapping[int, str],
-    ) -> None:
-        self._notation = notation
-        self._names = names
-        self._arguments = dict(values)
-        self.values = values
-        self.preferred = preferred
-        self.statements: list[ListingStatement] = []
-
-    def assign(self, value: int, name: str = "") -> Expression:
-        """Give a value a variable, and return the expression that reads it."""
-        expression = self.values[value]
-        if not name:
-            wanted = self.preferred.get(value)
-            name = self._names.new(wanted) if wanted else self._names.temporary()
-        self.statements.append(Assignment(name, expression))
-        self.values[value] = flag(name) if expression.is_truth else variable(name)
-        return self.values[value]
-
-    def atom(self, value: int) -> Expression:
-        """Return a value as something that can be written more than once."""
-        expression = self.values[value]
-        return expression if expression.is_atom else self.assign(value)
-
-    def operation(self, operation: Operation) -> Expression:
-        """Return an operation over the expressions of its arguments."""
-        code = operation.code
-        if code == "constant":
-            return Expression("constant", number=operation.constant)
-        if code == "truth":
-            # The number of a truth value is 0 or 1: its truth is that value itself. A boolean
-            # argument stays one, whether or not its number has a variable by now.
-            value = operation.arguments[0]
-            number = self._arguments.get(value, self.values[value])
-            if number.code == "number":
-                return number.operands[0]
-        for position, value in enumerate(operation.arguments):
-            if not self._fits(code, position, self.values[value]):
-                self.atom(value)
-        return self._narrowed(code, operation.arguments)
-
-    def _fits(self, code: str, position: int, operand: Expression) -> bool:
-        """Whether the language can write an operand in that place."""
-        if operand.is_atom:
-            return True
-        if code in self._notation.repeating:
-            return False
-        if operand.code in self._notation.statements:
-            branch = code == "select" and position > 0 and code in self._notation.statements
-            return branch and operand.code == "select" and _depth(operand) < _DEPTH
-        return True
-
-    def _narrowed(self, code: str, arguments: tuple[int, ...]) -> Expression:
-        """Return the operation, with the widest operands given variables while it is too wide."""
-        while True:
-            operands = tuple(self.values[value] for value in arguments)
-            expression = simplified(Expression(code, operands))
-            if self._width(expression) <= _WIDTH:
-                return expression
-            folded = [value for value in arguments if not self.values[value].is_atom]
-            if not folded:
-                return expression
-            self.atom(max(folded, key=lambda value: self._width(self.values[value])))
-
-    def _width(self, expression: Expression) -> int:
-        if expression.code in self._notation.statements:
-            return max(self._width(operand) for operand in expression.operands)
-        return len(render(expression, self._notation))
-
-
-def _depth(expression: Expression) -> int:
-    if expression.code != "select":
-        return 0
-    return 1 + max(_depth(operand) for operand in expression.operands[1:])

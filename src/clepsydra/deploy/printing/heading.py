@@ -11,10 +11,10 @@ from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.signals import LARGEST_PARAMETER
-from clepsydra.deploy.printing.entries import Entry, signal_of
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Block, Loop, Operation, Program
+from clepsydra.program.entries import Entry, signal_of
+from clepsydra.program.program import Block, Call, Loop, Operation, Program
 
 #: A line of a head comment is no wider than this [characters].
 _WIDTH = 90
@@ -57,6 +57,10 @@ def _block_lines(block: Block) -> Iterator[str]:
         if isinstance(statement, Operation):
             constant = float(statement.constant).hex()
             yield f"{statement.target} {statement.code} {statement.arguments} {constant}"
+            continue
+        if isinstance(statement, Call):
+            yield f"call {statement.instance!r} {statement.targets} {statement.arguments}"
+            yield from _lines(statement.program)
             continue
         if isinstance(statement, Loop):
             yield f"loop {statement.name!r} {statement.targets} {statement.count}"

@@ -140,6 +140,14 @@ class Identifiers:
         self._taken.add(self._key(name))
         return name
 
+    def is_free(self, name: str) -> bool:
+        """Whether nothing has a name yet.
+
+        >>> Identifiers(["limit"], ignore_case=True).is_free("Limit")
+        False
+        """
+        return self._key(name) not in self._taken
+
     def temporary(self) -> str:
         """Return the next of the names t1, t2, … that is free."""
         while True:

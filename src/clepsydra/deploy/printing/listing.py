@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from clepsydra.deploy.printing.expressions import Expression
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.program import Program
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,34 @@ class Branch:
     label: str
 
 
-ListingStatement = Assignment | CountedLoop | Branch
+@dataclass(frozen=True)
+class BlockCall:
+    """A call of an instance of a block.
+
+    Parameters
+    ----------
+    instance : str
+    program : Program
+        The block.
+    arguments : tuple of Expression
+        One for each of its inputs: of a boolean one a truth value's number.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.deploy.printing.expressions import variable
+    >>> from clepsydra.program.program import Block
+    >>> half = Program("half", (), (Signal("x"),), (), (Signal("y"),), Block(1, (), (0,)))
+    >>> BlockCall("first_half", half, (variable("level"),)).arguments[0].text
+    'level'
+    """
+
+    instance: str
+    program: Program
+    arguments: tuple[Expression, ...]
+
+
+ListingStatement = Assignment | CountedLoop | Branch | BlockCall
 
 
 @dataclass(frozen=True)
@@ -117,6 +145,9 @@ class Listing:
         for statement in self.walk():
             if isinstance(statement, Assignment):
                 yield from parts(statement.expression)
+            elif isinstance(statement, BlockCall):
+                for argument in statement.arguments:
+                    yield from parts(argument)
             else:
                 for assignment in statement.start + statement.update:
                     yield from parts(assignment.expression)
@@ -132,7 +163,7 @@ class Listing:
 def _walk(statements: Sequence[ListingStatement]) -> Iterator[ListingStatement]:
     for statement in statements:
         yield statement
-        if not isinstance(statement, Assignment):
+        if isinstance(statement, (CountedLoop, Branch)):
             yield from _walk(statement.body)
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from clepsydra.program.program import (
     Block,
+    Call,
     Conditional,
     Loop,
     Operation,
@@ -88,7 +89,7 @@ def needed_body(statement: Loop | Conditional, live: Sequence[int]) -> tuple[Blo
 
 
 def _needed_by(statement: Statement, read: Container[int]) -> Iterator[int]:
-    if isinstance(statement, Operation):
+    if isinstance(statement, (Operation, Call)):
         yield from read_by(statement)
         return
     live = needed_values(statement, read)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from clepsydra.deploy.printing.entries import Entry, signal_of
+from clepsydra.program.entries import Entry, signal_of
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.entries import Entry
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.program import Block, Conditional, Operation, Program, Statement
+from clepsydra.program.entries import Entry
+from clepsydra.program.program import Block, Call, Conditional, Operation, Program, Statement
 
 #: LREAL and double, or REAL and float.
 Precision = Literal["double", "single"]
@@ -104,6 +104,8 @@ def _statement(statement: Statement, place: str) -> Statement:
         return replace(statement, constant=_single(statement.constant, f"{place}, a constant"))
     if isinstance(statement, Conditional):
         return replace(statement, body=_block(statement.body, place))
+    if isinstance(statement, Call):
+        return replace(statement, program=in_precision(statement.program, "single"))
     inside = f"{place}, table of {statement.name}"
     return replace(
         statement,

@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.entries import signal_of
 from clepsydra.deploy.printing.precision import Precision
-from clepsydra.program.program import COMPARISONS, LOGIC, Block, Conditional, Operation, Program
+from clepsydra.program.entries import signal_of
+from clepsydra.program.program import (
+    COMPARISONS,
+    LOGIC,
+    Block,
+    Call,
+    Conditional,
+    Operation,
+    Program,
+)
 
 INTEGER_LOW, INTEGER_HIGH = -(2.0**31), 2.0**31 - 1.0
 #: Sums and products of whole numbers up to this size are exact.
@@ -19,7 +28,7 @@ _EXACT = 2.0**53
 #: Every whole number up to this size is a single-precision number; the next one is none.
 SINGLE_WHOLE = 2.0**24
 #: Lowest and highest integer that is computed with, and what the user is told.
-_INTEGERS: dict[Precision, tuple[float, float, str]] = {
+INTEGERS: dict[Precision, tuple[float, float, str]] = {
     "double": (INTEGER_LOW, INTEGER_HIGH, "a whole number of at most 32 bits"),
     "single": (
         -SINGLE_WHOLE,
@@ -52,7 +61,11 @@ _TRUTH = WholeRange(0.0, 1.0)
 _ANY = WholeRange(-math.inf, math.inf, maybe_nan=True)
 
 
-def check_whole_results(program: Program, precision: Precision = "double") -> None:
+def check_whole_results(
+    program: Program,
+    precision: Precision = "double",
+    given: Mapping[int, WholeRange] | None = None,
+) -> None:
     """Refuse a program whose integer or boolean results may be anything else.
 
     A conversion to an integer type rounds in one language, cuts off in another and is undefined
@@ -64,6 +77,8 @@ def check_whole_results(program: Program, precision: Precision = "double") -> No
     ----------
     program : Program
     precision : {"double", "single"}
+    given : mapping, optional
+        Of a block, the bounds of its integer arguments where it is called.
 
     Raises
     ------
@@ -81,13 +96,22 @@ def check_whole_results(program: Program, precision: Precision = "double") -> No
     >>> program = Program("law", (), inputs, (), (Signal("low", kind="boolean"),), block)
     >>> check_whole_results(program)
     """
-    ranges = whole_ranges(program, precision)
+    ranges = whole_ranges(program, precision, given)
+    entries = [*map(signal_of, program.state), *program.inputs, *program.parameters]
+    integers = {value for value, entry in enumerate(entries) if entry.kind == "integer"}
+    for call in program.calls:
+        check_whole_results(call.program, precision, _given(call, ranges))
+        ports = [*map(signal_of, call.program.state), *call.program.inputs]
+        for signal, value in zip(ports, call.arguments, strict=True):
+            # An integer is handed on as it is.
+            if not (signal.kind == "integer" and value in integers):
+                _check(call.program, signal, ranges.get(value), precision)
     declared = [*map(signal_of, program.state), *program.outputs]
     for signal, value in zip(declared, program.block.results, strict=True):
         _check(program, signal, ranges.get(value), precision)
     for ring in program.rings:
         _check(program, ring.signal, None, precision)
-    for signal in [*map(signal_of, program.state), *program.inputs, *program.parameters]:
+    for signal in entries:
         initial = signal.initial
         what = "initial value of "
         _check(program, signal, _whole(initial), precision, what=what, value=initial)
@@ -119,7 +143,7 @@ def _check(
 ) -> None:
     place = f"program {program.name}, {what}{signal.name}"
     shown = value if what else _shown(found)
-    low, high, expected = _INTEGERS[precision]
+    low, high, expected = INTEGERS[precision]
     if signal.kind == "integer" and not (found and found.within(low, high)):
         remedy = "round it with floor and limit it with fmin and fmax, or declare it real"
         wider = ", or print it in double precision" if precision == "single" else ""
@@ -135,7 +159,11 @@ def _shown(found: WholeRange | None) -> str:
     return f"a whole number from {found.low:.12g} to {found.high:.12g}{beside}"
 
 
-def whole_ranges(program: Program, precision: Precision = "double") -> dict[int, WholeRange]:
+def whole_ranges(
+    program: Program,
+    precision: Precision = "double",
+    given: Mapping[int, WholeRange] | None = None,
+) -> dict[int, WholeRange]:
     """Return bounds of every value of a program that is certainly a whole number.
 
     Interval arithmetic along the list of operations: integer signals are 32-bit integers,
@@ -162,18 +190,44 @@ def whole_ranges(program: Program, precision: Precision = "double") -> dict[int,
             ranges[value] = states if value in program.state_arguments else others
         elif signal.kind == "boolean":
             ranges[value] = _TRUTH
+        if given is not None and signal.kind == "integer" and value in given:
+            ranges[value] = given[value]
     _follow(program.block, ranges, precision)
     return ranges
 
 
 def _follow(block: Block, ranges: dict[int, WholeRange], precision: Precision) -> None:
+    # Bounds of quotients, which only rounding makes whole.
+    quotients: dict[int, WholeRange] = {}
     for statement in block.statements:
         if isinstance(statement, Operation):
-            found = _range_of(statement, [ranges.get(value) for value in statement.arguments])
+            operands = [ranges.get(value) for value in statement.arguments]
+            if statement.code == "divide":
+                quotient = _quotient(*operands)
+                quotients |= {statement.target: quotient} if quotient else {}
+            elif statement.code in ("floor", "ceiling"):
+                operands = [operands[0] or quotients.get(statement.arguments[0])]
+            found = _range_of(statement, operands)
             if found is not None:
                 ranges[statement.target] = found if precision == "double" else _in_single(found)
         elif isinstance(statement, Conditional):
             _follow_conditional(statement, ranges, precision)
+        elif isinstance(statement, Call):
+            called = statement.program
+            inside = whole_ranges(called, precision, _given(statement, ranges))
+            for target, result in zip(statement.targets, called.block.results, strict=True):
+                if result in inside:
+                    ranges[target] = inside[result]
+
+
+def _given(call: Call, ranges: Mapping[int, WholeRange]) -> dict[int, WholeRange]:
+    """Return the bounds of the arguments of a call, by their places in the block."""
+    first = len(call.program.state)
+    return {
+        place: ranges[value]
+        for place, value in enumerate(call.arguments)
+        if place >= first and value in ranges
+    }
 
 
 def _in_single(found: WholeRange) -> WholeRange:
@@ -206,7 +260,11 @@ def _range_of(operation: Operation, operands: list[WholeRange | None]) -> WholeR
     if code == "number" or code in COMPARISONS or code in LOGIC or code == "truth":
         return _TRUTH
     if code in ("floor", "ceiling"):
-        return operands[0] or _ANY
+        inner = operands[0] or _ANY
+        whole = math.floor if code == "floor" else math.ceil
+        if not math.isfinite(inner.low) or not math.isfinite(inner.high):
+            return inner
+        return WholeRange(whole(inner.low), whole(inner.high), inner.maybe_nan)
     known = [operand for operand in operands if operand is not None]
     if code == "select":
         first, second = operands[1:]
@@ -216,6 +274,14 @@ def _range_of(operation: Operation, operands: list[WholeRange | None]) -> WholeR
     if code in ("maximum", "minimum"):
         return _extreme(code, known[0], known[1])
     return _arithmetic(code, known)
+
+
+def _quotient(first: WholeRange | None, second: WholeRange | None) -> WholeRange | None:
+    """Return the bounds of a whole number over a positive one."""
+    if first is None or second is None or first.maybe_nan or second.maybe_nan or second.low < 1.0:
+        return None
+    corners = [a / b for a in (first.low, first.high) for b in (second.low, second.high)]
+    return WholeRange(min(corners), max(corners))
 
 
 def _either(first: WholeRange, second: WholeRange) -> WholeRange:

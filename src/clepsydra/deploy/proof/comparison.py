@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.entries import signal_of
 from clepsydra.deploy.proof.instance import Array
+from clepsydra.program.entries import signal_of
 from clepsydra.program.program import EXACT, Program
 
 #: Largest difference of a law with exp, pow and other functions of a library, in double

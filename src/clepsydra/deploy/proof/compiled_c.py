@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 import hashlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from clepsydra.base.signal import Signal
+from clepsydra.deploy.c99.layout import instances, kept, printed_form, state_paths
 from clepsydra.deploy.c99.printer import CSource, print_c
 from clepsydra.deploy.compiler import (
     CompilationError,
@@ -18,7 +20,6 @@ from clepsydra.deploy.compiler import (
     find_compiler,
     library_name,
 )
-from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.proof.instance import (
@@ -28,6 +29,7 @@ from clepsydra.deploy.proof.instance import (
     given_parameters,
     scan_count,
 )
+from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.program import Program
 
 _REALS = {"double": ctypes.c_double, "single": ctypes.c_float}
@@ -101,10 +103,14 @@ class CompiledC(Instance):
         library = ctypes.CDLL(str(compiler.build([source, probe], target)))
         self._step = getattr(library, f"{program.name}_step")
         self._step.restype, self._step.argtypes = None, [ctypes.c_void_p] * 4
-        real = _REALS[precision]
-        groups = (program.parameters, (*program.state, *program.rings), program.inputs,
-                  program.outputs)  # fmt: skip
-        self._structures = [_structure(entries, real)() for entries in groups]
+        real, form = _REALS[precision], printed_form(program)
+        self._paths = state_paths(form)
+        self._structures = [
+            _structure(_fields(program.parameters, real))(),
+            _structure(_state_fields(form, real))(),
+            _structure(_fields(program.inputs, real))(),
+            _structure(_fields(program.outputs, real))(),
+        ]
         sizes = list((ctypes.c_uint64 * 4).in_dll(library, f"{program.name}_sizes"))
         if sizes != [ctypes.sizeof(structure) for structure in self._structures]:
             raise CompilationError(f"{printed.header_name}: its structures have other members")
@@ -112,6 +118,10 @@ class CompiledC(Instance):
         defaults = library[f"{program.name}_default_parameters"]
         defaults.restype = None
         defaults(ctypes.byref(self.parameters))
+        #: The structure that holds a state, and the name of the member.
+        self.members: list[tuple[ctypes.Structure, str]] = [
+            (functools.reduce(getattr, above, self.memory), name) for *above, name in self._paths
+        ]
         self._printed = type(self.parameters).from_buffer_copy(self.parameters)
         self._start = library[f"{program.name}_initialise"]
         self._start.restype = None
@@ -140,11 +150,10 @@ class CompiledC(Instance):
     def state(self) -> list[float]:
         """Return the state in order; of a delay ring the value that the next scan reads."""
         found = []
-        for entry in self.program.state:
-            name = signal_of(entry).identifier
-            value = getattr(self.memory, name)
+        for entry, (holder, name) in zip(self.program.state, self.members, strict=True):
+            value = getattr(holder, name)
             if is_ring(entry):
-                value = value[getattr(self.memory, f"{name}_position")]
+                value = value[getattr(holder, f"{name}_position")]
             found.append(float(value))
         return found
 
@@ -167,20 +176,22 @@ class CompiledC(Instance):
         inputs : mapping
             As for `run`. Of a ring the value is returned that a scan writes.
         """
-        kept = self._rows(self.memory, (), inputs)
+        memories = self._rows(self.memory, (), inputs)
         with np.errstate(all="ignore"):
-            for column, entry in zip(before.T, self.program.state, strict=True):
-                name = signal_of(entry).identifier
+            for column, entry, (*above, name) in zip(
+                before.T, self.program.state, self._paths, strict=True
+            ):
+                held = _inside(memories, above)
                 if is_ring(entry):
-                    kept[name][:, 0], kept[f"{name}_position"] = column, 0
+                    held[name][:, 0], held[f"{name}_position"] = column, 0
                 else:
-                    kept[name] = column
-        return self._chunk(inputs, kept)
+                    held[name] = column
+        return self._chunk(inputs, memories)
 
     def _chunk(self, inputs: Scans, before: np.ndarray | None = None) -> Array:
         scans, program = scan_count(inputs), self.program
         found = np.zeros(scans, dtype=np.dtype(type(self._outputs)))
-        kept = np.zeros(scans, np.dtype(type(self.memory))) if before is None else before
+        memories = np.zeros(scans, np.dtype(type(self.memory))) if before is None else before
         given = self._rows(self._inputs, program.inputs, inputs)
         tuned = given_parameters(program, inputs)
         parameters = self._rows(self._printed if tuned else self.parameters, tuned, inputs)
@@ -188,20 +199,20 @@ class CompiledC(Instance):
         size = ctypes.sizeof(self.memory)
         for k in range(scans):
             if before is not None:
-                ctypes.memmove(memory, kept.ctypes.data + k * size, size)
+                ctypes.memmove(memory, memories.ctypes.data + k * size, size)
             self._step(
                 parameters.ctypes.data + k * parameters.itemsize,
                 memory,
                 given.ctypes.data + k * given.itemsize,
                 found.ctypes.data + k * found.itemsize,
             )
-            ctypes.memmove(kept.ctypes.data + k * size, memory, size)
+            ctypes.memmove(memories.ctypes.data + k * size, memory, size)
         columns = [found[signal.identifier] for signal in program.outputs]
-        for entry in program.state:
-            name = signal_of(entry).identifier
-            column = kept[name]
+        for entry, (*above, name) in zip(program.state, self._paths, strict=True):
+            held = _inside(memories, above)
+            column = held[name]
             if is_ring(entry):
-                place = kept[f"{name}_position"] if before is None else 0
+                place = held[f"{name}_position"] if before is None else 0
                 column = column[np.arange(scans), place]
             columns.append(column)
         return np.column_stack(columns).astype(float) if columns else np.zeros((scans, 0))
@@ -230,7 +241,23 @@ def printed_c(program: Program, precision: Precision, origin: Origin | None = No
     return print_c(program, origin=origin, precision=precision)
 
 
-def _structure(entries: Sequence[Entry], real: Any) -> type[ctypes.Structure]:
+def _inside(table: np.ndarray, members: Sequence[str]) -> np.ndarray:
+    for name in members:
+        table = table[name]
+    return table
+
+
+def _structure(fields: Sequence[tuple[str, Any]]) -> type[ctypes.Structure]:
+    return type("Members", (ctypes.Structure,), {"_fields_": fields or [("n", ctypes.c_char)]})
+
+
+def _state_fields(program: Program, real: Any) -> list[tuple[str, Any]]:
+    """Return what a program keeps, with what its instances keep inside."""
+    inside = [(c.instance, _structure(_state_fields(c.program, real))) for c in instances(program)]
+    return [*_fields(kept(program), real), *inside]
+
+
+def _fields(entries: Sequence[Entry], real: Any) -> list[tuple[str, Any]]:
     kinds = {"real": real, "integer": ctypes.c_int32, "boolean": ctypes.c_bool}
     fields: list[tuple[str, Any]] = []
     for entry in entries:
@@ -241,4 +268,4 @@ def _structure(entries: Sequence[Entry], real: Any) -> type[ctypes.Structure]:
             fields.append((f"{signal.identifier}_position", ctypes.c_int32))
         else:
             fields.append((signal.identifier, kind))
-    return type("Members", (ctypes.Structure,), {"_fields_": fields or [("n", ctypes.c_char)]})
+    return fields

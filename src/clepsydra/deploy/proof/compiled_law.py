@@ -8,8 +8,8 @@ from typing import Any, cast
 import numpy as np
 
 from clepsydra.controllers.python_law import PythonLaw
-from clepsydra.deploy.printing.entries import is_ring, signal_of
 from clepsydra.deploy.proof.compiled_c import CompiledC
+from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.step_law import StepLaw
 
 
@@ -55,23 +55,23 @@ class _CompiledFunction:
             for signal, value in zip(program.parameters, given, strict=True):
                 setattr(compiled.parameters, signal.identifier, _of_kind(signal.kind, value))
             self._parameters = given
-        memory = compiled.memory
         values = np.asarray(state, dtype=float).tolist()
-        for entry, value in zip(program.state, values, strict=True):
-            signal = signal_of(entry)
-            value = _of_kind(signal.kind, value)
+        for entry, value, (holder, name) in zip(
+            program.state, values, compiled.members, strict=True
+        ):
+            value = _of_kind(signal_of(entry).kind, value)
             if is_ring(entry):
                 # The caller keeps the ring: the C reads its oldest value and writes the new one.
-                getattr(memory, signal.identifier)[0] = value
-                setattr(memory, f"{signal.identifier}_position", 0)
+                getattr(holder, name)[0] = value
+                setattr(holder, f"{name}_position", 0)
             else:
-                setattr(memory, signal.identifier, value)
+                setattr(holder, name, value)
         names = [signal.name for signal in program.inputs]
         told = np.asarray(inputs, dtype=float).tolist()
         outputs = compiled(dict(zip(names, told, strict=True)))
         following = []
-        for entry in program.state:
-            found = getattr(memory, signal_of(entry).identifier)
+        for entry, (holder, name) in zip(program.state, compiled.members, strict=True):
+            found = getattr(holder, name)
             following.append(float(found[0] if is_ring(entry) else found))
         return np.array(following), np.array(outputs), np.zeros(0)
 

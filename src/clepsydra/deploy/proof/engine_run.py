@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.entries import signal_of
 from clepsydra.deploy.proof.instance import Array, Scans, scan_count
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.entries import signal_of
 from clepsydra.program.program import Program
 
 _KEPT = "kept."

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from clepsydra.deploy.printing.entries import is_ring
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.proof.comparison import Difference, compare, double_bound
 from clepsydra.deploy.proof.contents import Contents
 from clepsydra.deploy.proof.imported_fmu import FmuError, ImportedFmu
 from clepsydra.deploy.proof.item import ProofItem
 from clepsydra.deploy.proof.job import Job
+from clepsydra.program.entries import is_ring
 
 if TYPE_CHECKING:
     from clepsydra.deploy.fmi.model import FmuModel

@@ -11,9 +11,10 @@ from typing import Any
 
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.entries import is_ring, signal_of
+from clepsydra.deploy.c99.layout import state_names
 from clepsydra.deploy.process_program import HELD
 from clepsydra.deploy.proof.instance import Instance, given_parameters
+from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.program import Program
 
 #: Type of a variable to the suffix of the function that reads or sets it and to its C type.
@@ -109,6 +110,12 @@ class ImportedFmu(Instance):
         references = {v.name: v.valueReference for v in self.description.modelVariables}
         # What a process holds has the name of the process in an FMU, where nothing else has it.
         references = {f"{HELD}.{name}": number for name, number in references.items()} | references
+        # A state in an instance of a block has the name of that instance before its own.
+        references |= {
+            name: references[shown]
+            for name, shown in state_names(program).items()
+            if shown in references
+        }
         states = [signal_of(e) for e in program.state if not is_ring(e)]
         # A ring is no variable of the model description.
         self.shown = (*program.outputs, *states)

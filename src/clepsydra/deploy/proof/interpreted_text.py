@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 
-from clepsydra.deploy.printing.entries import is_ring, signal_of
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.proof.instance import Instance
 from clepsydra.deploy.proof.text.interpreter import function_block
 from clepsydra.deploy.proof.text.scl import standard_text
+from clepsydra.deploy.structured_text.block_names import state_paths
+from clepsydra.deploy.structured_text.dialect import dialect_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
+from clepsydra.program.entries import is_ring
 from clepsydra.program.program import Program
 
 
@@ -59,7 +62,11 @@ class InterpretedText(Instance):
         self._inputs = [(s.name, s.identifier.lower()) for s in program.inputs]
         self._parameters = [(s.name, s.identifier.lower()) for s in program.parameters]
         self._outputs = [s.identifier.lower() for s in program.outputs]
-        self._state = [(signal_of(e).identifier.lower(), is_ring(e)) for e in program.state]
+        paths = state_paths(program, dialect_of(dialect).all_words)
+        self._state = [
+            (self._memory(instances), name.lower(), is_ring(entry))
+            for entry, (*instances, name) in zip(program.state, paths, strict=True)
+        ]
         self._printed = {name: self.block.state[key] for name, key in self._parameters}
 
     def __call__(self, inputs: Mapping[str, float]) -> list[float]:
@@ -74,11 +81,17 @@ class InterpretedText(Instance):
 
     def state(self) -> list[float]:
         """Return the state in order; of a delay ring the value that the next scan reads."""
-        memory = self.block.state
         return [
             float(memory[key][memory[f"{key}_position"]] if ring else memory[key])
-            for key, ring in self._state
+            for memory, key, ring in self._state
         ]
+
+    def _memory(self, instances: Sequence[str]) -> dict[str, Any]:
+        """Return the memory of an instance of an instance of … the block."""
+        memory = self.block.state
+        for name in instances:
+            memory = memory[name.lower()].state
+        return memory
 
 
 def printed_text(

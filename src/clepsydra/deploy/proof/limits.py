@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.controllers.python_law import PythonLaw
-from clepsydra.deploy.printing.entries import Entry, signal_of
 from clepsydra.deploy.proof.item import ProofItem
-from clepsydra.program.program import Block, Loop, Operation
+from clepsydra.program.entries import Entry, signal_of
+from clepsydra.program.program import Block, Call, Loop, Operation
 
 _SINGLE = np.finfo(np.float32)
 #: Magnitudes that stand for no limit and for no divisor, which single precision replaces.
@@ -193,6 +193,9 @@ def _numbers(item: ProofItem) -> Iterator[float]:
 def _tables(block: Block) -> Iterator[float]:
     for statement in block.statements:
         if isinstance(statement, Operation):
+            continue
+        if isinstance(statement, Call):
+            yield from _tables(statement.program.block)
             continue
         if isinstance(statement, Loop):
             for table in statement.tables:

@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from clepsydra.deploy.printing.entries import signal_of
 from clepsydra.deploy.proof.comparison import Difference, compare, shown_signals
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.instance import Array
 from clepsydra.deploy.proof.job import Job
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.entries import signal_of
 from clepsydra.program.program import Program
 
 #: Two runs that lie further apart than the range of a signal, as a share of it, have diverged.

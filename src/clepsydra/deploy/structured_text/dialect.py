@@ -30,6 +30,9 @@ class Dialect:
         Longest identifier [characters]; 0 where the system sets no limit that matters.
     functions : mapping
         Code of an operation to the function of the standard or of the system.
+    formal : mapping
+        Code of an operation to the names of the parameters of its function, where the system
+        wants them written.
     power : str
         Operator of a power, where there is no function for it.
     truncate : str
@@ -70,6 +73,7 @@ class Dialect:
     words: frozenset[str] = frozenset()
     longest_name: int = 0
     functions: Mapping[str, str] = field(default_factory=lambda: _FUNCTIONS)
+    formal: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     power: str = ""
     truncate: str = "TRUNC"
     typed_numbers: frozenset[Precision] = frozenset({"single"})
@@ -143,6 +147,12 @@ _SCL = Dialect(
     longest_name=125,  # of a block's name
     # The power is an operator, and there is no arc tangent of two arguments.
     functions={code: name for code, name in _FUNCTIONS.items() if code != "pow"},
+    formal={
+        "select": ("G", "IN0", "IN1"),
+        "greatest": ("IN1", "IN2"),
+        "least": ("IN1", "IN2"),
+        "limit": ("MN", "IN", "MX"),
+    },
     power="**",
     # Without a type the result has that of the operands around it.
     truncate="TRUNC_DINT",

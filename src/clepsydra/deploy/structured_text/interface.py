@@ -7,15 +7,18 @@ from dataclasses import replace
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.entries import Entry, is_ring, signal_of
+from clepsydra.deploy.printing.called_blocks import needed_calls
 from clepsydra.deploy.printing.heading import comment
 from clepsydra.deploy.printing.identifiers import check_distinct, check_identifier
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.structured_text.dialect import Dialect
 from clepsydra.deploy.structured_text.pou import Section, Variable
 from clepsydra.deploy.structured_text.wording import Wording
+from clepsydra.program.entries import Entry, is_ring, signal_of
+from clepsydra.program.owned_state import owned_by_calls
 from clepsydra.program.program import Program
 
+_ABBREVIATIONS = frozenset({"lq", "pd", "pi", "pid"})
 _LANGUAGE = "Structured Text"
 
 
@@ -32,6 +35,10 @@ def check_names(program: Program, dialect: Dialect) -> None:
     place = f"program {program.name}"
     _check_name(program.name, place, dialect)
     entries = [(program.name, place)]
+    for call in program.calls:
+        _check_name(block_type(call.program), f"block {call.program.name}", dialect)
+        _check_name(call.instance, f"{place}, {call.instance}", dialect)
+        entries.append((call.instance, f"{place}, {call.instance}"))
     for entry in (*program.inputs, *program.parameters, *program.outputs, *held(program)):
         name = signal_of(entry).identifier
         _check_name(name, f"{place}, {entry.name}", dialect)
@@ -50,8 +57,23 @@ def _check_name(name: str, place: str, dialect: Dialect) -> None:
         )  # fmt: skip
 
 
+def block_type(block: Program) -> str:
+    """Return what a block that is called is named as a function block.
+
+    Examples
+    --------
+    >>> from clepsydra.program.program import Block
+    >>> block_type(Program("signal_check", (), (), (), (), Block(0, (), ())))
+    'FB_SignalCheck'
+    """
+    words = block.name.split("_")
+    return "FB_" + "".join(w.upper() if w in _ABBREVIATIONS else w.capitalize() for w in words)
+
+
 def held(program: Program) -> tuple[Entry, ...]:
     """Return what lives from scan to scan: the state, then the rings of loops.
+
+    A state that an instance of a block holds is declared there.
 
     Examples
     --------
@@ -59,7 +81,13 @@ def held(program: Program) -> tuple[Entry, ...]:
     >>> held(Program("law", (Signal("x"),), (), (), (), Block(1, (), (0,))))[0].name
     'x'
     """
-    return (*program.state, *program.rings)
+    owned = owned_by_calls(program)
+    own = (entry for k, entry in enumerate(program.state) if k not in owned)
+    return (*own, *program.rings)
+
+
+def _type(variable: Variable) -> str:
+    return variable.type
 
 
 class Interface:
@@ -89,8 +117,16 @@ class Interface:
     def sections(self, program: Program) -> list[Section]:
         """Return inputs, parameters, outputs and state of a program."""
         parameters = [self._with_source(entry) for entry in program.parameters]
-        state = [variable for entry in program.state for variable in self._held(entry, "sample")]
-        state += [variable for ring in program.rings for variable in self._held(ring, "turn")]
+        loops = program.rings
+        state = [
+            variable
+            for entry in held(program)
+            for variable in self._held(entry, "turn" if entry in loops else "sample")
+        ]
+        instances = [
+            Variable(call.instance, block_type(call.program), is_block=True)
+            for call in needed_calls(program)
+        ]
         return [
             Section(
                 "VAR_INPUT",
@@ -101,6 +137,7 @@ class Interface:
                 ),
             ),
             Section("VAR_OUTPUT", "", (("outputs", self._variables(program.outputs)),)),
+            Section("VAR", "", (("blocks", tuple(sorted(instances, key=_type))),)),
             Section("VAR", "RETAIN", (("state", tuple(state)),)),
         ]
 

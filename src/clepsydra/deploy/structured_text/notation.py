@@ -6,6 +6,16 @@ from clepsydra.deploy.printing.expressions import Notation
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import Dialect
 
+# Functions of integers and truth values.
+_TYPED = {
+    "select": "SEL",
+    "count": "BOOL_TO_DINT",
+    "greatest": "MAX",
+    "least": "MIN",
+    "limit": "LIMIT",
+}
+#: Two lines at the most.
+_WIDTH = 150
 _STATEMENTS = frozenset({"select", "maximum", "minimum", "number", "floor", "ceiling"})
 
 
@@ -18,18 +28,24 @@ def notation_of(dialect: Dialect, precision: Precision) -> Notation:
     >>> notation_of(dialect_of("codesys"), "double").operators["not_equal"]
     '<>'
     """
+    real = "LREAL" if precision == "double" else "REAL"
+    power = {"pow": "EXPT"} if dialect.power else {}
+    typed = {**_TYPED, "real": f"DINT_TO_{real}", "rounded": f"{real}_TO_DINT"}
     return Notation(
         language="Structured Text",
         operators={
             "add": "+", "subtract": "-", "multiply": "*", "divide": "/",
             "less": "<", "less_equal": "<=", "equal": "=", "not_equal": "<>",
+            "quotient": "/", "greater": ">", "greater_equal": ">=",
             "and": "AND", "or": "OR",
         },
         # A power that is an operator is written by `Wording`; here it counts for its width.
-        functions={**dialect.functions, **({"pow": "EXPT"} if dialect.power else {})},
+        functions={**dialect.functions, **power, **typed},
         negation="NOT ",
         statements=_STATEMENTS,
         repeating=_STATEMENTS - {"select", "number"},
         rounding=frozenset({"floor", "ceiling"}),
         single=precision == "single",
+        width=_WIDTH,
+        formal=dialect.formal,
     )  # fmt: skip

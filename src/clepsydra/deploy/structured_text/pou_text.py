@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from functools import partial
+from itertools import groupby
 
 from clepsydra.deploy.printing.heading import commented, harmless
 from clepsydra.deploy.structured_text.dialect import Dialect
@@ -90,9 +92,26 @@ def _section(section: Section, dialect: Dialect) -> list[str]:
     for title, variables in section.groups:
         if variables:
             lines.append(f"  {dialect.commented(title)}")
-        for entry in variables:
-            lines += [f"  {line}" for line in _declaration(entry, dialect)]
+        for kind, names in groupby(variables, partial(_plain_type, dialect=dialect)):
+            entries = [*names]
+            if kind:
+                lines += _list([entry.name for entry in entries], kind)
+                continue
+            for entry in entries:
+                lines += [f"  {line}" for line in _declaration(entry, dialect)]
     return [*lines, "END_VAR"]
+
+
+def _plain_type(entry: Variable, dialect: Dialect) -> str:
+    """Return the type of a variable that has neither value nor comment; else nothing."""
+    told = entry.initial or entry.comment or entry.is_array
+    return "" if told else dialect.quoted(entry.type) if entry.is_block else entry.type
+
+
+def _list(names: Sequence[str], kind: str) -> list[str]:
+    return textwrap.wrap(
+        f"{', '.join(names)} : {kind};", _WIDTH, initial_indent="  ", subsequent_indent="    "
+    )
 
 
 def _declaration(entry: Variable, dialect: Dialect) -> list[str]:
@@ -102,14 +121,12 @@ def _declaration(entry: Variable, dialect: Dialect) -> list[str]:
     head = f"{entry.name} : {kind}"
     texts = list(entry.initial)
     if entry.is_array and texts:
-        rows = [
-            ", ".join(texts[first : first + _VALUES_A_LINE])
-            for first in range(0, len(texts), _VALUES_A_LINE)
-        ]
-        if len(rows) > 1:
-            lines = [*(f"  {row}," for row in rows[:-1]), f"  {rows[-1]}];"]
+        values = ", ".join(texts)
+        if len(texts) > _VALUES_A_LINE:
+            rows = textwrap.wrap(values + "];", _WIDTH - 4, break_on_hyphens=False)
+            lines = [f"  {row}" for row in rows]
             return [*_commented(f"{head} := [", entry.comment, dialect), *lines]
-        texts = [f"[{rows[0]}]"]
+        texts = [f"[{values}]"]
     value = f" := {texts[0]}" if texts else ""
     return _commented(f"{head}{value};", entry.comment, dialect)
 

@@ -1,12 +1,14 @@
-"""IEC 61131-3 Structured Text from a step program: one FUNCTION_BLOCK, no libraries."""
+"""IEC 61131-3 Structured Text from a step program: a FUNCTION_BLOCK for each of its blocks."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import dialect_of
-from clepsydra.deploy.structured_text.function_block import function_block
-from clepsydra.deploy.structured_text.pou_text import unit_text
+from clepsydra.deploy.structured_text.library import function_blocks
+from clepsydra.deploy.structured_text.pou_text import comment_lines, unit_text
 from clepsydra.program.program import Program
 
 
@@ -18,6 +20,9 @@ def print_structured_text(
     dialect: str = "codesys",
 ) -> str:
     """Print a step program as a FUNCTION_BLOCK of IEC 61131-3, third edition.
+
+    Before it stand the function blocks of what it calls, each once however many instances it
+    has; what an instance remembers lives in the instance.
 
     Inputs and parameters are VAR_INPUT (parameters with their value as default), outputs
     VAR_OUTPUT, the state VAR RETAIN with its initial value, so that a warm start keeps it; real
@@ -43,6 +48,8 @@ def print_structured_text(
         finite or outside the range of REAL or of what the system reads, a name is no identifier
         or a word of the language, two names differ in case only, or an integer or boolean result
         may be something else.
+    ValueError
+        Two blocks of one name compute different things.
 
     Examples
     --------
@@ -56,5 +63,12 @@ def print_structured_text(
     ['BEGIN', '#y := #x + #x;', 'END_FUNCTION_BLOCK']
     """
     spoken = dialect_of(dialect)
-    unit = function_block(program, spoken, precision, origin)
-    return "\n".join([*unit_text(unit, spoken), ""])
+    *library, main = function_blocks(program, spoken, precision, origin)
+    lines: list[str] = []
+    if library and not spoken.attributes:
+        # Who opens the file reads first what it is; the blocks that it calls have to come before.
+        lines += [*comment_lines(main.head, spoken), ""]
+        main = replace(main, head=())
+    for unit in (*library, main):
+        lines += [*unit_text(unit, spoken), ""]
+    return "\n".join(lines)

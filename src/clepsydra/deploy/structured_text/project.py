@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
-from clepsydra.deploy.structured_text.function_block import function_block
+from clepsydra.deploy.structured_text.library import function_blocks
 from clepsydra.deploy.structured_text.loop_program import make_loop_program
 from clepsydra.deploy.structured_text.pou import Unit
 from clepsydra.deploy.structured_text.pou_text import unit_text
@@ -25,7 +25,7 @@ class Project:
     Parameters
     ----------
     units : tuple of Unit
-        The controller, the process, and the program that runs both.
+        The blocks of the controller, the process, and the program that runs both.
     interval : str
         TIME of the task.
 
@@ -59,10 +59,10 @@ def make_project(
     program = make_loop_program(
         controller, process, wires, sampling_period, dialect, precision, origin
     )
-    blocks = (
-        function_block(controller, dialect, precision, origin),
-        function_block(process, dialect, precision, process_origin),
-    )
+    blocks = [
+        *function_blocks(controller, dialect, precision, origin),
+        *function_blocks(process, dialect, precision, process_origin),
+    ]
     return Project((*blocks, program.unit), program.interval)
 
 

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from clepsydra.deploy.printing.entries import is_ring
-from clepsydra.deploy.printing.expressions import Expression, variable
+from collections.abc import Sequence
+from dataclasses import replace
+
+from clepsydra.deploy.printing.expressions import Expression
 from clepsydra.deploy.printing.listing import (
     Assignment,
+    BlockCall,
     Branch,
     CountedLoop,
     ListingStatement,
     RingTurn,
+    parts,
 )
-from clepsydra.deploy.structured_text.wording import Wording
+from clepsydra.deploy.printing.typed_values import truth_form, whole_form
+from clepsydra.deploy.structured_text.wording import Wording, as_select
+from clepsydra.program.entries import is_ring
+from clepsydra.program.program import COMPARISONS
 
-#: Longest line where it can be helped [characters].
-LINE = 100
 _STEP = "  "
 # A double of this size or above is a whole number already, and so is a single-precision number.
 _WHOLE = {"double": 2.0**52, "single": 2.0**23}
@@ -30,12 +35,15 @@ def statement(entry: ListingStatement, wording: Wording, depth: int = 0) -> list
     >>> from clepsydra.deploy.structured_text.dialect import dialect_of
     >>> from clepsydra.deploy.printing.identifiers import Identifiers
     >>> wording = Wording(dialect_of("codesys"), "double", Identifiers([], ignore_case=True))
+    >>> from clepsydra.deploy.printing.expressions import variable
     >>> total = Expression("add", (variable("a"), variable("b")))
     >>> statement(Assignment("total", total), wording)
     ['total := a + b;']
     """
     if isinstance(entry, Assignment):
         return assign(entry.name, entry.expression, wording, depth)
+    if isinstance(entry, BlockCall):
+        return [_STEP * depth + _call(entry, wording)]
     lines = [_STEP * depth + wording.dialect.commented(_title(entry))]
     for start in entry.start:
         lines += assign(start.name, start.expression, wording, depth)
@@ -47,6 +55,33 @@ def statement(entry: ListingStatement, wording: Wording, depth: int = 0) -> list
         head, end = f"IF {wording.expression(entry.condition)} THEN", "END_IF;"
     inside = _body(entry, wording, depth + 1)
     return [*lines, _STEP * depth + head, *inside, _STEP * depth + end]
+
+
+def _call(entry: BlockCall, wording: Wording) -> str:
+    """Write the call of an instance, on one line however long it is."""
+    given = []
+    for signal, argument in zip(entry.program.inputs, entry.arguments, strict=True):
+        value = of_kind(signal.kind, argument)
+        text = wording.expression(value)
+        if value.code in COMPARISONS:
+            text = f"({text})"
+        given.append(f"{signal.identifier} := {text}")
+    return f"{entry.instance}({', '.join(given)});"
+
+
+def of_kind(kind: str, number: Expression) -> Expression:
+    """Return a number in the type of a signal; that it fits has been proved.
+
+    Examples
+    --------
+    >>> of_kind("boolean", Expression("number", (Expression("flag", text="good"),))).text
+    'good'
+    """
+    if kind == "boolean":
+        return truth_form(number) or Expression("truth", (number,))
+    if kind == "integer":
+        return whole_form(number) or Expression("rounded", (number,))
+    return number
 
 
 def _title(entry: CountedLoop | Branch) -> str:
@@ -64,8 +99,7 @@ def _body(entry: CountedLoop | Branch, wording: Wording, depth: int) -> list[str
             signal = turn.ring.signal
             place = ring_place(signal.identifier, is_ring(turn.ring))
             lines += wrapped(turn.oldest, place, depth)
-    for inner in entry.body:
-        lines += statement(inner, wording, depth)
+    lines += statements(entry.body, wording, depth)
     for turn in turns:
         lines += _written(turn, wording, depth)
     for update in entry.update:
@@ -102,50 +136,156 @@ def advance(name: str, length: int, depth: int = 0) -> list[str]:
     return wrapped(position, f"({position} + 1) MOD {length}", depth)
 
 
-def assign(name: str, expression: Expression, wording: Wording, depth: int = 0) -> list[str]:
+def assign(
+    name: str,
+    expression: Expression,
+    wording: Wording,
+    depth: int = 0,
+    held: Expression | None = None,
+) -> list[str]:
     """Write ``name := expression``; a choice becomes IF, rounding a few statements.
+
+    Parameters
+    ----------
+    name : str
+    expression : Expression
+    wording : Wording
+    depth : int
+        Steps of indentation.
+    held : Expression, optional
+        What the variable is already.
 
     Examples
     --------
     >>> from clepsydra.deploy.structured_text.dialect import dialect_of
     >>> from clepsydra.deploy.printing.identifiers import Identifiers
     >>> wording = Wording(dialect_of("codesys"), "double", Identifiers([], ignore_case=True))
-    >>> limited = Expression("minimum", (variable("a"), variable("b")))
-    >>> print("\\n".join(assign("u", limited, wording)))
-    IF a < b THEN
-      u := a;
-    ELSE
-      u := b;
+    >>> from clepsydra.deploy.printing.expressions import variable
+    >>> falls = Expression("less", (variable("level"), variable("limit")))
+    >>> more = Expression("divide", (variable("gain"), variable("time")))
+    >>> chosen = Expression("select", (falls, more, variable("rest")))
+    >>> print("\\n".join(assign("u", chosen, wording)))
+    u := rest;
+    IF level < limit THEN
+      u := gain / time;
     END_IF;
     """
-    code, operands = expression.code, expression.operands
+    code, indent = expression.code, _STEP * depth
     if code in ("floor", "ceiling"):
-        return _whole(name, code, wording.expression(operands[0]), wording, depth)
-    if code not in ("select", "maximum", "minimum", "number"):
+        return _whole(name, code, wording.expression(expression.operands[0]), wording, depth)
+    if not _branches(name, expression, wording):
         return wrapped(name, wording.expression(expression), depth)
-    indent = _STEP * depth
-    condition, first, second = _choice(expression, wording)
-    lines = [f"{indent}IF {condition} THEN", *assign(name, first, wording, depth + 1)]
+    condition, first, second = _choice(expression)
+    before: list[str] = []
+    if held is None and second.is_atom and not name_in(name, expression):
+        # What holds otherwise comes first.
+        before, held = assign(name, second, wording, depth), second
+    lines = [f"{indent}IF {wording.expression(condition)} THEN"]
+    lines += assign(name, first, wording, depth + 1, held)
     while second.code == "select":
-        condition, first, second = _choice(second, wording)
-        lines.append(f"{indent}ELSIF {condition} THEN")
-        lines += assign(name, first, wording, depth + 1)
-    if second != variable(name):
-        lines += [f"{indent}ELSE", *assign(name, second, wording, depth + 1)]
-    return [*lines, f"{indent}END_IF;"]
+        condition, first, second = _choice(second)
+        lines.append(f"{indent}ELSIF {wording.expression(condition)} THEN")
+        lines += assign(name, first, wording, depth + 1, held)
+    if second != held and not _keeps(name, second):
+        lines += [f"{indent}ELSE", *assign(name, second, wording, depth + 1, held)]
+    return [*before, *lines, f"{indent}END_IF;"]
 
 
-def _choice(expression: Expression, wording: Wording) -> tuple[str, Expression, Expression]:
-    """Return condition and both branches."""
-    code, operands = expression.code, expression.operands
-    if code == "select":
-        return wording.expression(operands[0]), operands[1], operands[2]
-    if code == "number":
-        one, zero = Expression("constant", number=1.0), Expression("constant")
-        return wording.expression(operands[0]), one, zero
-    first, second = operands
-    sign = ">" if code == "maximum" else "<"
-    return f"{wording.expression(first)} {sign} {wording.expression(second)}", first, second
+def _branches(name: str, expression: Expression, wording: Wording) -> bool:
+    """Whether an assignment is written with IF."""
+    if expression.code == "real":
+        expression = expression.operands[0]
+    if not expression.is_choice:
+        return False
+    kept = _keeps(name, _choice(expression)[2])
+    return kept or not wording.notation.writes(expression)
+
+
+def _choice(expression: Expression) -> tuple[Expression, Expression, Expression]:
+    """Return condition and both branches, in which the condition is known."""
+    inner = expression.operands[0] if expression.code == "real" else as_select(expression)
+    condition, first, second = inner.operands
+    first, second = _known(first, condition, True), _known(second, condition, False)
+    if expression.code == "real":
+        first, second = Expression("real", (first,)), Expression("real", (second,))
+    return condition, first, second
+
+
+def _known(expression: Expression, condition: Expression, holds: bool) -> Expression:
+    """Return an expression where a condition holds, or does not."""
+    if expression.code == "select" and expression.operands[0] == condition:
+        return _known(expression.operands[1 if holds else 2], condition, holds)
+    operands = tuple(_known(each, condition, holds) for each in expression.operands)
+    return replace(expression, operands=operands)
+
+
+def _keeps(name: str, expression: Expression) -> bool:
+    """Whether an expression is what a variable holds already."""
+    return expression.code in ("variable", "integer", "flag") and expression.text == name
+
+
+def name_in(name: str, expression: Expression) -> bool:
+    """Whether an expression reads a variable.
+
+    Examples
+    --------
+    >>> name_in("a", Expression("negate", (Expression("variable", text="a"),)))
+    True
+    """
+    return any(part.text == name for part in parts(expression))
+
+
+def statements(entries: Sequence[ListingStatement], wording: Wording, depth: int = 0) -> list[str]:
+    """Write the statements of a listing; what one condition decides stands in one IF.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> from clepsydra.deploy.printing.expressions import flag, variable
+    >>> from clepsydra.deploy.printing.identifiers import Identifiers
+    >>> wording = Wording(dialect_of("codesys"), "double", Identifiers([], ignore_case=True))
+    >>> begun = [Assignment(n, Expression("select", (flag("cold"), variable("u"), variable(n))))
+    ...          for n in ("a", "b")]
+    >>> print("\\n".join(statements(begun, wording)))
+    IF cold THEN
+      a := u;
+      b := u;
+    END_IF;
+    """
+    lines: list[str] = []
+    rest = list(entries)
+    while rest:
+        group = _decided_by_one(rest, wording)
+        del rest[: max(len(group), 1)]
+        if len(group) < 2:
+            lines += statement(entries[len(entries) - len(rest) - 1], wording, depth)
+            continue
+        indent = _STEP * depth
+        choices = [(each.name, *_choice(each.expression)) for each in group]
+        lines.append(f"{indent}IF {wording.expression(choices[0][1])} THEN")
+        for name, _, first, _ in choices:
+            lines += assign(name, first, wording, depth + 1)
+        others = [(name, second) for name, _, _, second in choices if not _keeps(name, second)]
+        lines += [f"{indent}ELSE"] if others else []
+        for name, second in others:
+            lines += assign(name, second, wording, depth + 1)
+        lines.append(f"{indent}END_IF;")
+    return lines
+
+
+def _decided_by_one(entries: Sequence[ListingStatement], wording: Wording) -> list[Assignment]:
+    """Return the assignments at the beginning that the same condition decides."""
+    found: list[Assignment] = []
+    for each in entries:
+        if not isinstance(each, Assignment) or not _branches(each.name, each.expression, wording):
+            break
+        condition = _choice(each.expression)[0]
+        if found and condition != _choice(found[0].expression)[0]:
+            break
+        found.append(each)
+        if name_in(each.name, condition):
+            break
+    return found
 
 
 def _whole(name: str, code: str, text: str, wording: Wording, depth: int) -> list[str]:
@@ -187,13 +327,11 @@ def _whole(name: str, code: str, text: str, wording: Wording, depth: int) -> lis
 
 
 def wrapped(name: str, text: str, depth: int = 0) -> list[str]:
-    """Write an assignment on one line, or on two where one is too long.
+    """Write an assignment, however long it is.
 
     Examples
     --------
     >>> wrapped("total", "a + b", depth=1)
     ['  total := a + b;']
     """
-    indent = _STEP * depth
-    line = f"{indent}{name} := {text};"
-    return [line] if len(line) <= LINE else [f"{indent}{name} :=", f"{indent}{_STEP * 2}{text};"]
+    return [f"{_STEP * depth}{name} := {text};"]

@@ -8,13 +8,37 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.printing.expressions import Expression, decimal, render, variable
+from clepsydra.deploy.printing.expressions import (
+    Expression,
+    as_select,
+    decimal,
+    render,
+    simplified,
+    variable,
+)
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import Dialect
 from clepsydra.deploy.structured_text.notation import notation_of
 from clepsydra.program.program import COMPARISONS
 
+
+def _logical(select: Expression) -> Expression:
+    """Return a choice of truth values as logic where one of them is known."""
+    condition, first, second = select.operands
+    known = {"TRUE": True, "FALSE": False}
+    for place, value in ((1, first), (0, second)):
+        truth, other = known.get(value.text), second if place else first
+        if truth is not None:
+            # Where the known one is FALSE the other one counts under the opposite condition.
+            opposite = Expression("not", (condition,))
+            holds = condition if truth == bool(place) else opposite
+            return simplified(Expression("or" if truth else "and", (simplified(holds), other)))
+    return select
+
+
+# A variable is compared with a number, not the other way round.
+_TURNED = {"less": "greater", "less_equal": "greater_equal"}
 _TYPES = {"integer": "DINT", "boolean": "BOOL"}
 #: The largest power of two that every system reads as a number, whatever the type.
 _FACTOR_EXPONENT = 120
@@ -100,9 +124,14 @@ class Wording:
         mark = self.dialect.local_mark
         if not mark or line.lstrip().startswith("//"):
             return line
-        return _NAME.sub(
-            lambda found: mark + found[0] if found[0].lower() in local else found[0], line
-        )
+
+        def written(found: re.Match[str]) -> str:
+            name, before, after = found[0], line[: found.start()], line[found.end() :]
+            # In a call that is the name of the block's own input.
+            given = after.startswith(" :=") and before.endswith(("(", ", "))
+            return mark + name if name.lower() in local and not given else name
+
+        return _NAME.sub(written, line)
 
     def _readable(self, value: float) -> bool:
         bounds = self.dialect.literals
@@ -115,6 +144,11 @@ class Wording:
         if code == "truth":
             zero = Expression("constant")
             return self._worded(Expression("not_equal", (expression.operands[0], zero)))
+        if code in ("number", "maximum", "minimum"):
+            return self._worded(as_select(expression))
+        if code == "select" and expression.is_truth:
+            expression = _logical(expression)
+            code = expression.code
         inside = code in COMPARISONS
         operands = tuple(self._worded(part, compared=inside) for part in expression.operands)
         if code == "absolute" and not compared and not self.dialect.absolute_zero:
@@ -124,6 +158,11 @@ class Wording:
         if code == "pow" and self.dialect.power:
             base, exponent = (self._atom(operand) for operand in operands)
             return variable(f"({base} {self.dialect.power} {exponent})")
+        if code == "not" and operands[0].code in ("equal", "not_equal"):
+            other = "equal" if operands[0].code == "not_equal" else "not_equal"
+            return replace(operands[0], code=other)
+        if code in _TURNED and expression.operands[0].code in ("constant", "whole"):
+            return Expression(_TURNED[code], operands[::-1])
         return replace(expression, operands=operands)
 
     def _atom(self, operand: Expression) -> str:

@@ -12,9 +12,12 @@ from clepsydra.deploy.proof.text.operations import (
     ARITHMETIC,
     COMPARED,
     COMPARISONS,
+    DINT_ARITHMETIC,
     FUNCTIONS,
+    PARAMETERS,
     quotient,
     remainder,
+    whole_quotient,
 )
 from clepsydra.deploy.proof.text.single_precision import rounding
 from clepsydra.deploy.proof.text.tree import StructuredTextError, content, part, wrong
@@ -88,7 +91,8 @@ class Expressions:
         self.read: set[str] = set()
         #: What the translated code calls.
         self.namespace: dict[str, Any] = {
-            "quotient": quotient, "remainder": remainder, "in_range": in_range, "entry": entry,
+            "quotient": quotient, "remainder": remainder,
+            "whole_quotient": whole_quotient, "in_range": in_range, "entry": entry,
             "checked": checked, "single": rounding(),
         }  # fmt: skip
         self._divisors = 0
@@ -191,6 +195,8 @@ class Expressions:
         operand = self.expression(part(node, "operand"), wanted)
         if operator == "NOT" and operand.type == "BOOL":
             return Typed("BOOL", ast.UnaryOp(ast.Not(), operand.code))
+        if (operator, operand.type) == ("-", "DINT"):
+            return Typed("DINT", self.called("in_range", ast.UnaryOp(ast.USub(), operand.code)))
         if operator == "-" and operand.type in ("LREAL", "REAL"):
             return Typed(operand.type, ast.UnaryOp(ast.USub(), operand.code))
         raise wrong(node, f"{operator} of {operand.type}")
@@ -216,8 +222,11 @@ class Expressions:
             return Typed(kind, self._rounded(kind, found))
         if operator == "/" and kind in REALS:
             return Typed(kind, self._rounded(kind, self._quotient(left.code, right.code)))
-        if (kind, operator) == ("DINT", "+"):
-            return Typed(kind, self.called("in_range", ast.BinOp(left.code, ast.Add(), right.code)))
+        if kind == "DINT" and operator in DINT_ARITHMETIC:
+            found = ast.BinOp(left.code, DINT_ARITHMETIC[operator], right.code)
+            return Typed(kind, self.called("in_range", found))
+        if (kind, operator) == ("DINT", "/"):
+            return Typed(kind, self.called("whole_quotient", left.code, right.code))
         if (kind, operator) == ("DINT", "MOD"):
             return Typed(kind, self.called("remainder", left.code, right.code))
         if operator == "**" and kind in REALS:
@@ -238,13 +247,25 @@ class Expressions:
 
     def _call(self, node: Node, wanted: str) -> Typed:
         name = content(part(node, "function")).upper()
-        given = part(node, "arguments").named_children
+        given = [self._argument(each, name, k) for k, each in enumerate(_given(node))]
         arguments = [self.expression(argument, wanted) for argument in given]
         own = {a.type for a, n in zip(arguments, given, strict=True) if _has_own_type(n)}
+        if name == "SEL":
+            # What selects says nothing of what is selected.
+            own = {arguments[k].type for k in (1, 2) if _has_own_type(given[k])}
         if len(own) == 1:
             # Literals take the type of what stands beside them.
             arguments = [self.expression(argument, *own) for argument in given]
         return self._applied(node, name, arguments)
+
+    def _argument(self, node: Node, function: str, place: int) -> Node:
+        """Return the value of an argument, which may be given with its name."""
+        if node.type != "named_argument":
+            return node
+        names = PARAMETERS.get(function, ())
+        if content(part(node, "name")).upper() not in names[place : place + 1]:
+            raise wrong(node, f"{content(node)} is no argument {place + 1} of {function}")
+        return part(node, "value")
 
     def _applied(self, node: Node, name: str, arguments: list[Typed]) -> Typed:
         types = tuple(argument.type for argument in arguments)
@@ -254,6 +275,10 @@ class Expressions:
         function = f"{name}_{'_'.join(types)}"
         self.namespace[function] = compute
         return Typed(result, self.called(function, *(argument.code for argument in arguments)))
+
+
+def _given(node: Node) -> list[Node]:
+    return [each for each in part(node, "arguments").named_children if each.type != "comment"]
 
 
 def _has_own_type(node: Node) -> bool:

@@ -135,12 +135,12 @@ def _start(declared: Declared, text: StructuredText) -> Any:
 
 
 def function_block(text: str) -> FunctionBlock:
-    """Return an instance of the one function block that a text holds.
+    """Return an instance of the last function block that a text holds; it may call the others.
 
     Raises
     ------
     InputError, StructuredTextError
-        As `StructuredText`; or the text holds more or less than one.
+        As `StructuredText`; or the text holds none, or something else at its end.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def function_block(text: str) -> FunctionBlock:
     ({'n': 1}, {'n': 2})
     """
     whole = StructuredText(text)
-    if len(whole.units) != 1:
-        raise StructuredTextError("expected one function block and nothing else")
-    (name,) = whole.units
+    *_, name = whole.units or ("",)
+    if not name or whole.units[name].kind != "FUNCTION_BLOCK" or whole.tasks:
+        raise StructuredTextError("expected function blocks and nothing else")
     return whole.instance(name)

@@ -40,6 +40,19 @@ def square_root(a: float) -> float:
     return math.sqrt(a) if a >= 0.0 else math.nan
 
 
+def whole_quotient(a: int, b: int) -> int:
+    """Divide integers and cut off towards zero.
+
+    Examples
+    --------
+    >>> whole_quotient(-7, 3)
+    -2
+    """
+    if b == 0:
+        raise StructuredTextError("a DINT divided by 0")
+    return in_range(abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1))
+
+
 def remainder(a: int, b: int) -> int:
     """Return the rest of a division that is cut off towards zero.
 
@@ -107,12 +120,28 @@ ARITHMETIC: dict[tuple[str, str], ast.operator] = {
     ("BOOL", "AND"): ast.BitAnd(),
     ("BOOL", "OR"): ast.BitOr(),
 }
+DINT_ARITHMETIC: dict[str, ast.operator] = {"+": ast.Add(), "-": ast.Sub(), "*": ast.Mult()}
 COMPARISONS: dict[str, ast.cmpop] = {
     "<": ast.Lt(), "<=": ast.LtE(), ">": ast.Gt(), ">=": ast.GtE(), "=": ast.Eq(), "<>": ast.NotEq()
 }  # fmt: skip
 COMPARED = ("LREAL", "REAL", "DINT")
 
-_LREAL, _REAL, _DINT = ("LREAL",), ("REAL",), ("DINT",)
+#: Names of the parameters of functions that have more than one.
+PARAMETERS = {
+    "MAX": ("IN1", "IN2"), "MIN": ("IN1", "IN2"), "LIMIT": ("MN", "IN", "MX"),
+    "SEL": ("G", "IN0", "IN1"),
+}  # fmt: skip
+
+
+def _limit(low: int, value: int, high: int) -> int:
+    return min(max(value, low), high)
+
+
+def _select(which: bool, first: Any, second: Any) -> Any:
+    return second if which else first
+
+
+_BOOL, _LREAL, _REAL, _DINT = ("BOOL",), ("LREAL",), ("REAL",), ("DINT",)
 _SHARED: dict[str, Any] = {
     "EXP": np.exp, "LN": np.log, "SIN": np.sin, "COS": np.cos, "TAN": np.tan,
     "ASIN": np.arcsin, "ACOS": np.arccos, "ATAN": np.arctan,
@@ -121,6 +150,14 @@ _OF_TWO: dict[str, Any] = {"ATAN2": np.arctan2, "EXPT": np.power}
 
 #: Name and types of the arguments of a function to type of the result and what computes it.
 FUNCTIONS: dict[tuple[str, tuple[str, ...]], tuple[str, Callable[..., Any]]] = {
+    ("BOOL_TO_DINT", _BOOL): ("DINT", int),
+    ("MAX", _DINT * 2): ("DINT", max),
+    ("MIN", _DINT * 2): ("DINT", min),
+    ("LIMIT", _DINT * 3): ("DINT", _limit),
+    **{
+        ("SEL", ("BOOL", kind, kind)): (kind, _select) for kind in ("LREAL", "REAL", "DINT", "BOOL")
+    },
+    ("ABS", _DINT): ("DINT", abs),
     ("ABS", _LREAL): ("LREAL", abs),
     ("ABS", _REAL): ("REAL", abs),
     ("SQRT", _LREAL): ("LREAL", square_root),

@@ -149,11 +149,11 @@ class _Block:
 
     def _statements(self, place: int) -> int:
         """Read statements up to the end of the block."""
-        calls: list[bool] = []  # whether an open parenthesis is that of an instance's call
+        calls: list[bool] = []  # whether an open parenthesis is that of a call
         while (token := self._at(place)).text.upper() != "END_FUNCTION_BLOCK":
             before = self._at(place - 1)
             if token.text == "(":
-                calls.append(before.kind == "marked")
+                calls.append(before.kind in ("marked", "word"))
             elif token.text == ")" and calls:
                 calls.pop()
             elif token.text.upper() == "BEGIN":

@@ -1,0 +1,42 @@
+"""A step law computed inside another one."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from clepsydra.base.errors import ClepsydraError
+from clepsydra.program.step_law import Equations, StepLaw, Symbols
+
+
+def inner_equations(law: StepLaw, symbols: Symbols) -> Equations:
+    """Return what a law computes; the calls of its blocks are calls of the law around it.
+
+    Parameters
+    ----------
+    law : StepLaw
+    symbols : mapping
+        Its state, inputs and parameters by name, among others.
+
+    Raises
+    ------
+    ClepsydraError
+        The law is Python.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> law = multiloop_pid_law(1)
+    >>> names = [s.name for s in (*law.state, *law.inputs, *law.parameters)]
+    >>> list(inner_equations(law, {name: ca.SX.sym(name) for name in names}).outputs)
+    ['manipulated_1', 'status_1']
+    """
+    if law.equations is None:
+        raise ClepsydraError(f"{law.name}: a law in Python cannot stand in another one")
+    names = [entry.name for entry in (*law.state, *law.inputs, *law.parameters)]
+    found = law.equations({name: symbols[name] for name in names})
+    return Equations(
+        *(
+            {name: ca.SX(value) for name, value in group.items()}
+            for group in (found.next_state, found.outputs, found.intermediates)
+        )
+    )

@@ -1,0 +1,108 @@
+"""One output of the shell: what the law gets for it, and what stands at the actuator."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+
+from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.controllers.blocks.validity import all_of, any_of, is_number
+from clepsydra.controllers.plant_shell.fail_safe import SafeOutput
+from clepsydra.controllers.plant_shell.output_limits import REACH
+from clepsydra.controllers.plant_shell.scan import Scan
+from clepsydra.controllers.plant_shell.status import STATUS_WORD
+from clepsydra.controllers.signals import LARGEST_PARAMETER
+from clepsydra.program.step_law import Symbols
+
+
+class OutputEnd:
+    """An output in one scan, before and after the law.
+
+    Parameters
+    ----------
+    scan : Scan
+    output : SafeOutput
+    command : mapping
+        Who moves it (`SafeOutput.commanded`).
+    rated : bool
+        Whether the shell limits its rate.
+
+    Examples
+    --------
+    See `ShellStep`.
+    """
+
+    def __init__(self, scan: Scan, output: SafeOutput, command: Symbols, *, rated: bool) -> None:
+        self.scan, self.command, self.number = scan, command, output.number
+        self.name, now, i = output.signal.identifier, scan.symbols, output.number
+        last, safe, none = scan.used(f"last_output_{i}"), now[f"fail_safe_{i}"], LARGEST_PARAMETER
+        #: What the law gets in the place of its inputs and parameters.
+        self.given: dict[str, ca.SX] = {f"mode_{i}": command["mode_used"]}
+        if f"rate_limit_{i}" in now and not rated:
+            rate = now[f"rate_limit_{i}"]
+            self.given[f"rate_limit_{i}"] = ca.if_else(command["moves"], rate, none)
+        self.reach: dict[str, ca.SX] = {}
+        if f"low_limit_{i}" in now and f"high_limit_{i}" in now:
+            self.reach = scan.call(
+                REACH, f"{self.name}_reach", i,
+                last_output=last, moves=command["moves"],
+                rate_limit=now[f"rate_limit_{i}"] if rated else ca.SX(none),
+            )  # fmt: skip
+            safe = self.reach["fail_safe_used"]
+            self.given[f"low_limit_{i}"] = self.reach["low_used"]
+            self.given[f"high_limit_{i}"] = self.reach["high_used"]
+        followed = ca.if_else(command["follows"], last, now[f"tracking_{i}"])
+        tracking = self.given[f"tracking_{i}"] = ca.if_else(command["safe"], safe, followed)
+        #: Names for values on the way.
+        self.named = {f"{self.name}_tracking": tracking}
+
+    def stands(self, asked: ca.SX) -> ca.SX:
+        """Return what stands at the actuator: what the law asks for, or the fail-safe value."""
+        tracking = self.given[f"tracking_{self.number}"]
+        safe = ca.logic_and(self.command["safe"], is_number(tracking))
+        return ca.if_else(safe, tracking, asked)
+
+    def status(
+        self, output: ca.SX, law: Symbols, sensors: Sequence[Symbols], setpoints: Sequence[Symbols]
+    ) -> ca.SX:
+        """Return the status word.
+
+        Parameters
+        ----------
+        output : casadi.SX
+            What stands at the actuator.
+        law : mapping
+            The bits that only the law knows (`LawBlock.bits`).
+        sensors, setpoints : sequence of mapping
+            Those that the output needs, as their blocks tell of them.
+        """
+        scan, command, i = self.scan, self.command, self.number
+        bits = dict(law)
+        if self.reach:
+            low, high = scan[f"low_limit_{i}"], scan[f"high_limit_{i}"]
+            inside = ca.logic_and(output > low, output < high)
+            ends = [output <= self.reach["low_used"], output >= self.reach["high_used"]]
+            at_end = self.named[f"{self.name}_at_end"] = any_of(ends)
+            # At a limit of the actuator it is that which holds it.
+            hurried = all_of([self.reach["rate_acts"], inside, at_end])
+            bits |= {"at_low_limit": output <= low, "at_high_limit": output >= high}
+            bits["at_rate_limit"] = ca.logic_or(law["at_rate_limit"], hurried)
+        numbers = [*(each["is_number"] for each in sensors), *(each["given"] for each in setpoints)]
+        bits |= {
+            "automatic": scan[f"mode_{i}"] == Mode.AUTOMATIC,
+            "tracking": scan[f"mode_{i}"] == Mode.TRACKING,
+            "invalid_input": any_of([law["invalid_input"], *map(ca.logic_not, numbers)]),
+            "sensor_uncertain": _any(sensors, "uncertain"),
+            "rides_through": ca.logic_not(ca.logic_or(command["good"], command["latched"])),
+            "failed_safe": command["latched"],
+            "scan_time_off": scan["scan_time_off"],
+            "setpoint_ramps": ca.logic_and(_any(setpoints, "ramps"), command["in_force"]),
+            "following": command["follows"],
+            "setpoint_limited": _any(setpoints, "limited"),
+        }
+        return scan.call(STATUS_WORD, f"{self.name}_status", **bits)["status"]
+
+
+def _any(parts: Sequence[Symbols], port: str) -> ca.SX:
+    return any_of([ca.SX(0), *(part[port] for part in parts)])

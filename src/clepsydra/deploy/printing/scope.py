@@ -1,0 +1,198 @@
+"""What the values of a block are written as: folded into where they are read, or variables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from clepsydra.deploy.printing.expressions import (
+    Expression,
+    Notation,
+    flag,
+    integer,
+    render,
+    simplified,
+    variable,
+)
+from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.deploy.printing.listing import Assignment, ListingStatement
+from clepsydra.deploy.printing.typed_values import in_own_type, whole_form
+from clepsydra.deploy.printing.whole_numbers import INTEGERS, WholeRange
+from clepsydra.program.program import Block, Call, Operation, read_by
+
+#: A truth value up to this width is written wherever it is read [characters].
+_SHORT = 32
+#: What a variable is called that nothing gives a name.
+_EXTREME = {"maximum": "larger", "minimum": "smaller", "greatest": "larger", "least": "smaller"}
+#: And up to this many characters in all.
+_OFTEN = 90
+#: Choices are folded into choices no deeper than this, so that a chain of ELSIF stays readable.
+_DEPTH = 4
+
+
+class Scope:
+    """The values of one block while its statements are written.
+
+    Parameters
+    ----------
+    notation : Notation
+    names : Identifiers
+    values : dict
+        Value to the expression that reads it; the arguments at first.
+    preferred : mapping
+        Value to the name that it gets if it needs a variable.
+    ranges : mapping
+        Bounds of the values that are whole numbers.
+
+    Examples
+    --------
+    See `clepsydra.deploy.printing.folding.list_block`.
+    """
+
+    def __init__(
+        self,
+        notation: Notation,
+        names: Identifiers,
+        values: dict[int, Expression],
+        preferred: Mapping[int, str],
+        ranges: Mapping[int, WholeRange],
+    ) -> None:
+        self._notation = notation
+        self._ranges = ranges
+        self._integers = INTEGERS["single" if notation.single else "double"][:2]
+        self._names = names
+        self._arguments = dict(values)
+        self.values = values
+        self.preferred = dict(preferred)
+        self._read_as_number: set[int] = set()
+        self.statements: list[ListingStatement] = []
+
+    def assign(self, value: int, name: str = "") -> Expression:
+        """Give a value a variable, and return the expression that reads it."""
+        expression = self.values[value]
+        if not name:
+            wanted = self.preferred.get(value) or _EXTREME.get(expression.code, "")
+            name = self._names.new(wanted) if wanted else self._names.temporary()
+        read = flag(name) if expression.is_truth else variable(name)
+        if self._notation.has_types and expression.code in ("real", "number", "select"):
+            choice = expression.code == "select" and value not in self._read_as_number
+            integers = whole_form(expression) if choice else None
+            expression = expression if integers is None else Expression("real", (integers,))
+        if self._notation.has_types and expression.code in ("real", "number"):
+            whole = expression.code == "real"
+            read = integer(name) if whole else Expression("number", (flag(name),))
+            expression = expression.operands[0]
+        self.statements.append(Assignment(name, expression))
+        self.values[value] = read
+        return read
+
+    def atom(self, value: int) -> Expression:
+        """Return a value as something that can be written more than once."""
+        expression = self.values[value]
+        read = expression.code == "number" and expression.operands[0].is_atom
+        if expression.is_atom or (read and self._notation.has_types):
+            return expression
+        return self.assign(value)
+
+    def name_by_ports(self, block: Block) -> None:
+        """Let a variable that a call reads be named after the port that it goes to."""
+        for call in (each for each in block.statements if isinstance(each, Call)):
+            ports = zip(call.program.inputs, call.arguments[len(call.program.state) :], strict=True)
+            for signal, value in ports:
+                free = self._names.is_free(signal.identifier)
+                name = signal.identifier if free else f"{call.instance}_{signal.identifier}"
+                self.preferred.setdefault(value, name)
+
+    def count_by_readers(self, block: Block) -> None:
+        """Find the values that something reads as a number, not as an integer."""
+        others = set(block.results)
+        for each in block.statements:
+            if isinstance(each, Operation):
+                others.update(() if each.target in self._ranges else each.arguments)
+            elif isinstance(each, Call):
+                given = each.arguments[len(each.program.state) :]
+                ports = zip(each.program.inputs, given, strict=True)
+                others.update(value for signal, value in ports if signal.kind != "integer")
+            else:
+                others.update(read_by(each))
+        self._read_as_number = others
+
+    def is_short(self, expression: Expression, uses: int) -> bool:
+        """Whether an expression may be written as often as it is read."""
+        if not self._notation.has_types:
+            return False
+        if expression.code == "number":
+            expression = expression.operands[0]
+        plain = all(
+            each.is_atom or (each.code == "not" and each.operands[0].is_atom)
+            for each in expression.operands
+        )
+        width = self._width(expression)
+        return expression.is_truth and plain and width <= _SHORT and width * uses <= _OFTEN
+
+    def operation(self, operation: Operation) -> Expression:
+        """Return an operation over the expressions of its arguments."""
+        code = operation.code
+        if code == "constant":
+            return Expression("constant", number=operation.constant)
+        if code == "truth":
+            # The number of a truth value is 0 or 1: its truth is that value itself. A boolean
+            # argument stays one, whether or not its number has a variable by now.
+            value = operation.arguments[0]
+            number = self._arguments.get(value, self.values[value])
+            if number.code == "number":
+                return number.operands[0]
+        typed = self._made(operation)
+        for position, value in enumerate(operation.arguments):
+            if self.values[value].code in self._notation.rounding:
+                if self.values[value] in typed.operands:
+                    self.atom(value)
+                continue
+            wanted = typed.operands[0].code if typed.code in ("real", "number") else typed.code
+            if not self._fits(wanted, position, self.values[value]):
+                self.atom(value)
+        return self._narrowed(operation)
+
+    def _made(self, operation: Operation) -> Expression:
+        """Return an operation over the expressions of its arguments, in their own type."""
+        operands = tuple(self.values[value] for value in operation.arguments)
+        if self._notation.has_types:
+            bounds = [self._ranges.get(value) for value in operation.arguments]
+            found = self._ranges.get(operation.target)
+            typed = in_own_type(operation.code, operands, bounds, found, self._integers)
+            if typed is not None:
+                return typed
+        return simplified(Expression(operation.code, operands))
+
+    def _fits(self, code: str, position: int, operand: Expression) -> bool:
+        """Whether the language can write an operand in that place."""
+        if operand.is_atom:
+            return True
+        if code in self._notation.repeating:
+            return False
+        if not self._notation.writes(operand):
+            branch = code == "select" and position > 0 and code in self._notation.statements
+            return branch and operand.code == "select" and _depth(operand) < _DEPTH
+        return True
+
+    def _narrowed(self, operation: Operation) -> Expression:
+        """Return the operation, with the widest operands given variables while it is too wide."""
+        arguments = operation.arguments
+        while True:
+            expression = self._made(operation)
+            if self._width(expression) <= self._notation.width:
+                return expression
+            folded = [value for value in arguments if not self.values[value].is_atom]
+            if not folded:
+                return expression
+            self.atom(max(folded, key=lambda value: self._width(self.values[value])))
+
+    def _width(self, expression: Expression) -> int:
+        if not self._notation.writes(expression):
+            return max(self._width(operand) for operand in expression.operands)
+        return len(render(expression, self._notation))
+
+
+def _depth(expression: Expression) -> int:
+    if expression.code != "select":
+        return 0
+    return 1 + max(_depth(operand) for operand in expression.operands[1:])

@@ -1,0 +1,299 @@
+"""The statements of a function block, over the variables that it declares."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Sequence
+
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.printing.expressions import Expression, flag, integer, variable
+from clepsydra.deploy.printing.folding import list_block
+from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.deploy.printing.listing import Assignment, Branch, CountedLoop, ListingStatement
+from clepsydra.deploy.printing.renaming import renamed, renamed_expression, touched
+from clepsydra.deploy.printing.whole_numbers import whole_ranges
+from clepsydra.deploy.structured_text.statements import advance, of_kind, ring_place, statements
+from clepsydra.deploy.structured_text.wording import Wording
+from clepsydra.program.entries import Entry, is_ring, signal_of
+from clepsydra.program.owned_state import owned_by_calls
+from clepsydra.program.program import Operation, Program
+
+
+class Body:
+    """The statements of a program.
+
+    Parameters
+    ----------
+    program : Program
+        In its precision, and with calls that own their state.
+    wording : Wording
+    names : Identifiers
+        The scope of the block, with all that its interface declares.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> from clepsydra.program.program import Block
+    >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
+    >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
+    >>> names = Identifiers(["x", "y"], ignore_case=True)
+    >>> Body(program, Wording(dialect_of("codesys"), "double", names), names).lines()
+    ['y := x + x;']
+    """
+
+    def __init__(self, program: Program, wording: Wording, names: Identifiers) -> None:
+        self._program, self._wording, self._names = program, wording, names
+        owned = owned_by_calls(program)
+        self._held = [entry for k, entry in enumerate(program.state) if k not in owned]
+        entries = (*program.state, *program.inputs, *program.parameters)
+        ranges = whole_ranges(program, wording.precision)
+        made = {each.target for each in program.block.statements if isinstance(each, Operation)}
+        # What is whole may have a variable of another type than a number.
+        labels, preferred = self._labels(made.intersection(ranges))
+        listing = list_block(
+            program.block,
+            [self._argument(entry) for entry in entries],
+            wording.notation,
+            names,
+            labels=labels,
+            preferred=preferred,
+            read=self._read,
+            ranges=ranges,
+        )
+        #: Tables of the loops by name.
+        self.tables = listing.tables
+        held = {signal_of(entry).identifier for entry in self._held}
+        self._statements = _together([*map(_begun, listing.statements)], held)
+        count = len(program.state)
+        following = [each for k, each in enumerate(listing.results[:count]) if k not in owned]
+        self._next = [
+            self._plain(signal_of(entry), result)
+            for entry, result in zip(self._held, self._kept(following), strict=True)
+        ]
+        self._outputs = [
+            self._plain(output, result)
+            for output, result in zip(program.outputs, listing.results[count:], strict=True)
+        ]
+        self._in_place()
+
+    def temporaries(self) -> dict[str, str]:
+        """Return name and type of the variables that are no part of the interface."""
+        program, real = self._program, self._wording.real
+        declared = (*program.outputs, *map(signal_of, program.state))
+        known = {signal.identifier for signal in declared}
+        found = dict(_declared(self._statements, real))
+        return {name: kind for name, kind in found.items() if name not in known}
+
+    def lines(self) -> list[str]:
+        """Return the lines of the statements, each statement on one line however long."""
+        wording, comment = self._wording, self._wording.dialect.commented
+        lines = statements(self._statements, wording)
+        shown = [
+            Assignment(output.identifier, result)
+            for output, result in zip(self._program.outputs, self._outputs, strict=True)
+            if result.text != output.identifier
+        ]
+        if shown:
+            lines += [comment("outputs"), *statements(shown, wording)]
+        stores: list[Assignment] = []
+        rings: list[str] = []
+        for entry, result in zip(self._held, self._next, strict=True):
+            name = signal_of(entry).identifier
+            if is_ring(entry):
+                place = ring_place(name)
+                rings += statements([Assignment(place, result)], wording)
+                rings += advance(name, entry.length)
+            elif result.text != name:
+                stores.append(Assignment(name, result))
+        stored = [*statements(stores, wording), *rings]
+        return [*lines, *([comment("next state")] if stored else []), *stored]
+
+    def _argument(self, entry: Entry) -> Expression:
+        signal = signal_of(entry)
+        return self._read(signal, ring_place(signal.identifier, is_ring(entry)))
+
+    def _read(self, signal: Signal, name: str) -> Expression:
+        """Return what reads a variable that is declared with the type of a signal."""
+        if signal.kind == "boolean":
+            return Expression("number", (flag(name),))
+        return integer(name) if signal.kind == "integer" else variable(name)
+
+    def _labels(self, whole: Container[int]) -> tuple[dict[int, str], dict[int, str]]:
+        """Return the names of values that have one: the law's own, outputs, next states."""
+        program, used = self._program, self._program.block.uses()
+        first = program.block.arguments
+        instances = {call.instance for call in program.calls}
+        labels = self._begun()
+        preferred: dict[int, str] = {}
+        for output, value in zip(program.outputs, program.output_values, strict=True):
+            # An output variable may be read back: the value needs no other name.
+            unnamed = program.names.get(value, output.name) == output.name
+            if output.kind == "real" and value >= first and unnamed and value not in whole:
+                labels.setdefault(value, output.identifier)
+        results = dict(zip(program.output_values, program.outputs, strict=True))
+        for value, name in program.names.items():
+            own = value in results and results[value].name == name
+            if value >= first and value in used and value not in labels and not own:
+                labels[value] = self._names.new(f"{name}_value" if name in instances else name)
+        for entry, value in zip(program.state, program.next_state, strict=True):
+            if value not in labels and value not in results:
+                preferred[value] = f"next_{signal_of(entry).identifier}"
+        return labels, preferred
+
+    def _begun(self) -> dict[int, str]:
+        """Return the values that a state is set to where it begins anew, before it is read."""
+        program, uses = self._program, self._program.block.uses()
+        entries = (*program.state, *program.inputs, *program.parameters)
+        constants = {
+            each.target
+            for each in program.block.statements
+            if isinstance(each, Operation) and each.code == "constant"
+        }
+        held = {
+            value: signal_of(entry)
+            for value, entry in enumerate(program.state)
+            if entry in self._held and not is_ring(entry)
+        }
+        labels: dict[int, str] = {}
+        truths: dict[int, int] = {}
+        negated: set[int] = set()
+        for each in program.block.statements:
+            if not isinstance(each, Operation):
+                continue
+            if each.code == "truth" and uses[each.arguments[0]] == 1:
+                truths[each.target] = each.arguments[0]
+            if each.code == "not":
+                negated.add(each.target)
+            if each.code == "and" and negated.intersection(each.arguments):
+                for value in each.arguments:
+                    if uses[value] == 1 and truths.get(value) in held:
+                        labels[each.target] = held[truths[value]].identifier
+            if each.code != "select":
+                continue
+            _, start, before = each.arguments
+            signal = held.get(before)
+            if signal is None or uses[before] != 1:
+                continue
+            given = start in constants or (
+                start < len(entries) and signal_of(entries[start]).kind == signal.kind
+            )
+            if given or signal.kind == "real":
+                labels[each.target] = signal.identifier
+                held[each.target] = signal
+        return labels
+
+    def _kept(self, results: Sequence[Expression]) -> list[Expression]:
+        """Give the next values variables where a state that they read is overwritten before."""
+        kept = []
+        overwritten: set[str] = set()
+        for entry, result in zip(self._held, results, strict=True):
+            signal = signal_of(entry)
+            if overwritten & touched(Assignment("", result)):
+                result = self._variable(f"next_{signal.identifier}", signal, result)
+            kept.append(result)
+            overwritten.add(ring_place(signal.identifier, is_ring(entry)))
+        return kept
+
+    def _plain(self, signal: Signal, result: Expression) -> Expression:
+        """Return a result in the type of its signal."""
+        found = of_kind(signal.kind, result)
+        if found.code in ("rounded", "truth") and not self._wording.notation.writes(result):
+            name = self._names.new(f"{signal.identifier}_number")
+            self._statements.append(Assignment(name, result))
+            return of_kind(signal.kind, variable(name))
+        return found
+
+    def _variable(self, wanted: str, signal: Signal, result: Expression) -> Expression:
+        name = self._names.new(wanted)
+        self._statements.append(Assignment(name, self._plain(signal, result)))
+        return self._read(signal, name)
+
+    def _in_place(self) -> None:
+        """Compute outputs and next states where they stand, instead of in variables before."""
+        for k, output in enumerate(self._program.outputs):
+            self._rename(self._outputs[k], output.identifier)
+        for k, entry in enumerate(self._held):
+            if not is_ring(entry):
+                self._rename(self._next[k], signal_of(entry).identifier)
+
+    def _rename(self, result: Expression, name: str) -> None:
+        """Let a variable that is only computed for a result be the result's own."""
+        local = result.text
+        places = [
+            k
+            for k, each in enumerate(self._statements)
+            if isinstance(each, Assignment) and each.name == local
+        ]
+        if len(places) != 1 or local == name or local not in self.temporaries():
+            return
+        (first,) = places
+        later = [
+            *self._statements[first + 1 :],
+            *(Assignment("", each) for each in (*self._outputs, *self._next)),
+        ]
+        if any(name in touched(each) for each in later):
+            return
+        names = {local: name}
+        self._statements = [
+            *self._statements[:first],
+            *(renamed(each, names) for each in self._statements[first:]),
+        ]
+        self._outputs = [renamed_expression(each, names) for each in self._outputs]
+        self._next = [renamed_expression(each, names) for each in self._next]
+
+
+def _begun(statement: ListingStatement) -> ListingStatement:
+    """Return ``x := x AND NOT c`` as what sets x to FALSE where c holds."""
+    if not isinstance(statement, Assignment) or statement.expression.code != "and":
+        return statement
+    kept = flag(statement.name)
+    others = [each for each in statement.expression.operands if each != kept]
+    if len(others) != 1 or others[0].code != "not":
+        return statement
+    chosen = Expression("select", (others[0].operands[0], flag("FALSE"), kept))
+    return Assignment(statement.name, chosen)
+
+
+def _together(
+    statements: Sequence[ListingStatement], held: Container[str]
+) -> list[ListingStatement]:
+    """Return statements with those beside each other that let states begin anew alike.
+
+    Such a statement comes earlier where nothing before it has touched its state.
+    """
+    found: list[ListingStatement] = []
+    for each in statements:
+        place = len(found)
+        begins = _beginning(each, held)
+        if isinstance(each, Assignment) and begins is not None:
+            places = [k for k, other in enumerate(found) if _beginning(other, held) == begins]
+            early = places[-1] + 1 if places else place
+            place = place if any(each.name in touched(s) for s in found[early:]) else early
+        found.insert(place, each)
+    return found
+
+
+def _beginning(statement: ListingStatement, held: Container[str]) -> Expression | None:
+    """Return the condition under which a statement sets a state to a constant."""
+    if not isinstance(statement, Assignment) or statement.expression.code != "select":
+        return None
+    condition, start, kept = statement.expression.operands
+    constant = start.code in ("constant", "whole") or start.text in ("TRUE", "FALSE")
+    kept_alike = kept.text == statement.name and statement.name in held
+    return condition if constant and kept_alike else None
+
+
+def _declared(statements: Sequence[ListingStatement], real: str) -> list[tuple[str, str]]:
+    """Return name and type of every variable that statements assign, in order."""
+    found: list[tuple[str, str]] = []
+    for entry in statements:
+        if isinstance(entry, Assignment):
+            expression = entry.expression
+            kind = "BOOL" if expression.is_truth else "DINT" if expression.is_whole else real
+            found.append((entry.name, kind))
+            continue
+        if isinstance(entry, CountedLoop):
+            found.append((entry.index, "DINT"))
+            found += [(turn.oldest, real) for turn in entry.rings if turn.oldest]
+        if isinstance(entry, (CountedLoop, Branch)):
+            found += _declared(entry.start, real) + _declared(entry.body, real)
+    return found

@@ -1,0 +1,115 @@
+"""A program with calls as function blocks: one for each block, and the one that wires them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.printing.called_blocks import called_blocks
+from clepsydra.deploy.printing.heading import check_printable, heading
+from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.deploy.printing.origin import Origin
+from clepsydra.deploy.printing.precision import Precision, in_precision
+from clepsydra.deploy.printing.whole_numbers import check_whole_results
+from clepsydra.deploy.structured_text.block_names import with_block_names
+from clepsydra.deploy.structured_text.dialect import Dialect
+from clepsydra.deploy.structured_text.function_block import function_block
+from clepsydra.deploy.structured_text.interface import block_type
+from clepsydra.deploy.structured_text.pou import Unit
+from clepsydra.program.builder import BlockBuilder
+from clepsydra.program.entries import signal_of
+from clepsydra.program.inlined import append, renamed
+from clepsydra.program.owned_state import RESTART, with_owned_state
+from clepsydra.program.program import Call, Program
+
+_NUMBERS = {
+    "double": "LREAL must be the IEEE 754 double, without fused multiply-add: then it equals the",
+    "single": "REAL must be the IEEE 754 single, without fused multiply-add: then it equals the",
+}
+_NOTES = (
+    "simulation in that precision. Call it once in every sampling period. Parameters are inputs",
+    "with defaults.",
+)
+_BEGUN = "begun"
+
+
+def function_blocks(
+    program: Program, dialect: Dialect, precision: Precision, origin: Origin | None = None
+) -> tuple[Unit, ...]:
+    """Return a step program as function blocks: first the blocks that it calls, itself last.
+
+    The state of a call lives in its instance where nothing else reads it. Its start values are
+    inputs: the program's own block has a retained state that says whether it has run.
+
+    Raises
+    ------
+    InputError
+        See `clepsydra.deploy.structured_text.printer.print_structured_text`.
+    ValueError
+        Two blocks of one name compute something else.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> from clepsydra.program.program import Block, Operation
+    >>> add = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
+    >>> total = Program("flow_total", (Signal("sum"),), (Signal("u"),), (), (Signal("y"),), add)
+    >>> calls = Block(2, (Call((2, 3), total, "feed", (0, 1)),), (2, 3))
+    >>> law = Program("law", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), calls)
+    >>> units = function_blocks(law, dialect_of("codesys"), "double")
+    >>> [unit.name for unit in units], units[-1].body[0]
+    (['FB_FlowTotal', 'law'], 'feed(u := u, restart := NOT begun, start_sum := 0.0);')
+    """
+    check_printable(program)
+    program = in_precision(program, precision)
+    owned = with_owned_state(program)
+    check_whole_results(owned, precision)
+    main = with_block_names(_beginning(owned), dialect.all_words)
+    library = []
+    for block in called_blocks(main):
+        name = block_type(block)
+        head = (f"{name}:", *block.description)
+        library.append(function_block(replace(block, name=name), dialect, precision, head))
+    notes = (_NUMBERS[precision], *_NOTES)
+    if origin is not None:
+        # What tells the first scan from the others comes from no design.
+        origin = replace(origin, sources={_BEGUN: "", **origin.sources})
+    about = heading(program, "IEC 61131-3 Structured Text", notes, origin)
+    return (*library, function_block(main, dialect, precision, about, origin))
+
+
+def _beginning(program: Program) -> Program:
+    """Return a program whose instances begin anew in its first scan."""
+    block, states = program.block, len(program.state)
+    ports = {signal.name for call in program.calls for signal in call.program.inputs}
+    if RESTART not in ports:
+        return program
+    entries = (*program.state, *program.inputs, *program.parameters, *program.outputs)
+    taken = [
+        *(signal_of(entry).identifier for entry in entries),
+        *(c.instance for c in program.calls),
+    ]
+    begun = Signal(
+        Identifiers(taken, ignore_case=True).new(_BEGUN), kind="boolean",
+        description="has run; else its blocks begin with their start values",
+    )  # fmt: skip
+    builder = BlockBuilder(block.arguments + 1)
+
+    def called(builder: BlockBuilder, call: Call, place: Mapping[int, int]) -> Sequence[int]:
+        given = [place[value] for value in call.arguments]
+        for k, signal in enumerate(call.program.inputs, len(call.program.state)):
+            if signal.name == RESTART:
+                first = builder.operation("not", states)
+                given[k] = builder.operation("or", first, given[k])
+        return builder.call(call.program, call.instance, given)
+
+    given = [*range(states), *range(states + 1, block.arguments + 1)]
+    values, place = append(builder, block, given, called)
+    results = [*values[:states], builder.constant(1.0), *values[states:]]
+    return replace(
+        program,
+        state=(*program.state, begun),
+        block=builder.finish(results),
+        names=renamed(program, place),
+    )

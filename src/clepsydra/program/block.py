@@ -1,0 +1,141 @@
+"""Blocks: the parts of a law, each written once and kept whole in what is printed from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+from clepsydra.base.signal import Signal
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.step_law import Equations, Symbols
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A part of a law: typed ports, a state, and one pure function over expressions.
+
+    Called, it returns the expressions of its results. While a law is read to be printed
+    (`keeping_calls`), the call stays one: the printers write the block once and call it.
+
+    Parameters
+    ----------
+    name : str
+        An identifier; blocks of one name compute the same.
+    inputs, outputs : tuple of Signal
+    state : tuple of Signal or DelayRing
+    equations : callable
+        Takes a mapping from the names of state and inputs to expressions and returns the
+        `Equations`.
+    description : tuple of str
+        What it does, a line each, for its reader.
+
+    Examples
+    --------
+    >>> total = Block(
+    ...     "total", (Signal("flow"),), (Signal("volume"),), (Signal("reading"),),
+    ...     lambda s: Equations({"sum": s["sum"] + s["flow"]}, {"reading": s["sum"]}),
+    ... )
+    """
+
+    name: str
+    inputs: tuple[Signal, ...]
+    state: tuple[Signal | DelayRing, ...]
+    outputs: tuple[Signal, ...]
+    equations: Callable[[Symbols], Equations]
+    description: tuple[str, ...] = field(default=())
+
+    def __call__(self, instance: str, inputs: Symbols, state: Symbols) -> Equations:
+        """Return the results of one instance.
+
+        Parameters
+        ----------
+        instance : str
+            What it is called where it stands.
+        inputs, state : mapping
+            Name of the block's input or state to an expression.
+        """
+        calls = _calls.get()
+        if calls is not None:
+            return calls.kept(KeptCall(self, instance), inputs, state)
+        return self.equations({**inputs, **state})
+
+
+@dataclass(frozen=True, eq=False)
+class KeptCall:
+    """A call that an expression still holds: of which block, and which instance."""
+
+    block: Block
+    instance: str
+
+
+class Calls:
+    """The calls that were kept while a law was read, by the name of the function in its place."""
+
+    def __init__(self) -> None:
+        self._by_name: dict[str, KeptCall] = {}
+
+    def kept(self, call: KeptCall, inputs: Symbols, state: Symbols) -> Equations:
+        """Return the results of a call as expressions that only name it."""
+        block = call.block
+        given = [state[entry.name] for entry in block.state]
+        given += [inputs[signal.name] for signal in block.inputs]
+        following = [entry.name for entry in block.state]
+        results = [signal.name for signal in block.outputs]
+        name = f"{_PREFIX}{len(self._by_name)}"
+        self._by_name[name] = call
+        # Only its shape is read: what it computes stands in the block.
+        arguments = ca.SX.sym("given", len(given))
+        shape = ca.SX.zeros(len(following) + len(results)) + ca.sum1(arguments)
+        function = ca.Function(name, [arguments], [shape], {"never_inline": True})
+        values = ca.vertsplit(function(ca.vertcat(*given)))
+        return Equations(
+            dict(zip(following, values, strict=False)),
+            dict(zip(results, values[len(following) :], strict=True)),
+        )
+
+    def get(self, name: str) -> KeptCall | None:
+        """Return the call that a function of this name stands for."""
+        return self._by_name.get(name)
+
+
+_PREFIX = "kept_call_"
+_calls: ContextVar[Calls | None] = ContextVar("calls", default=None)
+
+
+@contextmanager
+def keeping_calls() -> Iterator[None]:
+    """Let every call of a block stay a call in the expressions that are made inside.
+
+    Examples
+    --------
+    >>> double = Block("double", (Signal("a"),), (), (Signal("b"),),
+    ...                lambda s: Equations({}, {"b": 2 * s["a"]}))
+    >>> a = ca.SX.sym("a")
+    >>> double("twice", {"a": a}, {}).outputs["b"]
+    SX((2.*a))
+    >>> with keeping_calls():
+    ...     found = ca.Function("law", [a], [double("twice", {"a": a}, {}).outputs["b"]])
+    >>> [found.instruction_id(k) for k in range(found.n_instructions())].count(ca.OP_CALL)
+    1
+    """
+    token = _calls.set(Calls())
+    try:
+        yield
+    finally:
+        _calls.reset(token)
+
+
+def kept_call(function: ca.Function) -> KeptCall | None:
+    """Return the call that a function stands for, or None for any other function.
+
+    Examples
+    --------
+    >>> kept_call(ca.Function("law", [], [])) is None
+    True
+    """
+    calls = _calls.get()
+    return calls.get(function.name()) if calls is not None else None

@@ -1,0 +1,125 @@
+"""Structured Text of a law of blocks: a function block each, printed once, with the same bits."""
+
+import numpy as np
+import pytest
+from law_of_blocks import FILTER, law_of_blocks
+from plants import plant
+
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.plcopen.printer import print_plcopen
+from clepsydra.deploy.process_program import process_program
+from clepsydra.deploy.proof.interpreted_text import InterpretedText
+from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
+from clepsydra.deploy.structured_text.printer import print_structured_text
+from clepsydra.deploy.structured_text.project import print_test_project
+from clepsydra.engine.kernel import Kernel
+from clepsydra.program.block import Block
+from clepsydra.program.reader import program_of, structured_program_of
+from clepsydra.program.step_law import Equations, step_law
+
+SCANS = 400
+
+
+def scans():
+    random = np.random.default_rng(3)
+    return {
+        "u": random.normal(1.0, 1.0, SCANS),
+        "cold": (random.random(SCANS) < 0.05) * 1.0,
+        "most": random.integers(0, 9, SCANS) * 1.0,
+    }
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+@pytest.mark.parametrize("dialect", DIALECT_NAMES)
+def test_function_blocks_compute_the_bits_of_the_flat_block(dialect, precision):
+    law, inputs = law_of_blocks(), scans()
+    found = InterpretedText(structured_program_of(law), precision, dialect).run(inputs)
+    flat = InterpretedText(program_of(law), precision, dialect).run(inputs)
+    assert np.ptp(found[:, 0]) > 1.0 and set(found[:, 1]) == {0.0, 1.0}
+    np.testing.assert_array_equal(found, flat)
+
+
+def test_function_blocks_compute_the_bits_of_the_kernel():
+    law, inputs = law_of_blocks(), scans()
+    found = InterpretedText(structured_program_of(law)).run(inputs)
+    run = Kernel(program_of(law)).run(SCANS, inputs=inputs)
+    for column, name in enumerate(("y", "high")):
+        np.testing.assert_array_equal(found[:, column], run.output(name)[0])
+
+
+@pytest.mark.parametrize("dialect", DIALECT_NAMES)
+def test_a_block_is_printed_once_before_those_that_call_it(dialect):
+    lines = print_structured_text(structured_program_of(law_of_blocks()), dialect=dialect).split(
+        "\n"
+    )
+    titles = [line.replace('"', "") for line in lines if line.startswith("FUNCTION_BLOCK")]
+    assert titles == [
+        "FUNCTION_BLOCK FB_Filter",
+        "FUNCTION_BLOCK FB_FilterPair",
+        "FUNCTION_BLOCK two_filters",
+    ]
+    assert max(map(len, lines)) <= 100
+
+
+def test_a_state_is_declared_where_it_lives():
+    *_, main = print_structured_text(structured_program_of(law_of_blocks())).split("\n\n")
+    assert "kept" not in main.partition("END_VAR\nVAR RETAIN")[2].partition("END_VAR")[0]
+
+
+def test_plcopen_has_a_pou_for_each_block():
+    text = print_plcopen(structured_program_of(law_of_blocks()))
+    assert text.count("<pou ") == 3 and '<derived name="FB_Filter" />' in text
+
+
+def test_a_test_project_carries_the_blocks():
+    program, process = (
+        structured_program_of(law_of_blocks()),
+        process_program(plant("three-tanks").point, 1),
+    )
+    text = print_test_project(program, process, {}, 1.0)
+    titles = [line for line in text.split("\n") if line.startswith(("FUNCTION_BLOCK", "PROGRAM"))]
+    assert len(titles) == 5 and titles[0] == "FUNCTION_BLOCK FB_Filter"
+
+
+def test_two_blocks_of_one_name_are_refused():
+    other = Block(
+        "filter", (Signal("x"),), (), (Signal("y"),), lambda s: Equations({}, {"y": s["x"]})
+    )
+    with pytest.raises(ValueError, match="two different blocks have the name filter"):
+        print_structured_text(structured_program_of(law_of_blocks(other)))
+
+
+def test_a_port_may_be_a_word_of_the_system():
+    """RAMP is a function block that comes with matiec."""
+    block = Block(
+        "adder", (Signal("hysteresis"),), (Signal("ramp"),), (Signal("integral"),),
+        lambda s: Equations({"ramp": s["ramp"] + s["hysteresis"]}, {"integral": s["ramp"]}),
+    )  # fmt: skip
+
+    def equations(s):
+        found = block("sum", {"hysteresis": s["u"]}, {"ramp": s["x"]})
+        return Equations({"x": found.next_state["ramp"]}, {"y": found.outputs["integral"]})
+
+    law = step_law(
+        "totals", inputs=[Signal("u")], parameters=[], state=[Signal("x", initial=2.0)],
+        outputs=[Signal("y")], equations=equations,
+    )  # fmt: skip
+    inputs = {"u": scans()["u"]}
+    found = InterpretedText(structured_program_of(law), dialect="matiec").run(inputs)
+    np.testing.assert_array_equal(found, InterpretedText(program_of(law)).run(inputs))
+
+
+def test_an_instance_may_have_the_name_of_a_signal():
+    """As in a block whose integral is computed by another block, called integral."""
+
+    def equations(s):
+        found = FILTER("total", {"x": s["u"], "share": 0.5, "most": 3.0}, s)
+        return Equations(found.next_state, {"total": found.outputs["y"]})
+
+    law = step_law(
+        "adder", inputs=[Signal("u")], parameters=[], state=FILTER.state,
+        outputs=[Signal("total")], equations=equations,
+    )  # fmt: skip
+    inputs = {"u": scans()["u"]}
+    found = InterpretedText(structured_program_of(law), dialect="scl").run(inputs)
+    np.testing.assert_array_equal(found, InterpretedText(program_of(law)).run(inputs))
