@@ -37,8 +37,7 @@ def _numbers() -> list[Row]:
             right_if=[
                 (f"F / T = {_AREA} / {_TIME} is the printed K1", coefficient == float(_K1)),
                 (
-                    f"the printed fraction 1 / {_K1} is {gain:.3f}; equation (8) and all that "
-                    "follows take the wrong value",
+                    f"the printed fraction 1 / {_K1} is {gain:.3f}",
                     abs(gain * float(_K1) - 1.0) < 1e-12 and abs(GAIN * float(_K1) - 1.0) > 0.2,
                 ),
             ],
@@ -48,8 +47,7 @@ def _numbers() -> list[Row]:
                 "section 2", "unit of K_g", "m² min", "min/m²", of_gain == {"m": 2, "min": 1},
                 "A level over an inflow, and the inverse of K1 in m²/min: min/m².",
             ),
-            "It looks as if the minus sign of m⁻² min was lost; whether in print or in conversion, "
-            "the text cannot tell.",
+            "It looks as if the minus sign of m⁻² min was lost.",
         ),
     ]  # fmt: skip
 
@@ -65,10 +63,7 @@ def _transfer_function() -> list[Row]:
     # Eight equal poles come out as a ring; its middle is exact.
     time_constant = float(-1.0 / np.mean(_poles()).real) / MINUTE
     why = "Read back from that process, linearised."
-    by_tank = (
-        f"By the printed K1 it is {1.0 / float(_K1):.3f} min/m²: the misprint, and the damaged "
-        "unit, stand in the rows of K_g in section 2."
-    )
+    by_tank = f"By the printed K1 it is {1.0 / float(_K1):.3f} min/m², see K_g in section 2."
     rows = [
         compared("(8)", "static gain", _GAIN, gain, "min/m²", why=f"{why} {by_tank}"),
         compared("(8)", "time constant of a tank", _TIME, time_constant, "min", why=why),

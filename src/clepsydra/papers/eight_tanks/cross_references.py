@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from clepsydra.papers.comparison import remark, stated
+from clepsydra.papers.comparison import stated
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.row import Row
 
@@ -56,8 +56,7 @@ def run() -> Findings:
         _row(place, words, f"Fig. {printed}", meant, "Fig. {}", FIGURES[printed], FIGURES)
         for place, words, printed, meant in _TO_FIGURES
     ]
-    rows += [_caption(), _pages()]
-    return Findings(tuple(rows))
+    return Findings((*rows, _caption()))
 
 
 def _row(
@@ -84,12 +83,4 @@ def _caption() -> Row:
         "section 6.2", "what differs in Figs. 10 to 12", "individual poles γ",
         "individual penalization factors q_u", len(poles) > 1 or len(penalties) == 1,
         "By their captions γ stays at 0.5 and q_u is 1, 5 and 100.",
-    )  # fmt: skip
-
-
-def _pages() -> Row:
-    return remark(
-        "references", "pages of [14], V. Kučera, Automatica 29, 1993", "1391-1357", "1361-1375",
-        reason="The last page cannot stand before the first. The document does not show the right "
-        "ones; the journal has a survey by that author, Diophantine equations in control, there.",
     )  # fmt: skip

@@ -6,7 +6,6 @@ from clepsydra.papers.eight_tanks import (
     chain_of_tanks,
     control_courses,
     cross_references,
-    hysteresis,
     identification,
     polynomials,
     predictor_structure,
@@ -27,7 +26,6 @@ DOCUMENT = Document(
         Experiment("predictor", "Structure of the predictor", predictor_structure.run),
         Experiment("control-courses", "The six experiments", control_courses.run),
         Experiment("robustness", "Robustness beside a plain PID", robustness.run),
-        Experiment("hysteresis", "A valve with play", hysteresis.run),
         Experiment("cross-references", "References of the text", cross_references.run),
     ),
 )

@@ -16,20 +16,18 @@ from clepsydra.designs.polynomial.two_degree_of_freedom import (
     assigned,
     two_degree_of_freedom,
 )
-from clepsydra.papers.comparison import claimed, compared_formula, damaged, remark, stated
+from clepsydra.papers.comparison import claimed, compared_formula, damaged, stated
 from clepsydra.papers.eight_tanks.six_designs import PENALTIES, POLES, SIX, printed_model
 from clepsydra.papers.experiment import Findings
 from clepsydra.papers.row import Row
 
-#: Below this q_u nothing is changed any more.
-_SMALLEST = 1e-9
 #: What the numerical roots leave of rounding.
 _ROUNDING = 1e-10
 
 
 def run() -> Findings:
     """Return the rows of section 5."""
-    return Findings((*_counts(), *_feedforward(), *_poles(), *_criterion(), *_factor()))
+    return Findings((*_counts(), *_feedforward(), *_poles(), *_factor()))
 
 
 def controller(penalty: float, poles: tuple[float, ...], *, full: bool) -> TwoDegreeOfFreedom:
@@ -58,9 +56,7 @@ def _counts() -> list[Row]:
             "(22)", "feedback parameters", "7",
             f"{counts[0]} with B(1), {counts[1]} with the full B", 7 in counts or not exact,
             f"(29) has degree {D.degree}, as A K: with B(1), as in Fig. 5, P is 1 and Q has "
-            f"{counts[0]} coefficients; with the full B P has one more beside its 1. With (28) it "
-            "is the same, with d3 = 0; P's leading 1 counted, it is one more. A 7 looks like none "
-            "of these, so that it is no letter misread.",
+            f"{counts[0]} coefficients; with the full B P has one more beside its 1.",
         ),
     ]  # fmt: skip
 
@@ -88,13 +84,7 @@ def _poles() -> list[Row]:
     z, a, b, c = symbols("z alpha beta gamma", real=True)
     real = Poly(expand((z - a) * (z - b) * (z - c)), z).all_coeffs()
     pair = Poly(expand((z - a - I * b) * (z - a + I * b) * (z - c)), z).all_coeffs()
-    slow = (0.8, 0.7, 0.9)
-    right = np.poly(slow)
-    wrong = np.roots([*right[:3], -right[3]])
-    lost = (
-        "It looks as if a minus sign was lost; whether in print or in conversion, the text cannot "
-        "tell."
-    )
+    lost = "It looks as if a minus sign was lost."
     rows = []
     for place, printed, found in (
         ("(31)", (-(a + b + c), a * b + a * c + b * c, a * b * c), real),
@@ -108,46 +98,10 @@ def _poles() -> list[Row]:
             product_of = {"(31)": "(30)", "(33)": "(32)"}[place]
             reason = f"The product {product_of}, expanded."
             if place == "(31)" and name == "d3":
-                reason = (
-                    "The product (30) ends with −αβγ, as (33) has it. For α = 0.8, β = 0.7, γ = "
-                    f"0.9 the printed sign makes an unstable polynomial, with roots of magnitude "
-                    f"{np.max(np.abs(wrong)):.2f}."
-                )
+                reason = "The product (30) ends with −αβγ, as (33) has it."
             row = compared_formula(place, name, formula, value, reason=reason)
             rows.append(damaged(row, lost))
     return rows
-
-
-def _criterion() -> list[Row]:
-    """Return what (26) amounts to when the setpoint is not zero."""
-    added = POLES[0].penalty / printed_model().static_gain ** 2
-    return [
-        remark(
-            "(26)", "the criterion that is minimised", "a sum up to infinity",
-            f"J grows by {added:.2f} in every further sample",
-            reason=(
-                "With w = 1 the inflow stays at 1/3.067, by the gain of (21), so that every sample "
-                "adds q_u u² for ever (here with q_u = 10): J is infinite. Only its factorisation "
-                "(27) is used."
-            ),
-        )
-    ]  # fmt: skip
-
-
-@cache
-def real_below() -> float:
-    """Return the q_u below which the roots of the factor of (21) are real."""
-    model = printed_model()
-
-    def is_real(penalty: float) -> bool:
-        poles = spectral_factor(tuple(model.A), tuple(model.B), penalty).poles
-        return all(abs(pole.imag) < 1e-12 for pole in poles)
-
-    low, high = _SMALLEST, 1.0
-    for _ in range(60):
-        middle = (low * high) ** 0.5
-        low, high = (middle, high) if is_real(middle) else (low, middle)
-    return low
 
 
 def _factor() -> list[Row]:
@@ -176,15 +130,8 @@ def _factor() -> list[Row]:
             _largest_error() < _ROUNDING, f"largest difference below {_ROUNDING:g}",
             reason=(
                 "d1, d2 by a quadratic equation, compared with the stable roots of the whole "
-                "polynomial of fourth degree, found numerically, for q_u from 0.01 to 1000. With "
-                "B(1), (22) then is solved by the three coefficients of Q one by one."
+                "polynomial of fourth degree, found numerically, for q_u from 0.01 to 1000."
             ),
-        ),
-        remark(
-            "(30), (31)", "two different real poles from (27)",
-            "Polynomial (29) has two different real poles α, β (computed from (27))",
-            f"complex for every q_u above {real_below():.1e}",
-            reason="None of the designs of section 6 reaches the branch with real poles.",
         ),
     ]  # fmt: skip
     return rows
