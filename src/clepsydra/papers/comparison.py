@@ -246,13 +246,13 @@ def undecided(row: Row, hangs_on: str) -> Row:
 
 
 def remark(place: str, name: str, text: str, computed: str, unit: str = "", *, reason: str) -> Row:
-    """Return a finding of ours on something that the document does not claim.
+    """Return a claim that holds in one reading of what the document leaves open, and not in all.
 
     Parameters
     ----------
     place, name : str
     text : str
-        What the document has there, or leaves open.
+        What the document has there.
     computed : str
         What we find.
     unit : str
@@ -260,7 +260,7 @@ def remark(place: str, name: str, text: str, computed: str, unit: str = "", *, r
 
     Examples
     --------
-    >>> remark("(79a)", "signed error", "IE is minimised", "Ti/Kp", reason="(81)").verdict
+    >>> remark("section 5", "speed", "is faster", "settles sooner, rises later", reason="").verdict
     'remark'
     """
     return Row(place, name, text, computed, unit, None, "remark", reason)

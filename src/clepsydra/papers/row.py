@@ -13,7 +13,8 @@ Verdict = Literal[
 COUNTED: tuple[Verdict, ...] = (
     "reproduced", "misprint", "not reproducible", "claim holds", "claim fails",
 )  # fmt: skip
-#: All: a consistent row proves nothing, damaged text is not the author's, a remark is ours.
+#: All: a consistent row proves nothing, damaged text is not the author's, a remark hangs on what
+#: the document leaves open.
 VERDICTS: tuple[Verdict, ...] = (*COUNTED, "consistent", "damaged text", "remark")
 
 

@@ -73,11 +73,6 @@ class ContinuousRun:
         start = _REST[output]
         return rise_time(self.time, self.outputs[output], start, start + STEPS[output])
 
-    def arrival(self, output: str) -> float:
-        """Return when C or V comes within 2 % of its step for the first time [s]."""
-        wanted = _REST[output] + 0.98 * STEPS[output]
-        return float(self.time[np.argmax(self.outputs[output] >= wanted)])
-
     def overshoot(self, output: str) -> float:
         """Return the overshoot of C or V [% of its step]."""
         target = _REST[output] + STEPS[output]
@@ -94,7 +89,6 @@ def continuous_run(
     constants: Constants,
     *,
     free: bool = False,
-    free_flow: bool = False,
     horizon: float = 20.0,
     longest_step: float = 1e-3,
 ) -> ContinuousRun:
@@ -105,8 +99,6 @@ def continuous_run(
     constants : Constants
     free : bool
         Whether C_in has no limits.
-    free_flow : bool
-        Whether the flow has none.
     horizon : float
         [s]
     longest_step : float
@@ -120,7 +112,7 @@ def continuous_run(
     """
     from scipy.integrate import solve_ivp
 
-    loop = _Loop(constants, free, free_flow)
+    loop = _Loop(constants, free)
     start = np.concatenate([[_REST["C"], _REST["V"]], np.zeros(8)])
     kept = np.linspace(0.0, horizon, round(horizon / _KEPT) + 1)
     found = solve_ivp(
@@ -143,8 +135,8 @@ def continuous_run(
 class _Loop:
     """States: C, V, and IE, IAE, ISE and ITAE of each."""
 
-    def __init__(self, constants: Constants, free: bool, free_flow: bool) -> None:
-        self._constants, self._free, self._free_flow = constants, free, free_flow
+    def __init__(self, constants: Constants, free: bool) -> None:
+        self._constants, self._free = constants, free
         self._sign = 1.0 if constants.constant == "outflow" else -1.0
         self._targets = [_REST[name] + STEPS[name] for name in _OUTPUTS]
 
@@ -155,7 +147,7 @@ class _Loop:
         flow = 0.2 + self._sign * given.gain_v * (self._targets[1] - x[1] + x[6] / given.time_v)
         if not self._free:
             inlet = min(max(inlet, 0.0), _INLET)
-        return flow if self._free_flow else min(max(flow, 0.0), _FLOW), inlet
+        return min(max(flow, 0.0), _FLOW), inlet
 
     def rates(self, t: float, x: np.ndarray) -> list[float]:
         """Return the slopes of the states."""

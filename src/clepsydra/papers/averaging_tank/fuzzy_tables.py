@@ -36,16 +36,14 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> list[Row]:
         stated(
             "Table 2", "names of the last two sets of eV", "AP, LP", "PS, PL",
             set(printed) <= named,
-            "Table 4 says PS and PL, as the words beside the names do: positive small and positive "
-            "large, after NL and NS for negative large and small.",
+            "Table 4 says PS and PL, as the words beside the names do: positive small and large.",
         ),
         compared(
             "Table 3", "top of LL", "8.0", edge.end,
             right_if=[
                 ("8.0 lies beyond the range 0 to 1, and LM ends at 0.8", 8.0 > flow.high == 1.0),
                 (
-                    f"with 8.0 the largest flow would be LL by {degree:.3f} only, and every other "
-                    "shoulder of Tables 2 and 3 reaches 1 within its range",
+                    "every other shoulder of Tables 2 and 3 reaches 1 within its range",
                     degree < 0.1 and _shoulders_reach_one(system),
                 ),
             ],
@@ -60,18 +58,17 @@ def tables(system: FuzzySystem, with_printed_top: FuzzySystem) -> list[Row]:
             "Table 5", "caption", "Rules of the fuzzy controller regarding V(t)", "regarding C(t)",
             upper == {"e_V", "de_V"},
             "Its rows and columns are eC and deC/dt, and section 3.3 has “for the variable C(t) "
-            "(see Tab. 5)”. The caption of Table 4 is the other way round.",
+            "(see Tab. 5)”.",
         ),
         stated(
             "Table 4", "name of the set small", "S", "S0", "S" in _TABLE_3,
-            "Table 3 has no set S, and calls the small set of f_in and f_out S0; so does section "
-            "3.3 where it names the degrees of f_in, and Table 5 has S0.",
+            "Table 3 has no set S, and calls the small set of f_in and f_out S0, as Table 5 does.",
         ),
         remark(
             "section 3.3", "union", "union—t-norm MIN",
             f"{unions} of {len(system.rules)} rules have an OR",
-            reason="The same sentence gives MIN to the intersection as well. A union is an s-norm, "
-            "as MAX; no rule needs one, so nothing printed shows which was meant.",
+            reason="A union is an s-norm, as MAX; no rule needs one, so that nothing printed shows "
+            "which was meant.",
         ),
         compared(
             "(103a)", "number of the first added rule", "25",

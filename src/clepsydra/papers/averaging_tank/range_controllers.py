@@ -35,15 +35,14 @@ _LAWS = ("PI", "LQI", "PI, scheduled", "LQI, scheduled", "LQI, recomputed")
 KINDS = tuple(f"{law}{ending}" for law in _LAWS for ending in ("", ", anti-windup"))
 #: Volumes of the schedule [m³].
 VOLUMES = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
-#: In this time the recomputed model follows the inputs, ours [s]: T = V/f_in at the equilibrium,
-#: and a tenth of it.
-FOLLOWS = {"LQI, recomputed": 10.0, "LQI, recomputed sooner": 1.0}
+#: In this time the recomputed model follows the inputs, ours [s]: T = V/f_in at the equilibrium.
+_FOLLOWS = 10.0
 _MEASURED = ("concentration", "volume")
 
 
 @cache
 def controller_of(constant: Variant, kind: str, period: float) -> Controller:
-    """Return one of `KINDS`, or of `FOLLOWS`, for a sampling period [s].
+    """Return one of `KINDS` for a sampling period [s].
 
     Examples
     --------
@@ -64,7 +63,7 @@ def controller_of(constant: Variant, kind: str, period: float) -> Controller:
         return lqi_controller(kind, model, _MEASURED, *gains_at(weights, 2.0), [1.0, 1.0], winding)
     if law == "LQI, scheduled":
         return _scheduled_lqi(weights, model, period, winding)
-    return _recomputed_lqi(weights, model, period, winding, FOLLOWS[law])
+    return _recomputed_lqi(weights, model, period, winding)
 
 
 class Bench:
@@ -195,7 +194,7 @@ def _scheduled_lqi(
 
 
 def _recomputed_lqi(
-    weights: Weights, model: LinearModel, period: float, winding: AntiWindup, follows: float
+    weights: Weights, model: LinearModel, period: float, winding: AntiWindup
 ) -> Controller:
     """Return LQI with the document's weights as largest deviations: q is 1/ȳ² and 1/(ȳ T)²."""
     equations = process_equations(model)
@@ -205,7 +204,7 @@ def _recomputed_lqi(
     moves = np.array(weights.inputs) ** -0.5 * np.array([1.0, KMOL])
     found = stationary_lqi(acting_model(model, equations), errors, moves, horizons, period)
     return recomputed_lqi_controller(
-        equations, MeasuredState(equations), None, found, follows, [1.0, 1.0], winding
+        equations, MeasuredState(equations), None, found, _FOLLOWS, [1.0, 1.0], winding
     )
 
 

@@ -1,29 +1,25 @@
-"""Which sampling period, actuators and transport delay the document's designs bear."""
+"""Which sampling period the document's designs bear."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
 from clepsydra.designs.states.state_controllers import lqi_controller
-from clepsydra.linear.analysis import analyse
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
-from clepsydra.papers.averaging_tank.continuous_pi import Constants
-from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, PRINTED_Q3, gains
+from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, gains
 from clepsydra.papers.averaging_tank.model import KMOL
 from clepsydra.papers.averaging_tank.pi import BY_HAND, OPTIMAL, pi_controller
 from clepsydra.papers.averaging_tank.step_run import model_of
 from clepsydra.papers.averaging_tank.symbols import Variant
 from clepsydra.papers.comparison import remark
 from clepsydra.papers.row import Row
-from clepsydra.process.reader import load_process
 
 #: A usual cycle of a programmable logic controller [s].
 CYCLE = 0.01
@@ -31,12 +27,10 @@ _LONGEST, _SHORTEST, _HALVINGS = 10.0, 1e-5, 16
 _VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
 _TUNINGS = ("by hand", "optimal")
 _LAWS = ("PI", "LQI")
-#: The optimal LQI with Q3 of (101a) as it is printed.
-_PRINTED = "as printed"
 
 
-def sampling_rows() -> list[Row]:
-    """Return the remarks on the sampling period, and on actuators and transport delay."""
+def sampling_row() -> Row:
+    """Return the remark on the sampling period."""
     periods = [
         f"{law} {tuned}, f_{constant[:-4]} constant: "
         f"{_milliseconds(longest_period(constant, law, tuned))} ms"
@@ -44,51 +38,15 @@ def sampling_rows() -> list[Row]:
         for law in _LAWS
         for tuned in _TUNINGS
     ]
-    peaks = []
-    for law in _LAWS:
-        controller = _controller("outflow", law, "by hand", CYCLE)
-        without = peak(controller, model_of("outflow", CYCLE))
-        renamed = tuple(
-            {"inflow.impurity": "supply.impurity"}.get(name, name)
-            for name in controller.manipulated
-        )
-        found = peak(dataclasses.replace(controller, manipulated=renamed), with_actuators())
-        peaks.append(f"{law}: {_words(found)}, {_words(without)} without them")
-    return [
-        remark(
+    return remark(
             "section 5", "sampling",
             "An average Programmable Logic Controller (PLC) would be sufficient hardware",
             "; ".join(periods),
-            reason="Longest sampling period at which the linear model under the sampled law is "
-            f"stable, inputs held and errors summed up to the one before; {1e3 * CYCLE:g} ms is a "
-            "usual cycle. LQI optimal, f_in constant, has Q3 of (101a) as 10.92, see there; as "
-            f"printed, 0.1092, it is {_milliseconds(longest_period('inflow', 'LQI', _PRINTED))} "
-            "ms. With the present error in the sum PI optimal bears "
-            f"{_milliseconds(longest_with_present_error(OPTIMAL['outflow']))} and "
-            f"{_milliseconds(longest_with_present_error(OPTIMAL['inflow']))} ms. The document says "
-            "of PID and IC what hardware they need, and no sampling period.",
-        ),
-        remark(
-            "section 5", "actuators and transport delay", "should be considered in the model",
-            "; ".join(peaks),
-            reason="A pump with a lag of 0.5 s and a pipe of 0.5 s, both ours, constants by hand "
-            f"at {1e3 * CYCLE:g} ms with f_out constant. The pipe delays flow and concentration, "
-            "as a channel does; one that is always full delays the concentration alone, and PI is "
-            "unstable with it too, LQI is not.",
-        ),
-    ]  # fmt: skip
-
-
-@cache
-def with_actuators() -> LinearModel:
-    """Return the linear model of the tank behind a pump with a lag and a pipe.
-
-    Examples
-    --------
-    >>> with_actuators().inputs
-    ('inflow', 'supply.impurity')
-    """
-    return analyse(load_process(str(Path(__file__).with_name("with_actuators.toml")))).model
+            reason="No sampling period is printed. Longest at which the linear model under the "
+            "sampled law is stable, inputs held, errors summed up to the one before, Q3 of (101a) "
+            f"as 10.92: at {1e3 * CYCLE:g} ms, a usual cycle, it holds of those by hand, and fails "
+            "of PI optimal.",
+        )  # fmt: skip
 
 
 def longest_period(constant: Variant, law: str, tuned: str) -> float:
@@ -112,33 +70,6 @@ def longest_period(constant: Variant, law: str, tuned: str) -> float:
     return math.exp(low)
 
 
-def longest_with_present_error(constants: Constants) -> float:
-    """Return up to which sampling period C is stable [s] if the integral has the present error.
-
-    C under PI control, with α = exp(-Δt/10 s) and k = (1 - α) Kp, has the characteristic
-    polynomial z² + (k (1 + Δt/Ti) - 1 - α) z + α - k. It is stable while 2 (1 + α) >
-    k (2 + Δt/Ti) and k < 1 + α; the second follows from the first.
-
-    Examples
-    --------
-    >>> round(longest_with_present_error(OPTIMAL["outflow"]), 4)
-    0.0203
-    """
-    from scipy.optimize import brentq
-
-    def room(period: float) -> float:
-        alpha = math.exp(-period / 10.0)
-        k = (1.0 - alpha) * constants.gain_c
-        return 2.0 * (1.0 + alpha) - k * (2.0 + period / constants.time_c)
-
-    return float(brentq(room, _SHORTEST, _LONGEST))
-
-
-def peak(controller: Controller, model: LinearModel) -> float:
-    """Return the largest |S| of the sampled loop; infinite where it is unstable."""
-    return SampledLoops(controller, model).at(controller.values).maximum_sensitivity
-
-
 def _is_stable(constant: Variant, law: str, tuned: str, period: float) -> bool:
     model = _sampled(model_of(constant), period)
     controller = _controller(constant, law, tuned, CYCLE)
@@ -151,10 +82,7 @@ def _controller(constant: Variant, law: str, tuned: str, period: float) -> Contr
     if law == "PI":
         constants = (BY_HAND if tuned == "by hand" else OPTIMAL)[constant]
         return pi_controller(constants, model)
-    if tuned == _PRINTED:
-        weights = PRINTED_Q3
-    else:
-        weights = COLUMNS[2 * _VARIANTS.index(constant) + _TUNINGS.index(tuned)]
+    weights = COLUMNS[2 * _VARIANTS.index(constant) + _TUNINGS.index(tuned)]
     to_input, from_output = np.array([1.0, KMOL]), np.array([KMOL, 1.0])
     scaled = gains(weights).reshape(2, 2, 2) * to_input[:, None, None] / from_output
     measured = ("concentration", "volume")
@@ -166,10 +94,6 @@ def _sampled(model: LinearModel, period: float) -> LinearModel:
     point = operating_point_of(model)
     process = dataclasses.replace(point.process, sampling_period=period)
     return dataclasses.replace(model, point=dataclasses.replace(point, process=process))
-
-
-def _words(peak: float) -> str:
-    return f"largest |S| {peak:.2f}" if math.isfinite(peak) else "unstable"
 
 
 def _milliseconds(period: float) -> str:
