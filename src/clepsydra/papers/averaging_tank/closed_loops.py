@@ -102,8 +102,7 @@ def _pairing() -> list[Row]:
                     compared(
                         section.rga, f"RGA{i + 1}{j + 1}", str(int(i != j)), float(gains[i, j]),
                         digits=6,
-                        why=f"G22 of {section.plant} is zero and G12 G21 is not, so that it is "
-                        "the same at every s.",
+                        why=f"G22 of {section.plant} is zero and G12 G21 is not.",
                     )
                 )  # fmt: skip
     return rows

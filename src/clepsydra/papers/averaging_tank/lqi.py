@@ -34,9 +34,7 @@ _ISEG = {
     "C": ("156.073", "156.200", "156.078", "156.202"),
     "V": ("24.969", "24.981", "24.972", "24.968"),
 }
-_FOLLOWING = (
-    f"Steps of {STEPS['C']:g} kmol/m³ and {STEPS['V']:g} m³, as follow from the first cells of IE."
-)
+_FOLLOWING = f"Steps of {STEPS['C']:g} kmol/m³ and {STEPS['V']:g} m³, by the first cells of IE."
 _SIMULATED = "The nonlinear tank sampled every 0.2 ms for 30 s, within the ranges of section 3.3."
 _APART = "The loops of C and V do not act on each other at C_in0 = C0."
 
@@ -179,8 +177,6 @@ def _table_7() -> list[Row]:
             else:
                 found = indices_of(column)[index, output]
                 why = f"Gains by {source} {_FOLLOWING} {_SIMULATED}"
-            if len(text.lstrip("0.")) == 1:
-                why += " The cell has one significant digit."
             row = compared(
                 "Table 7", name, text, found, why=why,
                 unprinted=f"Its last digit hangs on the solver, which is not printed. {why}",
@@ -222,7 +218,7 @@ def _squared_slopes() -> list[Row]:
             smooth = _smooth(column, output)
             is_solved_from = output == "C" and column is COLUMNS[0]
             weight = " Q3 of (101a) is taken as 10.92." if column is COLUMNS[3] else ""
-            where = "this cell" if is_solved_from else "ISEG of C, f_out constant, by hand, alone"
+            where = "this cell" if is_solved_from else "the first cell alone"
             row = compared(
                 "Table 7", f"ISEG of {output}, {column.title}", text, share + smooth,
                 tolerance=1e-4,

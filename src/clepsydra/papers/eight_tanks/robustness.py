@@ -16,15 +16,11 @@ from clepsydra.designs.sampled.sampled_loop import SampledLoops
 from clepsydra.designs.simc import design_simc
 from clepsydra.designs.smith_predictor import design_smith_predictor
 from clepsydra.papers.comparison import claimed, remark
-from clepsydra.papers.eight_tanks.polynomials import controller as primary
-from clepsydra.papers.eight_tanks.predictor_structure import closed_loop_radius
 from clepsydra.papers.eight_tanks.six_designs import (
     SIX,
     StepRun,
     chain,
     designed,
-    printed_model,
-    sampled_chain,
     stepped,
     without_limits,
 )
@@ -110,26 +106,6 @@ def _tuned_pid() -> Controller:
         robust = loops.at(with_gain(middle)).maximum_sensitivity <= _TUNED_PEAK
         low, high = (middle, high) if robust else (low, middle)
     return dataclasses.replace(plain, values=with_gain(low))
-
-
-def largest_gain(choice_penalty: float, pole: float) -> float:
-    """Return the largest gain of the chain, as a share of its own, that a design bears.
-
-    By the roots of the characteristic polynomial, without a frequency response.
-    """
-    found = primary(choice_penalty, (pole,), full=False)
-
-    def stable(factor: float) -> bool:
-        model = printed_model()
-        return closed_loop_radius(found, model, sampled_chain(3.08 * factor)) < 1.0
-
-    low, high = 1.0, 1.05
-    while stable(high) and high < _LARGEST_GAIN:
-        low, high = high, 1.05 * high
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if stable(middle) else (low, middle)
-    return low
 
 
 def run() -> Findings:

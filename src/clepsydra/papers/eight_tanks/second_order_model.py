@@ -64,8 +64,8 @@ def _coefficients() -> list[Row]:
         "chosen so that (21) comes out."
     )
     why = (
-        "Simplex search over a held continuous model of second order without zeros, with 5 min of "
-        "delay and the gain fixed at 3.08, on the step response of (8)."
+        "Simplex search on the step response of (8) over a held continuous model of second order "
+        "without zeros, 5 min of delay, gain 3.08."
     )
     rows = [
         circular(compared("(21)", name, printed, value, why=why), chosen)

@@ -56,8 +56,7 @@ def _gains() -> list[Row]:
                     f"{volts:g} V and noisy pumps; standard error {error:.3f}, of which three are "
                     "left open.",
                 ),
-                "The simulator was given the printed gains, so that this shows the method and not "
-                "the plant.",
+                "The simulator was given the printed gains.",
             )
         )  # fmt: skip
     return rows

@@ -91,7 +91,7 @@ def _table(set_up: SetUp) -> list[Row]:
                     place, f"h{tank}, calculated", printed, float(set_up.levels[tank - 1]), "cm"
                 ),
                 f"The level of Table {1 if set_up is MINIMUM else 2}, from which the hole was "
-                "found: a model that four levels determine gives these four levels back.",
+                "found.",
             )
         )  # fmt: skip
     return rows

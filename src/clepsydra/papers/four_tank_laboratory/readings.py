@@ -49,7 +49,7 @@ USUAL = READINGS[0]
 MEDIANS = f"medians of {SEEDS} runs in the simulator's percent ({USUAL})"
 #: The controllers are not printed either: a claim about the tables is judged by the tables as well,
 #: and by the gain that ours were designed with, which the simulator makes three times as large.
-PRINTED, DESIGNED = "the printed numbers", "our controllers in volts, as designed"
+PRINTED, DESIGNED = "the printed numbers", "our controllers in volts"
 
 
 def readings_of(set_up: SetUp) -> tuple[Reading, ...]:

@@ -78,8 +78,8 @@ _FIGURES = {
 _CONTROLLERS = {
     ("decentralised", MINIMUM): "PI control with",
     ("decentralised", NON_MINIMUM): "PI control with",
-    ("robust", MINIMUM): "a Glover-McFarlane controller around PI control with",
-    ("robust", NON_MINIMUM): "a Glover-McFarlane controller around a dynamic decoupling with",
+    ("robust", MINIMUM): "Glover-McFarlane around PI control with",
+    ("robust", NON_MINIMUM): "Glover-McFarlane around a dynamic decoupling with",
 }
 #: How the scores are read.
 _HOW = {
@@ -184,8 +184,8 @@ def table_rows(kind: Kind) -> list[Row]:
         of_both = ", of the tank that is farther off" if len(tanks) == 2 else ""
         words = (
             f"The controller is not printed; ours is {_CONTROLLERS[kind, set_up]} "
-            f"{_wanted(set_up)}, the margin of the course's exercise, in its simulator: in "
-            f"percent, empty tanks, {USUAL}, pours of 6.25 cm. {_HOW[score]}, median of "
+            f"{_wanted(set_up)}, as the course's exercise asks, in its simulator in percent: "
+            f"empty tanks, {USUAL}, pours of 6.25 cm. {_HOW[score]}, median of "
             f"{SEEDS} runs{of_both}."
         )
         row = compared(

@@ -155,11 +155,6 @@ class Filling:
         target = 100.0 * self.target[tank - 1]
         return settling_time(self.time, self.level(tank, lane), 0.0, target, band=0.02)
 
-    def absolute_error(self, tank: int, lane: int = 0) -> float:
-        """Return the integral of the absolute error of a lower level [cm s]."""
-        error = np.abs(100.0 * self.target[tank - 1] - self.level(tank, lane))
-        return float(np.trapezoid(error, self.time))
-
     def saturated(self, pump: int, limit: float, lane: int = 0) -> float:
         """Return how long a pump stands at one of its limits [s]."""
         voltage = self.voltage(pump, lane)

@@ -23,7 +23,7 @@ TABLE = (
     ("0.001", "0.2", "29.1", "3120.5", "-5.5", "-2.8", "4.8", "3162.3", "7.0"),
 )
 _SIZES = ("0.1", "0.01", "0.001")
-_EIGENVALUES = "Riccati equation with the exact constants of (2)."
+_EIGENVALUES = "Riccati equation with (2) in full."
 
 
 def run() -> Findings:
