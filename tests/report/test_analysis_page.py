@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -130,6 +131,18 @@ def test_one_channel_has_singular_values_alone(late):
     assert [axes.get_ylabel() for axes in directionality_figure(late).axes] == [
         "singular values [% per %]"
     ]
+
+
+def test_every_relative_gain_of_three_by_three_is_named():
+    B, levels, pumps = np.array([[5.0, 1, 2], [1, 4, 0.5], [3, 2, 6]]), "abc", "uvw"
+    model = cl.LinearModel(
+        -np.diag([0.1, 0.2, 0.3]), B, B[:, :0], np.eye(3), 0.0 * B,
+        tuple(levels), tuple(pumps), (), tuple(levels),
+    )  # fmt: skip
+    analysis = SimpleNamespace(model=model, poles=np.diag(model.A), zeros=np.zeros(0), pairing=())
+    axes = directionality_figure(analysis).axes[0]
+    words = {entry.get_text() for entry in axes.get_legend().get_texts()}
+    assert words == {f"{level} by {pump}" for level in levels for pump in pumps}
 
 
 def test_tables(late):

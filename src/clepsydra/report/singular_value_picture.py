@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 _HEIGHT = 1.5
 # A larger condition number is drawn as this.
 _LARGEST = 1e6
-_MOST_NAMED = 8
 
 
 def directionality_figure(analysis: Analysis) -> Figure:
@@ -99,5 +98,4 @@ def _draw_relative_gains(
         axes.semilogx(omegas, sizes, color=colour, linewidth=1.4, linestyle=style, label=label)
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel("|relative gain|")
-    if len(drawn) <= _MOST_NAMED:
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
