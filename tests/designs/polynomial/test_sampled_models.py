@@ -100,6 +100,12 @@ def test_what_cannot_be_reduced_is_refused(element, words):
         sampled_element(element, 1.0, method="test")
 
 
+def test_slow_lags_sampled_fast_do_not_integrate():
+    """Two of two hours at 1 s: A(1) is 2e-8, and each pole stands 1.4e-4 from 1."""
+    lags = sampled_transfer([3.0], [7200.0**2, 14400.0, 1.0], delay=0.0, period=1.0)
+    assert lags.static_gain == pytest.approx(3.0, rel=1e-4)
+
+
 def test_responses_and_roots():
     model = SampledModel((0.2, 0.1), (-1.5, 0.6), 2, 0.5)
     u = np.random.default_rng(0).normal(size=(3, 40))

@@ -109,7 +109,7 @@ class SampledModel:
     @property
     def is_integrating(self) -> bool:
         """Whether a pole stands at 1."""
-        return bool(abs(math.fsum(self.A)) <= ON_THE_CIRCLE * np.sum(np.abs(self.A)))
+        return bool(np.any(np.abs(self.poles - 1.0) <= ON_THE_CIRCLE))
 
     @property
     def is_stable(self) -> bool:
