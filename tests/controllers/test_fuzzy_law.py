@@ -73,6 +73,12 @@ def centroid(system, number, value):
                            system.points_of(output))  # fmt: skip
 
 
+def test_the_gain_of_an_increment_is_one_to_a_rate():
+    _, law = two_outputs()
+    units = {parameter.name: parameter.unit for parameter in law.parameters}
+    assert (units["output_gain_1"], units["output_gain_2"]) == ("V", "%/s")
+
+
 def test_position_and_increment(scanned):
     rig = scanned()
     found = rig.scan(**GOOD | {"setpoint_1": 1.2, "measurement_1": 0.2, "measurement_2": 2.0})

@@ -10,11 +10,12 @@ from refusals import refused
 
 import clepsydra as cl
 from clepsydra import NotApplicable, PidForm
+from clepsydra.controllers.process_equations import process_equations
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.extended_kalman import design_lqi_extended_kalman
 from clepsydra.designs.gain_scheduling import design_gain_scheduled_lqi, design_gain_scheduled_pid
 from clepsydra.designs.operating_plan import model_at
-from clepsydra.designs.recomputed_lqi import design_recomputed_lqi
+from clepsydra.designs.recomputed_lqi import change_over_ranges, design_recomputed_lqi
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.designs.states.measured_states import with_outputs
 
@@ -120,6 +121,14 @@ def test_a_scheduled_pi_has_the_time_constant_asked_at_every_volume():
     loop = controller.setpoints.index("concentration") + 1
     gains = [controller.values[f"proportional_gain_{loop}_at_{k}"] for k in (1, 2, 3, 4)]
     assert np.array(gains) / gains[2] == pytest.approx(np.array([0.25, 0.5, 1.0, 2.0]), rel=1e-6)
+
+
+def test_the_linear_model_of_a_slow_process_changes_by_the_same_share():
+    """The areas of all tanks divide all of dx/dt."""
+    tanks = cl.load("three-tanks")
+    lakes = tanks.with_values({f"tank_{k}.area": "15400 m^2" for k in (1, 2, 3)})
+    shares = [change_over_ranges(process_equations(each.linear)) for each in (tanks, lakes)]
+    assert shares[1] == pytest.approx(shares[0], rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["averaging-tank", "three-tanks", "quadruple-tank"])

@@ -159,6 +159,9 @@ def test_a_still_measurement_with_noise_spoils_no_verdict(plant, four_tanks):
     still = fit.outputs[2]
     assert still.signal.name == "level_3" and still.validated < 10.0 and still.is_still
     assert fit.verdict.startswith("With these parameters quadruple-tank explains 9")
+    for count in (1, 2):
+        told = replace(fit, outputs=fit.outputs[:count]).verdict
+        assert ("the worst of its measurements" in told) == (count == 2)
 
 
 REFUSED = {

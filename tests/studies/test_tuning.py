@@ -142,6 +142,13 @@ def test_a_bound_that_binds_is_named(model):
     assert "volume.gain = 36 %/%" in found.controller.design
 
 
+def test_each_loop_is_named_by_its_own_measurement():
+    tanks = analyse(load_process("quadruple-tank"))
+    words = ParameterWords(design_simc(tanks.model, tanks.pairing), tanks.operating_point.process)
+    names = [words.name(f"proportional_gain_{loop}") for loop in (1, 2)]
+    assert names == ["level_1.gain", "level_2.gain"]
+
+
 def test_a_negative_gain_is_named_without_its_sign():
     """The bound nearest to zero is the least gain, though it is the high one of the law."""
     basin = analyse(load_process("equalisation-tank"))

@@ -11,7 +11,7 @@ from clepsydra.deploy.proof.words import notes, result_sentence
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Block, Operation, Program
 
-U, Y = Signal("u", low=0.0, high=1.0), Signal("y", low=0.0, high=1.0)
+U, Y = Signal("u", low=0.0, high=0.1), Signal("y", low=0.0, high=0.1)
 
 
 #: All but C.
@@ -61,10 +61,10 @@ def screen_text(found) -> str:
 
 def test_a_law_that_is_unstable_by_itself_is_compared_in_single_scans(monkeypatch):
     """x⁺ = 2.1 x + u - 0.9 w, with w the x of two scans ago, begun anew where u is small."""
-    x, ring = Signal("x", low=0.0, high=1.0), DelayRing(Signal("w", low=0.0, high=1.0), 2)
+    x, ring = Signal("x", low=0.0, high=0.1), DelayRing(Signal("w", low=0.0, high=0.1), 2)
     block = Block(
         3,
-        (constant(3, 2.1), constant(4, 0.9), constant(5, 0.02), constant(6, 0.0),
+        (constant(3, 2.1), constant(4, 0.9), constant(5, 0.002), constant(6, 0.0),
          Operation(7, "multiply", (0, 3)), Operation(8, "add", (7, 2)),
          Operation(9, "multiply", (1, 4)), Operation(10, "subtract", (8, 9)),
          Operation(11, "less", (2, 5)), Operation(12, "select", (11, 6, 10))),

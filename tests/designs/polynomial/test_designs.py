@@ -19,7 +19,7 @@ from clepsydra.process.reader import load_process
 PAIR = (("level", "pump"),)
 
 
-# A tank of 5 m² that stands at 5 m, where as much flows out as in. Its outlet may let more out or
+# A tank that stands at 5 m, where as much flows out as in. Its outlet may let more out or
 # less the higher it stands, so that it settles, integrates or runs away.
 TANK = """
 name = "tank"
@@ -29,7 +29,7 @@ manipulated = ["pump"]
 elements = "elements.py"
 [reservoirs.basin]
 [tanks.tank_1]
-area = "5 m^2"
+area = "AREA m^2"
 height = "20 m"
 [lines.outlet]
 source = "tank_1"
@@ -89,15 +89,15 @@ class Follower(Element):
 
 @pytest.fixture(scope="module")
 def late_tank(tmp_path_factory):
-    """Return the linear model of the tank with a pole [1/s] and a dead time of its input [s]."""
+    """Return the linear model of the tank: pole [1/s], dead time of its input [s], area [m²]."""
     folder = tmp_path_factory.mktemp("tank")
     (folder / "elements.py").write_text(ELEMENTS)
 
     @functools.cache
-    def model(pole, delay, twice=False):
-        text = TANK.replace("SLOPE", str(-5.0 * pole)).replace("DELAY", str(delay))
-        text = text.replace("SHOWN", "tank_2" if twice else "tank_1")
-        path = folder / f"tank_{pole}_{delay}_{twice}.toml"
+    def model(pole, delay, twice=False, area=5.0):
+        text = TANK.replace("SLOPE", str(-area * pole)).replace("DELAY", str(delay))
+        text = text.replace("SHOWN", "tank_2" if twice else "tank_1").replace("AREA", str(area))
+        path = folder / f"tank_{pole}_{delay}_{twice}_{area}.toml"
         path.write_text(text + SECOND if twice else text)
         return cl.load(path).linear
 
@@ -165,6 +165,13 @@ def test_predictors_are_robust_by_default(late_tank, primary, pole):
     controller = design_smith_predictor(model, PAIR, primary=primary)
     assert sampled_loop(controller, model).maximum_sensitivity <= 2.0 + 1e-9
     assert ("error_feedback_1" in controller.values) == (pole == 0.0)
+
+
+def test_a_pi_predictor_moves_its_input_over_its_room_at_a_tenth_of_the_range(late_tank):
+    """5 m³/s for 1 m: the tank is so large that faster control would ask for more."""
+    model = late_tank(-0.01, 2.0, area=50.0)
+    controller = design_smith_predictor(model, PAIR, primary="PI")
+    assert controller.values["setpoint_gain_1_1"] == pytest.approx(5.0)
 
 
 @pytest.mark.thorough

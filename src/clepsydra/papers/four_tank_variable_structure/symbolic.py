@@ -27,8 +27,8 @@ def to_sympy(expression: ca.SX, names: Mapping[str, Any]) -> list[Expr]:
     --------
     >>> import sympy
     >>> x = ca.SX.sym("x")
-    >>> to_sympy(ca.sqrt(ca.fmax(x, 0.001)) + 2 * x, {"x": sympy.Symbol("h")})
-    [sqrt(h) + 2*h]
+    >>> to_sympy(ca.sqrt(ca.fmax(x, 0.001)) + 2 * x**2, {"x": sympy.Symbol("h")})
+    [sqrt(h) + 2*h**2]
     """
     import sympy
 
