@@ -52,6 +52,9 @@ def verify(
     sensor_delay: SensorDelayOption = None,
     setpoint_rate: SetpointRateOption = None,
     rate_limit: RateLimitOption = None,
+    show_all: Annotated[
+        bool, typer.Option("--all", help="Also print the table of every target and its notes.")
+    ] = False,
     as_json: JsonOption = False,
     folder: Annotated[
         Path,
@@ -109,7 +112,7 @@ def verify(
     if as_json:
         print_json(proof.as_dict())
     else:
-        show(proof)
+        show(proof.details() if show_all else proof)
     if proof.interrupted:
         raise typer.Exit(130)
     if not proof.holds:

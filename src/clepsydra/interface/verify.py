@@ -26,10 +26,16 @@ class Proof(Shown, inner_proof.Proof):
     """Each target compared with the simulation: `holds`, `rows`, `failures`, `refusals`."""
 
     def __rich__(self) -> RenderableType:
-        """Return the rows and what they say."""
+        """Return a line for each controller and process."""
         from clepsydra.deploy.proof.screen import proof_screen
 
         return proof_screen(self)
+
+    def details(self) -> RenderableType:
+        """Return the same with the table of every target, for `rich.print`."""
+        from clepsydra.deploy.proof.screen import proof_screen
+
+        return proof_screen(self, whole=True)
 
 
 def verify(

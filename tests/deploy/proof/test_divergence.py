@@ -47,7 +47,7 @@ def test_what_diverges_is_marked_and_named(monkeypatch):
     (note,) = [each for each in notes(found) if "single precision" in each]
     assert "it does not follow the simulation: y is " in note
     assert note.endswith("export this controller in double precision")
-    assert "diverges" in screen_text(found)
+    assert "does not follow the simulation: C in single precision (y is " in screen_text(found)
 
 
 def screen_text(found) -> str:

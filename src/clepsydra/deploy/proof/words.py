@@ -76,14 +76,8 @@ def cells(row: ProofRow) -> tuple[str, ...]:
     )  # fmt: skip
 
 
-def notes(proof: Proof, *, brief: bool = False) -> list[str]:
+def notes(proof: Proof) -> list[str]:
     """Return what is to be said of rows and subjects, a sentence or two each.
-
-    Parameters
-    ----------
-    proof : Proof
-    brief : bool
-        Whether scores are left out where single precision does not change the ranking.
 
     Examples
     --------
@@ -102,7 +96,7 @@ def notes(proof: Proof, *, brief: bool = False) -> list[str]:
             said.append(f"{row.subject}, {target}: {_divergence_sentence(row)}")
         elif row.reason:
             reasons.setdefault((row.subject, _verb(row), row.reason), []).append(target)
-        if row.scores and (row.scores["is_change"] or not brief):
+        if row.scores:
             said.append(f"{row.subject}: {_score_sentence(row)}")
     for (subject, verb, reason), targets in reasons.items():
         said.append(f"{subject}, {', '.join(targets)}: {verb}{reason}")
