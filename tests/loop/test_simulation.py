@@ -193,7 +193,6 @@ BAD_REQUESTS = {
     "solver": ({"solver": "euler"}, ("solver", "euler", "one of kernel, reference", "")),
     "no unit": ({"duration": "20"}, ("duration", "20", "a quantity convertible to s", "")),
     "negative": ({"duration": "-5 min"}, ("duration", "-5 min", "a time above 0 s", "'20 min'")),
-    "none": ({"duration": "0 s"}, ("duration", "0 s", "a time above 0 s", "'20 min'")),
     "endless": ({"duration": "1 year"}, ("duration", "365.2 d", "at most 11.57 d, a million", "")),
     "state": (
         {"state": {"tnak_1.level": "5 cm"}},
