@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from law_of_blocks import FILTER, law_of_blocks
 from plants import plant
+from tools import need_grammar
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.plcopen.printer import print_plcopen
@@ -32,6 +33,7 @@ def scans():
 @pytest.mark.parametrize("precision", ["double", "single"])
 @pytest.mark.parametrize("dialect", DIALECT_NAMES)
 def test_function_blocks_compute_the_bits_of_the_flat_block(dialect, precision):
+    need_grammar()
     law, inputs = law_of_blocks(), scans()
     found = InterpretedText(structured_program_of(law), precision, dialect).run(inputs)
     flat = InterpretedText(program_of(law), precision, dialect).run(inputs)
@@ -40,6 +42,7 @@ def test_function_blocks_compute_the_bits_of_the_flat_block(dialect, precision):
 
 
 def test_function_blocks_compute_the_bits_of_the_kernel():
+    need_grammar()
     law, inputs = law_of_blocks(), scans()
     found = InterpretedText(structured_program_of(law)).run(inputs)
     run = Kernel(program_of(law)).run(SCANS, inputs=inputs)
@@ -91,6 +94,7 @@ def test_two_blocks_of_one_name_are_refused():
 
 def test_a_port_may_be_a_word_of_the_system():
     """RAMP is a function block that comes with matiec."""
+    need_grammar()
     block = Block(
         "adder", (Signal("hysteresis"),), (Signal("ramp"),), (Signal("integral"),),
         lambda s: Equations({"ramp": s["ramp"] + s["hysteresis"]}, {"integral": s["ramp"]}),
@@ -111,6 +115,7 @@ def test_a_port_may_be_a_word_of_the_system():
 
 def test_an_instance_may_have_the_name_of_a_signal():
     """As in a block whose integral is computed by another block, called integral."""
+    need_grammar()
 
     def equations(s):
         found = FILTER("total", {"x": s["u"], "share": 0.5, "most": 3.0}, s)

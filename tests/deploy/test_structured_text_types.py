@@ -7,6 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from law_of_blocks import law_of_blocks
+from tools import need_grammar
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.proof.interpreted_text import InterpretedText
@@ -88,6 +89,7 @@ def _law(seed):
 
 @pytest.mark.parametrize("seed", range(40))
 def test_values_in_their_types_are_those_of_the_engine(seed):
+    need_grammar()
     program, numbers = program_of(_law(seed)), np.random.default_rng(seed)
     reals = numbers.normal(size=(2, SCANS)) * 5
     reals[numbers.random(reals.shape) < 0.1] = np.nan
@@ -123,6 +125,7 @@ def test_blocks_read_like_written_by_hand():
 
 def test_a_signal_may_be_called_as_a_parameter_of_sel():
     """Siemens wants the parameters of SEL by name; G is one of them, and here an input too."""
+    need_grammar()
     law = step_law(
         "chosen",
         inputs=[Signal("g", kind="boolean"), Signal("in0"), Signal("in1")],
