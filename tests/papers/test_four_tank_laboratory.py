@@ -404,6 +404,12 @@ def test_the_scores_of_a_step_are_named(rows):
             assert (word or "Of the step") in row.reason and "of 128 runs" in row.reason
 
 
+def test_in_volts_tank_1_of_non_minimum_phase_overshoots_by_the_noise_alone():
+    for kind in ("decentralised", "robust"):
+        assert runs(NON_MINIMUM, kind, "volts", noise="none").overshoot(0) == 0.0
+        assert 0.0 < np.median(runs(NON_MINIMUM, kind, "volts").overshoot(0)) < 1.0
+
+
 def test_the_cut_off_holds_level_two():
     """With the fitted holes 7.5 V would overflow tank 2: the level is that of the cut-off."""
     found = by_hand(MINIMUM, (7.5, 7.5), "fitted")

@@ -199,7 +199,9 @@ def test_the_vector_gain_margin_where_one_level_is_cut(rows):
             20.0 * np.log10(np.abs(s[1:][c])) for s, c in zip(sensitivity, crossed, strict=True)
         ]
         assert [len(each) for each in sizes] == [1, 1, 1]
-        assert reason.endswith(f"as in (6), at most {max(sizes)[0]:.2f} dB.")
+        assert reason.endswith(
+            f"as in (6) of the vector gain margin, at most {max(sizes)[0]:.2f} dB."
+        )
         assert (
             f"{max(sizes)[0]:.2f}" in rows["stability analysis", "VGM of both controllers"].reason
         )

@@ -180,8 +180,8 @@ def _stability(
     if sign > 0:
         stable = all(_stable_for_positive(part) for part in parts)
         found, reason = "stable for positive parameters", (
-            "For positive parameters all coefficients of both denominators are positive: "
-            f"{parts[0]} and {parts[1]}.{note}"
+            "For positive parameters all coefficients of both denominators, of second order at "
+            f"most, are positive: {parts[0]} and {parts[1]}.{note}"
         )  # fmt: skip
     else:
         example = {K2: -1, Ti2: 1, Td2: Rational(1, 10)}

@@ -147,8 +147,8 @@ def _third_weight() -> Row:
             for key, text in texts.items()
         )
     evidence = (
-        "with it all four cells of C in Table 7 come out, with the print none; of the values near "
-        "it, which agree as well, it has the print's digits",
+        "with it all four cells of C in Table 7 beside ISEG come out, with the print none; of the "
+        "values near it, which agree as well, it has the print's digits",
         fits[right] == 4
         and fits[printed] == 0
         and all(n < 2 for w, n in fits.items() if w != right),

@@ -141,7 +141,10 @@ def _linear_model() -> list[Row]:
     rows += matrix_rows("(34)", "A", A, inflow_constant.A, why)
     by_inputs = "Derivatives of (6) at the equilibrium: dC/dt has no f_out, and dV/dt no C_in."
     rows += matrix_rows("(34)", "B", Matrix([[0, u1 / x2], [-1, 0]]), inflow_constant.B, by_inputs)
-    why = "(36) with the derivatives of (6), where that of dC/dt by V is zero by (14)."
+    why = (
+        "(36) with the derivatives of (6), where that of dC/dt by V is zero by (14), and of (1), "
+        "which has no C_in."
+    )
     G = Matrix([[(u3 - x1) / (u1 + s * x2), u1 / (u1 + s * x2)], [1 / s, 0]])
     rows += matrix_rows("(45)", "Gp", G, outflow_constant.transfer, why)
     G = Matrix([[0, u1 / (u1 + s * x2)], [-1 / s, 0]])

@@ -280,11 +280,11 @@ def _table_6() -> list[Row]:
 def _under(best: Constants, output: str) -> str:
     """Say what is not printed of a cell, and under what it is computed."""
     place, flow = ("(81)", "f_in") if best.constant == "outflow" else ("(83)", "f_out")
-    step = "0.25 kmol/m³" if output == "C" else "0.1 m³"
+    step, inlet = ("0.25 kmol/m³", ", C_in free") if output == "C" else ("0.1 m³", "")
     return (
         "Which constants this row of Table 6 has is not said. Computed with those printed for PI, "
         f"{place}, a step of {step} as follows from Table 7, 20 s, {flow} within the 0 to 1 m³/s "
-        "of section 3.3, C_in free."
+        f"of section 3.3{inlet}."
     )
 
 

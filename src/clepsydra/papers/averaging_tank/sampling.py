@@ -45,7 +45,7 @@ def sampling_row() -> Row:
             reason="No sampling period is printed. Longest at which the linear model under the "
             "sampled law is stable, inputs held, errors summed up to the one before, Q3 of (101a) "
             f"as 10.92: at {1e3 * CYCLE:g} ms, a usual cycle, it holds of those by hand, and fails "
-            "of PI optimal.",
+            "of PI optimal, and of LQI optimal with f_out constant.",
         )  # fmt: skip
 
 

@@ -37,7 +37,6 @@ _TO_EQUATIONS = (
     ("section 3.1", "minimum of the criterion", 21, "criterion of identification"),
     ("Fig. 4", "step responses of models (8) and", 20, _DISCRETE),
     ("section 3.2", "linear model obtained without hysteresis", 20, _DISCRETE),
-    ("section 4", "second-order linear model", 20, _DISCRETE),
     ("section 5", "R from equation, with z = 1", 24, "second Diophantine equation"),
 )  # fmt: skip
 _TO_FIGURES = (
@@ -56,7 +55,7 @@ def run() -> Findings:
         _row(place, words, f"Fig. {printed}", meant, "Fig. {}", FIGURES[printed], FIGURES)
         for place, words, printed, meant in _TO_FIGURES
     ]
-    return Findings((*rows, _caption()))
+    return Findings((*rows, _second_order(), _caption()))
 
 
 def _row(
@@ -72,6 +71,14 @@ def _row(
     return stated(
         place, f"reference: {words}", printed, right, right == printed,
         f"The words speak of the {meant}; {printed} is the {stands}.",
+    )  # fmt: skip
+
+
+def _second_order() -> Row:
+    return stated(
+        "section 4", "reference: second-order linear model", "(20)", "(21)", False,
+        f"(20) is the {EQUATIONS[20]}; the second-order model with d = 5 is (18) in letters and "
+        "(21) in numbers.",
     )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     GRAVITY,
     MINIMUM,
     NON_MINIMUM,
+    OF_THE_COURSE,
     PUMP_GAINS,
     SET_UPS,
     SetUp,
@@ -53,8 +54,8 @@ def _gains() -> list[Row]:
                     "Exercise 2.1.7", f"k{pump}", f"{true:.2f}", mean, "cm³/(s V)",
                     tolerance=3.0 * error / mean,
                     why=f"From {len(found)} runs of {duration:g} s with plugged outlets at "
-                    f"{volts:g} V and noisy pumps; standard error {error:.3f}, of which three are "
-                    "left open.",
+                    f"{volts:g} V and noisy pumps, with {OF_THE_COURSE}; standard error "
+                    f"{error:.3f}, of which three are left open.",
                 ),
                 "The simulator was given the printed gains.",
             )

@@ -23,6 +23,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     FULL_VOLTAGE,
     MINIMUM,
     NON_MINIMUM,
+    OF_THE_COURSE,
     SET_UPS,
     SetUp,
     course_model,
@@ -253,7 +254,8 @@ def _transient(set_up: SetUp, printed: str, place: str) -> Row:
     agrees = {holes: one <= float(printed) <= two for holes, (one, two) in within.items()}
     words = (
         "Time of the slower lower tank from empty to within 5 % and 2 % of its end, with the holes "
-        "of the report; which of them, and whether the tanks were empty, is not said."
+        f"of the report and with {OF_THE_COURSE}; whether 5 % or 2 % is meant, and whether the "
+        "tanks were empty, is not said."
     )
     row = compared(
         f"Exercise 2.2.3, {place}", f"transient, {set_up.phase}", printed, late, "s",
@@ -284,8 +286,8 @@ def _differences() -> list[Row]:
             "Exercise 2.2.4", "zero in the right half-plane",
             "the non-minimum phase will have a RHP zero",
             zero > 0.0, f"{zero:+.4f} rad/s",
-            reason="Transmission zero of the linear model at levels of the course's exercise, "
-            "which the report does not print; at any others it is positive as well.",
+            reason="Transmission zero of the linear model at levels of the course's exercise "
+            f"and with {OF_THE_COURSE}; at any others it is positive as well.",
         ),
         remark(
             "Exercise 2.2.4", "manual control",
@@ -296,6 +298,6 @@ def _differences() -> list[Row]:
             ),
             reason="How difficult it is, is measured nowhere: by the transient at constant "
             "voltages, which section 2.2.3 has, it fails. From empty to within 2 %, the report's "
-            "holes.",
+            f"holes, with {OF_THE_COURSE}.",
         ),
     ]  # fmt: skip

@@ -28,6 +28,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     FULL_LEVEL,
     FULL_VOLTAGE,
     MINIMUM,
+    OF_THE_COURSE,
     SENSOR_GAIN,
     SET_UPS,
     SetUp,
@@ -69,8 +70,8 @@ def _guarantee() -> Row:
             for set_up, (smallest, gamma, designed, tripled) in found.items()
         ),
         reason="The report's controllers are not printed; ours are by the rules of the course's "
-        "exercise. It holds in volts, where the norm stays below γ, and fails at the simulator's "
-        "three times the gain.",
+        f"exercise, with {OF_THE_COURSE}. It holds in volts, where the norm stays below γ, and "
+        "fails at the simulator's three times the gain.",
     )  # fmt: skip
 
 

@@ -9,7 +9,12 @@ from clepsydra.linear.static_gain import static_gain
 from clepsydra.linear.zeros import zeros
 from clepsydra.papers.comparison import claimed, compared, compared_formula
 from clepsydra.papers.experiment import Findings
-from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, NON_MINIMUM, course_model
+from clepsydra.papers.four_tank_laboratory.set_ups import (
+    MINIMUM,
+    NON_MINIMUM,
+    OF_THE_COURSE,
+    course_model,
+)
 from clepsydra.papers.row import Row
 
 
@@ -192,8 +197,9 @@ def _zeros() -> list[Row]:
             "(13)", "zeros for 1 < γ1 + γ2 ≤ 2", "holds for zeros with negative real part",
             bool(np.all(rightmost[above] < 0.0)),
             f"largest real part {rightmost[above].max():.3g} rad/s",
-            reason=f"Roots of (12) for {above.sum()} pairs of splits, with T3 and T4 of the "
-            "course's levels; for any others their sum stays negative and their product positive.",
+            reason=f"Roots of (12) for {above.sum()} pairs of splits, T3 and T4 at the "
+            f"course's levels with {OF_THE_COURSE}; for any others their sum stays negative and "
+            "their product positive.",
         ),
         claimed(
             "(14)", "zeros for 0 < γ1 + γ2 ≤ 1", "holds for zeros with non-negative real part",
@@ -211,8 +217,7 @@ def _zeros() -> list[Row]:
             found["minimum phase"] < 0.0 < found["non-minimum phase"],
             ", ".join(f"{phase}: {value:+.4f} rad/s" for phase, value in found.items()),
             reason="Rightmost transmission zero of the linear model at levels of the course's "
-            "exercise, which the report does not print; its sign is that of 1 - γ1 - γ2 "
-            "at any levels.",
+            f"exercise and with {OF_THE_COURSE}; its sign is that of 1 - γ1 - γ2 at any levels.",
         ),
     ]  # fmt: skip
 

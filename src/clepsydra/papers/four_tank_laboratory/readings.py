@@ -13,7 +13,13 @@ from dataclasses import dataclass
 
 from clepsydra.papers.comparison import claimed, remark
 from clepsydra.papers.four_tank_laboratory.closed_loop import SEEDS
-from clepsydra.papers.four_tank_laboratory.set_ups import MINIMUM, Holes, Noise, SetUp
+from clepsydra.papers.four_tank_laboratory.set_ups import (
+    MINIMUM,
+    OF_THE_COURSE,
+    Holes,
+    Noise,
+    SetUp,
+)
 from clepsydra.papers.row import Row
 
 #: Those that are noisy.
@@ -46,7 +52,7 @@ READINGS = tuple(Reading(holes, noise) for holes in ("report", "fitted") for noi
 #: The one whose numbers stand in the column of computed ones.
 USUAL = READINGS[0]
 #: Of which runs the figures of a claim are.
-MEDIANS = f"medians of {SEEDS} runs in the simulator's percent ({USUAL})"
+MEDIANS = f"medians of {SEEDS} runs in the simulator's percent ({USUAL}, with {OF_THE_COURSE})"
 #: The controllers are not printed either: a claim about the tables is judged by the tables as well,
 #: and by the gain that ours were designed with, which the simulator makes three times as large.
 PRINTED, DESIGNED = "the printed numbers", "our controllers in volts"

@@ -22,6 +22,8 @@ Noise = Literal["none", "three deviations", "one deviation"]
 FULL_LEVEL, FULL_VOLTAGE = 25.0, 15.0  # cm, V
 #: Cross-section of every tank, acceleration of gravity.
 AREA, GRAVITY = 15.5179, 981.0  # cm², cm/s²
+#: What a reason says of it.
+OF_THE_COURSE = f"the course's {AREA:.2f} cm² per tank, which the report does not print"
 #: k_c [V/cm], k [cm³/(s V)].
 SENSOR_GAIN, PUMP_GAINS = 0.2, (4.32, 3.74)
 #: Standard deviation of the pumps' flow, in shares of that of the catalogue: there the simulator's

@@ -21,6 +21,7 @@ from clepsydra.papers.four_tank_laboratory.readings import USUAL, Reading, readi
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
     NON_MINIMUM,
+    OF_THE_COURSE,
     PHASE_MARGIN,
     SetUp,
     Units,
@@ -185,8 +186,8 @@ def table_rows(kind: Kind) -> list[Row]:
         words = (
             f"The controller is not printed; ours is {_CONTROLLERS[kind, set_up]} "
             f"{_wanted(set_up)}, as the course's exercise asks, in its simulator in percent: "
-            f"empty tanks, {USUAL}, pours of 6.25 cm. {_HOW[score]}, median of "
-            f"{SEEDS} runs{of_both}."
+            f"empty tanks, {USUAL}, pours of 6.25 cm, with {OF_THE_COURSE}. "
+            f"{_HOW[score]}, median of {SEEDS} runs{of_both}."
         )
         row = compared(
             place, f"{score} {'/'.join(map(str, tanks))}, {set_up.phase}", printed, usual.value,
@@ -205,7 +206,8 @@ def _within(spreads: dict[Reading, list[_Spread]], printed: str) -> str:
     if not any(holding.values()):
         return ""
     if all(holding.values()):
-        return f"It lies within runs that spread too far, by more than {100 * _WIDEST:g} %."
+        widest = f"{100 * _WIDEST:g} % of their median"
+        return f"It lies within runs that spread too far, by more than {widest}."
     among, outside = (
         next(reading for reading, holds in holding.items() if holds is each)
         for each in (True, False)

@@ -111,7 +111,7 @@ class FeedbackLoop:
         return (
             "Where the loop is opened is not said. 20 log10 max|S|, the document's S∞, at the "
             f"feed; at a level it is at most {level:.2f} dB, and where the phase is -180°, as in "
-            f"(6), at most {crossed:.2f} dB."
+            f"(6) of the vector gain margin, at most {crossed:.2f} dB."
         )
 
     @property

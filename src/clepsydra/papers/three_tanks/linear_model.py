@@ -94,7 +94,7 @@ def _matrices() -> list[Row]:
             "simulation results", "open loop", "the open loop system is stable",
             bool(np.all(eigenvalues < 0.0)),
             ", ".join(f"{value:.4f}" for value in sorted(eigenvalues.real)), "1/s",
-            reason="Eigenvalues of (2).",
+            reason="Eigenvalues of (2) before rounding, from the levels of Table 1.",
         )
     )  # fmt: skip
     return rows

@@ -128,8 +128,9 @@ def _claims() -> list[Row]:
                 for name, found in fast.items()
             ),
             reason="20 log10 max|S| at the feed and at levels 1 to 3: wherever the loop is opened, "
-            "FSFB is below 3.5 to 9.5 dB. Where the phase is -180°, as (6) takes |S|, both are, at "
-            f"most {crossed['FSFB']:.2f} and {crossed['LQC']:.2f} dB.",
+            "FSFB is below 3.5 to 9.5 dB. Where the phase is -180°, as (6) of the vector gain "
+            f"margin takes |S|, both are, at most {crossed['FSFB']:.2f} and "
+            f"{crossed['LQC']:.2f} dB.",
         ),
         remark(
             "simulation results", "magnitude plots",

@@ -171,8 +171,8 @@ def _loop() -> list[Row]:
         ),
         compared(
             place, "VGM", "88.3", peak, "dB",
-            unprinted="20 log10 max|S|, the document's S∞. (6) takes |S| where the phase is -180°, "
-            "which that of (3) and the printed settings nowhere is.",
+            unprinted="20 log10 max|S|, the document's S∞. (6) of the vector gain margin takes "
+            "|S| where the phase is -180°, which that of (3) and the printed settings nowhere is.",
         ),
         claimed(
             place, "VGM of the PID",

@@ -21,7 +21,7 @@ TABLE = (
     (5, "1", "214", "36710", "37016", "12.5"),
 )
 #: What the gains of Tables 2 and 3 were computed from.
-ROUNDED = "From (2) in three decimals and B = 64.94 of Qc."
+ROUNDED = "From (2) in three decimals, with which every K3 comes out, and B = 64.94 of Qc."
 #: Significant digits of the last column of Table 2, in which 148070 ends with a zero.
 _DIGITS = 5
 STEP = 0.01  # ours [m]; the document's is not printed
