@@ -75,7 +75,7 @@ def structure_sizes(ready, precision):
     for body, name in re.findall(r"typedef struct \{(.*?)\} (\w+);", code, flags=re.DOTALL):
         fields = [
             (member, types[kind] * int(length) if length else types[kind])
-            for kind, member, length in re.findall(r"(\w+) (\w+)(?:\[(\d+)\])?;", body)
+            for kind, member, length in re.findall(r"(\w+)\s+(\w+)(?:\[(\d+)\])?;", body)
         ]
         assert len(fields) == body.count(";")
         types[name] = type("Members", (ctypes.Structure,), {"_fields_": fields})
