@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from clepsydra import Signal
-from clepsydra.deploy.c99.layout import printed_form, state_paths
 from clepsydra.deploy.c99.printer import CSource
 from clepsydra.program.entries import is_ring
+from clepsydra.program.owned_state import state_paths, with_owned_state
 from clepsydra.program.program import Program
 
 #: Reads inputs and parameters of every scan, and writes outputs and states after each.
@@ -58,7 +58,7 @@ def built(command: list[str], program: Program, printed: CSource, folder: Path) 
         given = "" if inputs else f"if (given[{place}] == given[{place}]) "
         taken.append(f"    {given}{member} = ({kinds[signal.kind]})given[{place}];")
     members = [f"outputs.{signal.identifier}" for signal in program.outputs]
-    paths = state_paths(printed_form(program))
+    paths = state_paths(with_owned_state(program))
     for entry, path in zip(program.state, paths, strict=True):
         member = f"state.{'.'.join(path)}"
         members.append(f"{member}[{member}_position]" if is_ring(entry) else member)

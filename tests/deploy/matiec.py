@@ -9,10 +9,11 @@ from pathlib import Path
 from scanned_library import ScannedLibrary
 from tools import without
 
-from clepsydra.deploy.structured_text.block_names import state_paths
+from clepsydra.deploy.structured_text.block_names import with_block_names
 from clepsydra.deploy.structured_text.dialect import dialect_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.entries import is_ring
+from clepsydra.program.owned_state import state_paths, with_owned_state
 
 #: What makes its absence, or that of STruC++, a failure.
 SWITCH = "CLEPSYDRA_REQUIRE_ST_COMPILERS"
@@ -96,7 +97,8 @@ class CompiledByMatiec(ScannedLibrary):
             for place, signal in enumerate(self._signals)
         ]
         shown = [f"instance.{signal.identifier.upper()}.value" for signal in program.outputs]
-        paths = state_paths(program, dialect_of("matiec").all_words)
+        words = dialect_of("matiec").all_words
+        paths = state_paths(with_block_names(with_owned_state(program), words))
         for entry, path in zip(program.state, paths, strict=True):
             name = f"instance.{'.'.join(path).upper()}"
             place = f".table[{name}_POSITION.value]" if is_ring(entry) else ""

@@ -10,10 +10,11 @@ from matiec import SWITCH
 from scanned_library import ScannedLibrary
 from tools import without
 
-from clepsydra.deploy.structured_text.block_names import state_paths
+from clepsydra.deploy.structured_text.block_names import with_block_names
 from clepsydra.deploy.structured_text.dialect import dialect_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.entries import is_ring, signal_of
+from clepsydra.program.owned_state import state_paths, with_owned_state
 
 BLOCK = """#include "printed.cpp"
 static strucpp::{block} instance;
@@ -71,7 +72,8 @@ class CompiledByStrucpp(ScannedLibrary):
             for place, signal in enumerate(self._signals)
         ]
         shown = [(f"instance.{s.identifier.upper()}", s.kind) for s in program.outputs]
-        paths = state_paths(program, dialect_of(dialect).all_words)
+        words = dialect_of(dialect).all_words
+        paths = state_paths(with_block_names(with_owned_state(program), words))
         for entry, path in zip(program.state, paths, strict=True):
             signal = signal_of(entry)
             name = f"instance.{'.'.join(path).upper()}"

@@ -11,13 +11,13 @@ from families import PROCESSES, bare, family
 from refusals import refused
 
 from clepsydra import Signal
-from clepsydra.deploy.c99.layout import printed_form, state_paths
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.c99.state_size import state_size
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import signal_of
+from clepsydra.program.owned_state import state_paths, with_owned_state
 from clepsydra.program.program import Block, Loop, Operation, Program
 
 DOUBLE = Block(1, (Operation(1, "add", (0, 0)),), (1,))
@@ -51,7 +51,7 @@ def test_every_number_says_its_unit_and_source(name, precision):
              "integer": "int32_t", "boolean": "bool"}  # fmt: skip
     parts = header.index("/* State: what the next sample needs. */")
     parameters, state = header[:parts], header[parts : header.index("/* Inputs of one sample. */")]
-    paths = state_paths(printed_form(ready.program))
+    paths = state_paths(with_owned_state(ready.program))
     for where, declared, entries in (
         ("parameters", parameters, [(s.identifier, s) for s in ready.program.parameters]),
         ("state", state, zip(map(".".join, paths), ready.program.state, strict=True)),

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from clepsydra.base.signal import Signal
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.entries import signal_of
+from clepsydra.program.entries import Entry, signal_of
 from clepsydra.program.inlined import append, renamed
 from clepsydra.program.program import Call, Operation, Program
 from clepsydra.program.variants import told_apart
@@ -40,6 +40,8 @@ def with_owned_state(program: Program) -> Program:
     >>> [signal.name for signal in call.program.inputs]
     ['u', 'restart', 'start_sum']
     """
+    if not program.calls:
+        return program
     builder = BlockBuilder(program.block.arguments)
     values, place = _Writer(program).written(builder, range(program.block.arguments))
     owning = replace(program, block=builder.finish(values), names=renamed(program, place))
@@ -56,6 +58,40 @@ def owned_by_calls(program: Program) -> frozenset[int]:
     return frozenset(
         value for call in program.calls for value in call.arguments[: len(call.program.state)]
     )
+
+
+def own_state(program: Program) -> tuple[Entry, ...]:
+    """Return what a program itself keeps: its states apart from instances, then rings of loops.
+
+    Examples
+    --------
+    >>> from clepsydra.program.program import Block
+    >>> own_state(Program("law", (Signal("x"),), (), (), (), Block(1, (), (0,))))[0].name
+    'x'
+    """
+    owned = owned_by_calls(program)
+    own = (entry for place, entry in enumerate(program.state) if place not in owned)
+    return (*own, *program.rings)
+
+
+def state_paths(program: Program) -> tuple[tuple[str, ...], ...]:
+    """Return for each state of a program whose calls own theirs the names that lead to it.
+
+    Examples
+    --------
+    >>> from clepsydra.program.program import Block, Operation
+    >>> add = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
+    >>> total = Program("total", (Signal("sum"),), (Signal("u"),), (), (Signal("y"),), add)
+    >>> calls = Block(2, (Call((2, 3), total, "flow", (0, 1)),), (2, 3))
+    >>> law = Program("law", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), calls)
+    >>> state_paths(with_owned_state(law))
+    (('flow', 'sum'),)
+    """
+    paths: list[tuple[str, ...]] = [(signal_of(entry).identifier,) for entry in program.state]
+    for call in program.calls:
+        for place, path in zip(call.arguments, state_paths(call.program), strict=False):
+            paths[place] = (call.instance, *path)
+    return tuple(paths)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from clepsydra.deploy.c99.layout import instances, kept
+from clepsydra.deploy.c99.layout import instances
 from clepsydra.deploy.c99.structures import WIDTH, Structures, block_name
 from clepsydra.deploy.printing.called_blocks import called_blocks
 from clepsydra.deploy.printing.heading import heading
@@ -12,6 +12,7 @@ from clepsydra.deploy.printing.identifiers import C_WORDS, check_distinct, check
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.entries import Entry, is_ring, signal_of
+from clepsydra.program.owned_state import own_state
 from clepsydra.program.program import Program
 
 REAL = {"double": "double", "single": "float"}
@@ -43,7 +44,7 @@ def check_names(program: Program) -> None:
         for group in (each.inputs, each.parameters, each.outputs):
             check_distinct(_checked(place, group), "C", ignore_case=False)
         called = [(call.instance, f"{place}, {call.instance}") for call in instances(each)]
-        check_distinct([*_checked(place, kept(each)), *called], "C", ignore_case=False)
+        check_distinct([*_checked(place, own_state(each)), *called], "C", ignore_case=False)
         for name, where in called:
             check_identifier(name, where, "C", C_WORDS, ignore_case=False)
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from clepsydra.deploy.c99.interface import check_names, head_comment, print_header
-from clepsydra.deploy.c99.layout import printed_form
 from clepsydra.deploy.c99.source import print_source
 from clepsydra.deploy.printing.heading import check_printable
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.printing.whole_numbers import check_whole_results
+from clepsydra.program.owned_state import with_owned_state
 from clepsydra.program.program import Program
 
 
@@ -91,7 +91,7 @@ def print_c(
     check_printable(program)
     program = in_precision(program, precision)
     head = head_comment(program, origin, precision)
-    program = printed_form(program)
+    program = with_owned_state(program)
     check_whole_results(program, precision)
     check_names(program)
     header = print_header(program, head, origin, precision)

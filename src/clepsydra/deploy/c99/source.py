@@ -11,7 +11,6 @@ from clepsydra.deploy.c99.interface import (
     default_parameters_head,
     initialise_head,
 )
-from clepsydra.deploy.c99.layout import state_paths
 from clepsydra.deploy.c99.notation import arithmetic_check, literal, notation_of, real_type
 from clepsydra.deploy.c99.statements import array
 from clepsydra.deploy.c99.step import BlockFunction, StepFunction
@@ -22,6 +21,7 @@ from clepsydra.deploy.printing.identifiers import C_WORDS
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.entries import Entry, is_ring, signal_of
+from clepsydra.program.owned_state import state_paths
 from clepsydra.program.program import Program
 
 

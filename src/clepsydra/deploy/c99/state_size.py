@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from clepsydra.deploy.c99.layout import instances, kept, printed_form
+from clepsydra.deploy.c99.layout import instances
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.entries import is_ring, signal_of
+from clepsydra.program.owned_state import own_state, with_owned_state
 from clepsydra.program.program import Program
 
 _REAL = {"double": 8, "single": 4}
@@ -38,7 +39,7 @@ def state_size(program: Program, precision: Precision = "double") -> int:
     >>> state_size(program), state_size(program, "single")
     (120, 60)
     """
-    return _extent(printed_form(program), precision)[0]
+    return _extent(with_owned_state(program), precision)[0]
 
 
 def _extent(program: Program, precision: Precision) -> tuple[int, int]:
@@ -53,7 +54,7 @@ def _extent(program: Program, precision: Precision) -> tuple[int, int]:
 def _members(program: Program, precision: Precision) -> Iterator[tuple[int, int]]:
     """Yield of each member how much it takes, and at a multiple of what it stands [bytes]."""
     widths = {"real": _REAL[precision], "integer": 4, "boolean": 1}
-    for entry in kept(program):
+    for entry in own_state(program):
         width = widths[signal_of(entry).kind]
         if is_ring(entry):
             yield width * entry.length, width

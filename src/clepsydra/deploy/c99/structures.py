@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from clepsydra.deploy.c99.layout import instances, kept
+from clepsydra.deploy.c99.layout import instances
 from clepsydra.deploy.c99.statements import declare
 from clepsydra.deploy.printing.heading import comment, commented
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.entries import Entry, is_ring, signal_of
+from clepsydra.program.owned_state import own_state
 from clepsydra.program.program import Program
 
 #: A line with its comment is no wider than this [characters].
@@ -59,7 +60,7 @@ class Structures:
         """Return the structure of what a program or a block keeps, its instances inside."""
         members = []
         counted = {ring.name: "turn" for ring in program.rings}
-        for entry in kept(program):
+        for entry in own_state(program):
             about = comment(
                 entry, source=self._source(entry), counted=counted.get(entry.name, "sample")
             )

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.c99.layout import printed_form, state_names, state_paths
+from clepsydra.deploy.c99.layout import state_names
 from clepsydra.deploy.fmi.dependencies import output_dependencies
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, variables_of
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.inlined import inlined
+from clepsydra.program.owned_state import state_paths, with_owned_state
 from clepsydra.program.program import Program
 
 _FUNCTIONS = """\
@@ -66,7 +67,7 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
             f"program {program.name}, sampling period", f"{period!r} s", "a time above 0 s",
             "give the period that the controller was designed for",
         )  # fmt: skip
-    paths, named = state_paths(printed_form(program)), state_names(program)
+    paths, named = state_paths(with_owned_state(program)), state_names(program)
     states = [
         FmuVariable(
             replace(signal_of(entry), name=named[entry.name]),

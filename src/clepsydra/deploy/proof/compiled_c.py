@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.c99.layout import instances, kept, printed_form, state_paths
+from clepsydra.deploy.c99.layout import instances
 from clepsydra.deploy.c99.printer import CSource, print_c
 from clepsydra.deploy.compiler import (
     CompilationError,
@@ -30,6 +30,7 @@ from clepsydra.deploy.proof.instance import (
     scan_count,
 )
 from clepsydra.program.entries import Entry, is_ring, signal_of
+from clepsydra.program.owned_state import own_state, state_paths, with_owned_state
 from clepsydra.program.program import Program
 
 _REALS = {"double": ctypes.c_double, "single": ctypes.c_float}
@@ -103,7 +104,7 @@ class CompiledC(Instance):
         library = ctypes.CDLL(str(compiler.build([source, probe], target)))
         self._step = getattr(library, f"{program.name}_step")
         self._step.restype, self._step.argtypes = None, [ctypes.c_void_p] * 4
-        real, form = _REALS[precision], printed_form(program)
+        real, form = _REALS[precision], with_owned_state(program)
         self._paths = state_paths(form)
         self._structures = [
             _structure(_fields(program.parameters, real))(),
@@ -254,7 +255,7 @@ def _structure(fields: Sequence[tuple[str, Any]]) -> type[ctypes.Structure]:
 def _state_fields(program: Program, real: Any) -> list[tuple[str, Any]]:
     """Return what a program keeps, with what its instances keep inside."""
     inside = [(c.instance, _structure(_state_fields(c.program, real))) for c in instances(program)]
-    return [*_fields(kept(program), real), *inside]
+    return [*_fields(own_state(program), real), *inside]
 
 
 def _fields(entries: Sequence[Entry], real: Any) -> list[tuple[str, Any]]:

@@ -10,10 +10,11 @@ from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.proof.instance import Instance
 from clepsydra.deploy.proof.text.interpreter import function_block
 from clepsydra.deploy.proof.text.scl import standard_text
-from clepsydra.deploy.structured_text.block_names import state_paths
+from clepsydra.deploy.structured_text.block_names import with_block_names
 from clepsydra.deploy.structured_text.dialect import dialect_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.program.entries import is_ring
+from clepsydra.program.owned_state import state_paths, with_owned_state
 from clepsydra.program.program import Program
 
 
@@ -62,7 +63,8 @@ class InterpretedText(Instance):
         self._inputs = [(s.name, s.identifier.lower()) for s in program.inputs]
         self._parameters = [(s.name, s.identifier.lower()) for s in program.parameters]
         self._outputs = [s.identifier.lower() for s in program.outputs]
-        paths = state_paths(program, dialect_of(dialect).all_words)
+        words = dialect_of(dialect).all_words
+        paths = state_paths(with_block_names(with_owned_state(program), words))
         self._state = [
             (self._memory(instances), name.lower(), is_ring(entry))
             for entry, (*instances, name) in zip(program.state, paths, strict=True)

@@ -7,7 +7,6 @@ from dataclasses import replace
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import Entry, signal_of
-from clepsydra.program.owned_state import with_owned_state
 from clepsydra.program.program import Call, Program, Statement
 
 
@@ -63,34 +62,3 @@ def _not_a_word(signal: Signal, words: frozenset[str]) -> Signal:
 def _state(entry: Entry, words: frozenset[str]) -> Entry:
     signal = _not_a_word(signal_of(entry), words)
     return replace(entry, signal=signal) if isinstance(entry, DelayRing) else signal
-
-
-def state_paths(program: Program, words: frozenset[str]) -> list[tuple[str, ...]]:
-    """Return where each state of a program stands in the text: instances, then its own name.
-
-    Parameters
-    ----------
-    program : Program
-        As it is given to the printer.
-    words : frozenset of str
-        Of the system, in upper case.
-
-    Examples
-    --------
-    >>> from clepsydra.program.program import Block, Operation
-    >>> add = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
-    >>> total = Program("flow_total", (Signal("sum"),), (Signal("u"),), (), (Signal("y"),), add)
-    >>> calls = Block(2, (Call((2, 3), total, "feed", (0, 1)),), (2, 3))
-    >>> law = Program("law", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), calls)
-    >>> state_paths(law, frozenset())
-    [('feed', 'sum')]
-    """
-    printed = with_block_names(with_owned_state(program), words)
-    return [_path(printed, place) for place in range(len(program.state))]
-
-
-def _path(program: Program, place: int) -> tuple[str, ...]:
-    for call in program.calls:
-        if place in call.arguments[: len(call.program.state)]:
-            return (call.instance, *_path(call.program, call.arguments.index(place)))
-    return (signal_of(program.state[place]).identifier,)

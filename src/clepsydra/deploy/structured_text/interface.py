@@ -15,7 +15,7 @@ from clepsydra.deploy.structured_text.dialect import Dialect
 from clepsydra.deploy.structured_text.pou import Section, Variable
 from clepsydra.deploy.structured_text.wording import Wording
 from clepsydra.program.entries import Entry, is_ring, signal_of
-from clepsydra.program.owned_state import owned_by_calls
+from clepsydra.program.owned_state import own_state
 from clepsydra.program.program import Program
 
 _ABBREVIATIONS = frozenset({"lq", "pd", "pi", "pid"})
@@ -39,7 +39,7 @@ def check_names(program: Program, dialect: Dialect) -> None:
         _check_name(block_type(call.program), f"block {call.program.name}", dialect)
         _check_name(call.instance, f"{place}, {call.instance}", dialect)
         entries.append((call.instance, f"{place}, {call.instance}"))
-    for entry in (*program.inputs, *program.parameters, *program.outputs, *held(program)):
+    for entry in (*program.inputs, *program.parameters, *program.outputs, *own_state(program)):
         name = signal_of(entry).identifier
         _check_name(name, f"{place}, {entry.name}", dialect)
         entries.append((name, f"{place}, {entry.name}"))
@@ -68,26 +68,6 @@ def block_type(block: Program) -> str:
     """
     words = block.name.split("_")
     return "FB_" + "".join(w.upper() if w in _ABBREVIATIONS else w.capitalize() for w in words)
-
-
-def held(program: Program) -> tuple[Entry, ...]:
-    """Return what lives from scan to scan: the state, then the rings of loops.
-
-    A state that an instance of a block holds is declared there.
-
-    Examples
-    --------
-    >>> from clepsydra.program.program import Block
-    >>> held(Program("law", (Signal("x"),), (), (), (), Block(1, (), (0,))))[0].name
-    'x'
-    """
-    owned = owned_by_calls(program)
-    own = (entry for k, entry in enumerate(program.state) if k not in owned)
-    return (*own, *program.rings)
-
-
-def _type(variable: Variable) -> str:
-    return variable.type
 
 
 class Interface:
@@ -120,7 +100,7 @@ class Interface:
         loops = program.rings
         state = [
             variable
-            for entry in held(program)
+            for entry in own_state(program)
             for variable in self._held(entry, "turn" if entry in loops else "sample")
         ]
         instances = [
@@ -137,7 +117,11 @@ class Interface:
                 ),
             ),
             Section("VAR_OUTPUT", "", (("outputs", self._variables(program.outputs)),)),
-            Section("VAR", "", (("blocks", tuple(sorted(instances, key=_type))),)),
+            Section(
+                "VAR",
+                "",
+                (("blocks", tuple(sorted(instances, key=lambda instance: instance.type))),),
+            ),
             Section("VAR", "RETAIN", (("state", tuple(state)),)),
         ]
 
