@@ -40,3 +40,9 @@ def test_the_time_at_the_limits_of_the_inner_setpoint_is_among_the_scores(pages)
               for name, page in pages.items()}  # fmt: skip
     assert "Time at a setpoint limit" in titles["cascade"]
     assert "Time at a setpoint limit" not in titles["single"]
+
+
+def test_each_of_the_first_controllers_shows_the_blocks_of_its_export(pages):
+    assert ">loop_flow_asks<" in pages["cascade"].blocks_picture
+    assert ">level_check<" in pages["single"].blocks_picture
+    assert "loop_flow" not in pages["single"].blocks_picture

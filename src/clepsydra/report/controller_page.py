@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.program.owned_state import with_owned_state
 from clepsydra.report.analysis_tables import Grid
+from clepsydra.report.block_picture import program_svg
 from clepsydra.report.controller_tables import ParameterTable, parameter_tables, status_words
 from clepsydra.report.facts import Facts, range_text
 from clepsydra.report.inner_setpoint_curves import with_inner_panels
@@ -22,6 +26,9 @@ from clepsydra.report.trend_svg import trend_svg
 from clepsydra.report.tuning_picture import tuning_svg
 from clepsydra.report.tuning_tables import tuning_grid
 from clepsydra.studies.result import Candidate, StudyResult
+
+#: So many controllers, from the first of the ranking on, show the blocks that they are made of.
+_WITH_BLOCKS = 3
 
 
 @dataclass(frozen=True)
@@ -44,7 +51,7 @@ class ControllerPage:
         Of the step law, in SI.
     scores : list of ScoreTable
     status : list of str
-    picture, loop_picture, tuning_picture : str
+    picture, loop_picture, tuning_picture, blocks_picture : str
         SVG; empty for none.
 
     Examples
@@ -65,6 +72,7 @@ class ControllerPage:
     picture: str
     loop_picture: str
     tuning_picture: str
+    blocks_picture: str
 
 
 def controller_page(result: StudyResult, place: int) -> ControllerPage:
@@ -116,7 +124,21 @@ def controller_page(result: StudyResult, place: int) -> ControllerPage:
         trend_svg(candidate.run, panels, title, f"run{number}"),
         loop_picture,
         front,
+        _blocks(result, place),
     )
+
+
+def _blocks(result: StudyResult, place: int) -> str:
+    """Return the picture of the blocks that a plant gets; empty where nothing can be exported."""
+    controller = result.ranking[place].controller
+    if place >= _WITH_BLOCKS:
+        return ""
+    try:
+        shelled = with_plant_shell(controller, result.scenario.sampling_period)
+    except InputError:  # a function in Python, or a law without what the shell needs
+        return ""
+    title = f"Blocks of {controller.title} in their plant shell"
+    return program_svg(with_owned_state(shelled.program()), title, f"blocks{place + 1}")
 
 
 def _wiring(controller: Controller, result: StudyResult) -> Facts:
