@@ -21,6 +21,7 @@ from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.deploy.structured_text.project import print_test_project
 
 ORIGIN = Origin('Law <1> & "2"', "a tank", "By hand.", 1.0, {"late": "at rest"}, "found by hand")
+KINDS = {"functionBlock": "FUNCTION_BLOCK", "function": "FUNCTION", "program": "PROGRAM"}
 SECTIONS = {"inputVars": "VAR_INPUT", "outputVars": "VAR_OUTPUT", "localVars": "VAR",
             "tempVars": "VAR_TEMP"}  # fmt: skip
 ELEMENTARY = ["BOOL", "DINT", "REAL", "LREAL"]
@@ -74,10 +75,12 @@ def unit_of(element: ElementTree.Element, namespace: str) -> Unit:
             qualifier = "".join(q.upper() for q in ("retain", "constant") if child.get(q) == "true")
             entries = tuple(variable_of(entry, namespace) for entry in child)
             sections.append(Section(SECTIONS[tag], qualifier, (("", entries),)))
-    kind = {"functionBlock": "FUNCTION_BLOCK", "program": "PROGRAM"}[element.get("pouType")]
+    kind = KINDS[element.get("pouType")]
+    result = element.find(f"{namespace}interface/{namespace}returnType")
     head = formatted(element, namespace, "interface/documentation").split("\n")
     body = formatted(element, namespace, "body/ST").split("\n")
-    return Unit(kind, element.get("name"), tuple(head), tuple(sections), tuple(body))
+    return Unit(kind, element.get("name"), tuple(head), tuple(sections), tuple(body),
+                "" if result is None else result[0].tag.removeprefix(namespace))  # fmt: skip
 
 
 def without_titles(unit: Unit) -> Unit:
@@ -94,9 +97,10 @@ def without_titles(unit: Unit) -> Unit:
 def test_a_block_comes_back_as_it_was_printed(dialect, precision):
     text = print_plcopen(every_kind(), origin=ORIGIN, dialect=dialect, precision=precision)
     root, namespace = read(text, dialect)
-    (element,) = root.iter(f"{namespace}pou")
-    (printed,) = function_blocks(every_kind(), dialect_of(dialect), precision, ORIGIN)
-    assert unit_of(element, namespace) == without_titles(printed)
+    printed = function_blocks(every_kind(), dialect_of(dialect), precision, ORIGIN)
+    assert [unit.name for unit in printed] == ["FC_Min", "every_kind"]
+    found = [unit_of(element, namespace) for element in root.iter(f"{namespace}pou")]
+    assert found == list(map(without_titles, printed))
     assert text.startswith('<?xml version="1.0" encoding="utf-8"?>\n<project xmlns="http://www.plc')
 
 
@@ -104,10 +108,11 @@ def test_the_text_of_the_block_is_in_the_document():
     """Declarations with comments and statements are those of the Structured Text."""
     text = print_structured_text(every_kind(), origin=ORIGIN)
     root, namespace = read(print_plcopen(every_kind(), origin=ORIGIN), "codesys")
-    (element,) = root.iter(f"{namespace}pou")
+    *_, element = root.iter(f"{namespace}pou")
     declared = formatted(element, namespace, "addData/data/InterfaceAsPlainText")
     body = formatted(element, namespace, "body/ST")
-    assert f"{declared}\n{body}\nEND_FUNCTION_BLOCK\n" == text
+    # The text begins with the head of the block, before the functions.
+    assert text.endswith(f"{declared.partition(' *)')[2]}\n{body}\nEND_FUNCTION_BLOCK\n")
 
 
 def test_the_order_of_the_schema():
@@ -126,7 +131,11 @@ def test_the_order_of_the_schema():
             order = ["interface", "actions", "transitions", "body", "addData", "documentation"]
             assert sorted(children(unit), key=order.index) == children(unit)
             inside = children(unit.find(f"{namespace}interface"))
-            assert inside[-1] == "documentation" and set(inside[:-1]) == set(SECTIONS)
+            expected = set(SECTIONS)
+            if unit.get("pouType") == "function":
+                assert inside[0] == "returnType"
+                expected = {"returnType", "inputVars"}
+            assert inside[-1] == "documentation" and set(inside[:-1]) == expected
         for variable in root.iter(f"{namespace}variable"):
             order = ["type", "initialValue", "documentation"]
             assert sorted(children(variable), key=order.index) == children(variable)

@@ -6,9 +6,9 @@ import pytest
 from deployed import CompiledC, all_bits
 
 from clepsydra import Signal, program_of
-from clepsydra.deploy.printing.needed import needed_part
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.program.counted_loop import counted_loop
+from clepsydra.program.needed import needed_part
 from clepsydra.program.program import Block, Conditional, Loop, Operation, Program
 from clepsydra.program.step_law import Equations, step_law
 

@@ -224,3 +224,43 @@ def test_the_type_of_a_literal_is_that_of_what_stands_beside_it():
     law = block("d := 0.1 < p; r := EXPT(p, 2.0) * (1.0 - 0.9);")
     assert not law(p=np.float32(0.1))["d"]  # in doubles 0.1 is below the single 0.1
     assert law(p=3.0)["r"] == np.float32(9.0) * (np.float32(1.0) - np.float32(0.9))
+
+
+LARGER = """FUNCTION larger : LREAL
+VAR_INPUT p, q : LREAL; END_VAR
+larger := SEL(p > q, q, p);
+END_FUNCTION
+"""
+CALLER = """FUNCTION_BLOCK law
+VAR_INPUT a : LREAL; n : DINT; END_VAR
+VAR_OUTPUT y : LREAL; END_VAR
+y := {call};
+END_FUNCTION_BLOCK
+"""
+
+
+def test_a_function_of_the_text_is_called():
+    law = function_block(LARGER + CALLER.format(call="larger(0.5, larger(p := a, q := -1.0))"))
+    assert [law(a=a)["y"] for a in (0.25, 0.75, -math.inf)] == [0.5, 0.75, 0.5]
+    assert (
+        math.copysign(1.0, function_block(LARGER + CALLER.format(call="larger(a, -0.0)"))()["y"])
+        < 0
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (LARGER + CALLER.format(call="larger(a)"), "no function of 1 inputs"),
+        (LARGER + CALLER.format(call="larger(a, n)"), "the value DINT"),
+        (LARGER + CALLER.format(call="larger(q := a, p := a)"), "is not p of larger"),
+        (CALLER.format(call="larger(a, a)") + LARGER, "unknown here"),
+        (
+            LARGER.replace(": LREAL\n", ": tank\n", 1) + CALLER.format(call="a"),
+            "a function of TANK",
+        ),
+    ],
+)
+def test_a_wrong_function_is_refused(text, message):
+    with pytest.raises(StructuredTextError, match=message):
+        StructuredText(text)

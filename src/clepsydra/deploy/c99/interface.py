@@ -6,11 +6,11 @@ from collections.abc import Iterator, Sequence
 
 from clepsydra.deploy.c99.layout import instances
 from clepsydra.deploy.c99.structures import WIDTH, Structures, block_name
-from clepsydra.deploy.printing.called_blocks import called_blocks
 from clepsydra.deploy.printing.heading import heading
 from clepsydra.deploy.printing.identifiers import C_WORDS, check_distinct, check_identifier
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
+from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.owned_state import own_state
 from clepsydra.program.program import Program

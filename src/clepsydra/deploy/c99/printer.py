@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 from clepsydra.deploy.c99.interface import check_names, head_comment, print_header
 from clepsydra.deploy.c99.source import print_source
-from clepsydra.deploy.printing.heading import check_printable
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision, in_precision
-from clepsydra.deploy.printing.whole_numbers import check_whole_results
-from clepsydra.program.owned_state import with_owned_state
+from clepsydra.deploy.printing.printed_form import printed_form
 from clepsydra.program.program import Program
 
 
@@ -88,11 +86,8 @@ def print_c(
     >>> print_c(program).source.splitlines()[-4:]
     ['', '  /* outputs */', '  outputs->y = x + x;', '}']
     """
-    check_printable(program)
-    program = in_precision(program, precision)
-    head = head_comment(program, origin, precision)
-    program = with_owned_state(program)
-    check_whole_results(program, precision)
-    check_names(program)
-    header = print_header(program, head, origin, precision)
-    return CSource(program.name, header, print_source(program, head, origin, precision))
+    printed = printed_form(program, precision)
+    head = head_comment(in_precision(program, precision), origin, precision)
+    check_names(printed)
+    header = print_header(printed, head, origin, precision)
+    return CSource(program.name, header, print_source(printed, head, origin, precision))

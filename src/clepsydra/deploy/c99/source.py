@@ -15,11 +15,11 @@ from clepsydra.deploy.c99.notation import arithmetic_check, literal, notation_of
 from clepsydra.deploy.c99.statements import array
 from clepsydra.deploy.c99.step import BlockFunction, StepFunction
 from clepsydra.deploy.c99.structures import WIDTH, block_name
-from clepsydra.deploy.printing.called_blocks import called_blocks
 from clepsydra.deploy.printing.heading import commented, number_comment, table_comment
 from clepsydra.deploy.printing.identifiers import C_WORDS
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
+from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.owned_state import state_paths
 from clepsydra.program.program import Program

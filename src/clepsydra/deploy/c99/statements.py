@@ -42,6 +42,8 @@ def statement(entry: ListingStatement, notation: Notation, depth: int) -> list[s
         raise ValueError(f"{entry.instance}: a block is called in the equations of a law only")
     indent = "  " * depth
     lines = [line for start in entry.start for line in _declare(start, notation, depth, "")]
+    if isinstance(entry, CountedLoop) and entry.count == 1:
+        return [*lines, *_body(entry, notation, depth)]
     if isinstance(entry, CountedLoop):
         index, count = entry.index, entry.count
         lines.append(f"{indent}for (int32_t {index} = 0; {index} < {count}; ++{index}) {{")

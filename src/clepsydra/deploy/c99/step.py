@@ -11,15 +11,15 @@ from clepsydra.deploy.c99.interface import step_head
 from clepsydra.deploy.c99.notation import literal, real_type
 from clepsydra.deploy.c99.statements import advance, assign, call, declare, statement
 from clepsydra.deploy.c99.structures import TYPES, WIDTH, Structures, block_name
-from clepsydra.deploy.printing.called_blocks import needed_calls
 from clepsydra.deploy.printing.expressions import Expression, Notation, flag, render, variable
 from clepsydra.deploy.printing.folding import list_block
 from clepsydra.deploy.printing.heading import comment, commented, harmless
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.program.entries import Entry, is_ring, signal_of
+from clepsydra.program.needed import needed_part
 from clepsydra.program.owned_state import owned_by_calls
-from clepsydra.program.program import Program
+from clepsydra.program.program import Call, Program
 
 
 class StepFunction:
@@ -143,7 +143,8 @@ class StepFunction:
         lines = [f"  {load}" for load in self._locals.values()]
         if self._locals and self.listing.statements:
             lines.append("")
-        calls = iter(needed_calls(program))
+        needed = needed_part(program.block)[0].statements
+        calls = (each for each in needed if isinstance(each, Call))
         for entry in self.listing.statements:
             if isinstance(entry, BlockCall):
                 lines += self._call(entry, next(calls).instance)

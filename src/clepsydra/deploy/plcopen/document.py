@@ -22,7 +22,7 @@ _VARIABLES = {
     "VAR": "localVars",
     "VAR_TEMP": "tempVars",
 }
-_UNITS = {"FUNCTION_BLOCK": "functionBlock", "PROGRAM": "program"}
+_UNITS = {"FUNCTION_BLOCK": "functionBlock", "FUNCTION": "function", "PROGRAM": "program"}
 _PLAIN_TEXT = "http://www.3s-software.com/plcopenxml/interfaceasplaintext"
 
 
@@ -157,6 +157,8 @@ class _Document:
     def _unit(self, parent: ElementTree.Element, unit: Unit) -> None:
         found = _add(parent, "pou", name=unit.name, pouType=_UNITS[unit.kind])
         interface = _add(found, "interface")
+        if unit.result:
+            _add(_add(interface, "returnType"), unit.result)
         for section in unit.sections:
             self._section(interface, section)
         self._formatted(_add(interface, "documentation"), "\n".join(unit.head))

@@ -14,7 +14,8 @@ from clepsydra.program.program import COMPARISONS, LOGIC
 # How tightly a written expression holds together; an operand that is looser than its place
 # demands is put in parentheses.
 _LOOSE, _SIGNED, _SUM, _PRODUCT, _ATOM = range(5)
-_CHOICES = frozenset({"select", "maximum", "minimum", "number"})
+_CHOICES = frozenset({"select", "number"})
+_EXTREMES = frozenset({"maximum", "minimum"})
 # Integers: read, constant, counted from a truth value, rounded; the others have whole operands.
 # How a comparison may be written from the other side.
 _GREATER = frozenset({"greater", "greater_equal"})
@@ -115,21 +116,17 @@ def integer(text: str) -> Expression:
 
 
 def as_select(choice: Expression) -> Expression:
-    """Return the larger or smaller of two numbers, or a truth value's number, as what it selects.
+    """Return a truth value's number as what it selects; any other expression as it is.
 
     Examples
     --------
-    >>> as_select(Expression("maximum", (variable("a"), variable("b")))).operands[0].code
-    'less'
+    >>> as_select(Expression("number", (flag("late"),))).code
+    'select'
     """
-    code, operands = choice.code, choice.operands
-    if code == "number":
-        one, zero = Expression("constant", number=1.0), Expression("constant")
-        return Expression("select", (operands[0], one, zero))
-    if code in ("maximum", "minimum"):
-        sides = operands[::-1] if code == "maximum" else operands
-        return Expression("select", (Expression("less", sides), *operands))
-    return choice
+    if choice.code != "number":
+        return choice
+    one, zero = Expression("constant", number=1.0), Expression("constant")
+    return Expression("select", (choice.operands[0], one, zero))
 
 
 #: A number with as many zeros at its end is written with an exponent.
@@ -329,9 +326,10 @@ def _written(expression: Expression, notation: Notation) -> tuple[str, int]:
     if code == "truth":
         zero = Expression("constant")
         return _operator(Expression("not_equal", (operands[0], zero)), notation)
-    if code in _CHOICES and code not in notation.statements:
+    chosen = code in _CHOICES and code not in notation.statements
+    if chosen or (code in _EXTREMES and code not in notation.functions):
         return _choice(expression, notation), _LOOSE
-    if code in _CHOICES and code != "select":
+    if code == "number":
         return _written(as_select(expression), notation)
     if code in notation.functions:
         texts = [_operand(operand, notation, _LOOSE) for operand in operands]

@@ -21,9 +21,9 @@ from clepsydra.deploy.printing.listing import (
     RingTurn,
     parts,
 )
-from clepsydra.deploy.printing.needed import needed_body, needed_part, needed_values
 from clepsydra.deploy.printing.scope import Scope
 from clepsydra.deploy.printing.whole_numbers import WholeRange
+from clepsydra.program.needed import needed_body, needed_part, needed_values
 from clepsydra.program.program import (
     COMPARISONS,
     Block,
@@ -104,6 +104,9 @@ class _Lister:
         self._names = names
         self._read = read
         self.tables: dict[str, tuple[float, ...]] = {}
+        #: The indices of the loops, by how deep these stand.
+        self._indices: list[str] = []
+        self._depth = 0
 
     def block(
         self,
@@ -162,21 +165,22 @@ class _Lister:
     ) -> None:
         names, first = self._names, len(loop.tables)
         entries = []
-        index = names.new("i")
+        index = self._index()
         count, rings = len(loop.targets), len(loop.rings)
         live = needed_values(loop, uses)
         needed, read = needed_body(loop, live)
         for number, table in enumerate(loop.tables):
-            if number not in read:
-                entries.append(_UNREAD)
+            if number not in read or loop.count == 1:
+                entries.append(Expression("constant", number=table[0]))
                 continue
             # By their texts: equal numbers may be zeros of different sign.
             known = (name for name, other in self.tables.items() if repr(other) == repr(table))
             name = next(known, "") or names.new(f"{loop.name}_table")
             self.tables[name] = table
             entries.append(variable(f"{name}[{index}]"))
-        carried = self._carried(loop, live, scope, labels)
-        start = tuple(Assignment(carried[k], scope.values[loop.carried[k]]) for k in live)
+        before = dict(scope.values)
+        carried = self._carried(loop, live, scope, labels, uses)
+        start = self._start(loop, carried, before)
         oldest = [
             names.new(f"oldest_{ring.signal.identifier}") if argument in read else ""
             for argument, ring in enumerate(loop.rings, first + count)
@@ -190,7 +194,9 @@ class _Lister:
                 for argument, value in enumerate(loop.invariants, first + count + rings)
             ),
         ]
+        self._depth += 1
         body, results = self.block(needed, inside, {}, {}, {})
+        self._depth -= 1
         update = self._update(list(carried.values()), results[: len(live)], body)
         turns = map(RingTurn, loop.rings, oldest, results[len(live) :])
         scope.statements.append(
@@ -205,14 +211,15 @@ class _Lister:
         uses: Mapping[int, int],
     ) -> None:
         live = needed_values(conditional, uses)
-        carried = self._carried(conditional, live, scope, labels)
+        before = dict(scope.values)
+        carried = self._carried(conditional, live, scope, labels, uses)
         needed, read = needed_body(conditional, live)
         # What only the body reads, it reads as it was before.
         inside = [
             variable(carried[k]) if k in carried else scope.atom(value) if k in read else _UNREAD
             for k, value in enumerate(conditional.carried + conditional.invariants)
         ]
-        start = tuple(Assignment(carried[k], scope.values[conditional.carried[k]]) for k in live)
+        start = self._start(conditional, carried, before)
         body, results = self.block(needed, inside, {}, {}, {})
         update = self._update(list(carried.values()), results, body)
         if body or update:
@@ -246,15 +253,38 @@ class _Lister:
         live: Sequence[int],
         scope: Scope,
         labels: Mapping[int, str],
+        uses: Mapping[int, int],
     ) -> dict[int, str]:
-        """Name the variables of those carried values that need one, by their position."""
+        """Name the variables of those carried values that need one, by their position.
+
+        What was carried by a statement before, and is read by this one alone, is carried on.
+        """
         carried: dict[int, str] = {}
         for k in live:
-            target = statement.targets[k]
+            target, start = statement.targets[k], statement.carried[k]
+            name, kept = labels.get(target, ""), scope.values[start].text
+            if not name and kept in scope.carried and uses[start] == 1:
+                name = kept
             wanted = scope.preferred.get(target) or f"{statement.name}_value"
-            carried[k] = labels.get(target) or self._names.new(wanted)
+            carried[k] = name or self._names.new(wanted)
             scope.values[target] = variable(carried[k])
+        scope.carried.update(carried.values())
         return carried
+
+    def _start(
+        self,
+        statement: Loop | Conditional,
+        carried: Mapping[int, str],
+        values: Mapping[int, Expression],
+    ) -> tuple[Assignment, ...]:
+        starts = (Assignment(name, values[statement.carried[k]]) for k, name in carried.items())
+        return tuple(each for each in starts if each.expression != variable(each.name))
+
+    def _index(self) -> str:
+        """Return the index of a loop; those beside each other have the same."""
+        if len(self._indices) == self._depth:
+            self._indices.append(self._names.new("i"))
+        return self._indices[self._depth]
 
     def _update(
         self, carried: Sequence[str], results: Sequence[Expression], body: list[ListingStatement]

@@ -7,8 +7,6 @@ import textwrap
 from collections.abc import Iterable, Iterator
 
 from clepsydra import __version__
-from clepsydra.base.arguments import require_type
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.signals import LARGEST_PARAMETER
 from clepsydra.deploy.printing.origin import Origin
@@ -202,40 +200,3 @@ def harmless(text: str) -> str:
     for mark in ("/*", "*/", "(*", "*)"):
         text = text.replace(mark, f"{mark[0]} {mark[1]}")
     return text
-
-
-def check_printable(program: Program) -> None:
-    """Refuse what is no program, and a program with a fused operation.
-
-    Structured Text has no fused operation, and a controller must compute the same bits
-    everywhere.
-
-    Raises
-    ------
-    InputError
-        It is no program, or some operation is fused.
-
-    Examples
-    --------
-    >>> fused = Block(1, (Operation(1, "multiply", (0, 0), fused=True),), (1,))
-    >>> try:
-    ...     check_printable(Program("law", (), (Signal("u"),), (), (Signal("y"),), fused))
-    ... except InputError as error:
-    ...     print(error.value)
-    a fused multiply
-    """
-    require_type(
-        program,
-        Program,
-        "print",
-        "a Program",
-        "give controller.program(), or program_of(law) of a step law",
-    )
-    for operation in program.block.operations():
-        if operation.fused:
-            raise InputError(
-                f"program {program.name}, value {operation.target}",
-                f"a fused {operation.code}",
-                "a program without fused operations",
-                "print the controller's own program, or a process without fused operations",
-            )

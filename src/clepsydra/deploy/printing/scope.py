@@ -65,6 +65,8 @@ class Scope:
         self.preferred = dict(preferred)
         self._read_as_number: set[int] = set()
         self.statements: list[ListingStatement] = []
+        #: Variables of loops and branches, which a later one may go on with.
+        self.carried: set[str] = set()
 
     def assign(self, value: int, name: str = "") -> Expression:
         """Give a value a variable, and return the expression that reads it."""

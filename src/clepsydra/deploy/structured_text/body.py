@@ -292,7 +292,7 @@ def _declared(statements: Sequence[ListingStatement], real: str) -> list[tuple[s
             found.append((entry.name, kind))
             continue
         if isinstance(entry, CountedLoop):
-            found.append((entry.index, "DINT"))
+            found += [(entry.index, "DINT")] if entry.count > 1 else []
             found += [(turn.oldest, real) for turn in entry.rings if turn.oldest]
         if isinstance(entry, (CountedLoop, Branch)):
             found += _declared(entry.start, real) + _declared(entry.body, real)

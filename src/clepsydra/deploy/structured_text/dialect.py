@@ -43,8 +43,6 @@ class Dialect:
         Smallest and largest magnitude that the system reads as a number; none where empty.
     absolute_zero : bool
         Whether ABS makes the negative zero positive.
-    single_turns : bool
-        Whether ``FOR i := 0 TO 0`` runs once.
     constant_arrays : bool
         Whether a block may declare a constant array.
     line_comments : bool
@@ -79,7 +77,6 @@ class Dialect:
     typed_numbers: frozenset[Precision] = frozenset({"single"})
     literals: tuple[float, float] | None = None
     absolute_zero: bool = True
-    single_turns: bool = True
     constant_arrays: bool = True
     line_comments: bool = False
     block_quote: str = ""
@@ -91,8 +88,8 @@ class Dialect:
 
     @property
     def all_words(self) -> frozenset[str]:
-        """Words of the standard and of the system, in upper case."""
-        return STRUCTURED_TEXT_WORDS | self.words
+        """Words of the standard, of the system and of the functions that come with a text."""
+        return STRUCTURED_TEXT_WORDS | self.words | {"FC_MAX", "FC_MIN"}
 
     def commented(self, text: str) -> str:
         """Return a text as a comment of one line.
@@ -123,8 +120,6 @@ _MATIEC = Dialect(
     literals=(2.0**-126, (2.0 - 2.0**-23) * 2.0**127),
     # Its ABS changes the sign of what is less than zero, which the negative zero is not.
     absolute_zero=False,
-    # It generates a loop that is left before its first turn where that is the last.
-    single_turns=False,
     configuration=True,
 )
 _CODESYS = Dialect(
@@ -152,6 +147,8 @@ _SCL = Dialect(
         "greatest": ("IN1", "IN2"),
         "least": ("IN1", "IN2"),
         "limit": ("MN", "IN", "MX"),
+        "maximum": ("a", "b"),
+        "minimum": ("a", "b"),
     },
     power="**",
     # Without a type the result has that of the operands around it.

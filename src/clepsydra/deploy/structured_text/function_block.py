@@ -11,7 +11,7 @@ from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.body import Body
 from clepsydra.deploy.structured_text.dialect import Dialect
 from clepsydra.deploy.structured_text.interface import Interface, block_type, check_names
-from clepsydra.deploy.structured_text.line_breaking import folded
+from clepsydra.deploy.structured_text.line_breaking import dense, folded
 from clepsydra.deploy.structured_text.pou import Section, Unit, Variable
 from clepsydra.deploy.structured_text.wording import Wording
 from clepsydra.program.entries import signal_of
@@ -89,7 +89,11 @@ class _Printer:
             program.name,
             tuple(head),
             tuple(sections),
-            tuple(part for line in body for part in folded(wording.marked(line, local))),
+            tuple(
+                part
+                for line in dense([wording.marked(line, local) for line in body])
+                for part in folded(line)
+            ),
         )
 
     def _products(self) -> list[str]:

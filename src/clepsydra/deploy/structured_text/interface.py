@@ -7,7 +7,6 @@ from dataclasses import replace
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.called_blocks import needed_calls
 from clepsydra.deploy.printing.heading import comment
 from clepsydra.deploy.printing.identifiers import check_distinct, check_identifier
 from clepsydra.deploy.printing.origin import Origin
@@ -105,7 +104,7 @@ class Interface:
         ]
         instances = [
             Variable(call.instance, block_type(call.program), is_block=True)
-            for call in needed_calls(program)
+            for call in program.calls
         ]
         return [
             Section(

@@ -6,21 +6,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.called_blocks import called_blocks
-from clepsydra.deploy.printing.heading import check_printable, heading
+from clepsydra.deploy.printing.heading import heading
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision, in_precision
-from clepsydra.deploy.printing.whole_numbers import check_whole_results
+from clepsydra.deploy.printing.printed_form import printed_form
 from clepsydra.deploy.structured_text.block_names import with_block_names
 from clepsydra.deploy.structured_text.dialect import Dialect
 from clepsydra.deploy.structured_text.function_block import function_block
+from clepsydra.deploy.structured_text.functions import called_functions
 from clepsydra.deploy.structured_text.interface import block_type
-from clepsydra.deploy.structured_text.pou import Unit
+from clepsydra.deploy.structured_text.pou import Section, Unit, Variable
 from clepsydra.program.builder import BlockBuilder
+from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.entries import signal_of
 from clepsydra.program.inlined import append, renamed
-from clepsydra.program.owned_state import RESTART, with_owned_state
+from clepsydra.program.owned_state import RESTART
 from clepsydra.program.program import Call, Program
 
 _NUMBERS = {
@@ -37,7 +38,7 @@ _BEGUN = "begun"
 def function_blocks(
     program: Program, dialect: Dialect, precision: Precision, origin: Origin | None = None
 ) -> tuple[Unit, ...]:
-    """Return a step program as function blocks: first the blocks that it calls, itself last.
+    """Return a step program as function blocks: first what it calls, itself last.
 
     The state of a call lives in its instance where nothing else reads it. Its start values are
     inputs: the program's own block has a retained state that says whether it has run.
@@ -59,24 +60,45 @@ def function_blocks(
     >>> law = Program("law", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), calls)
     >>> units = function_blocks(law, dialect_of("codesys"), "double")
     >>> [unit.name for unit in units], units[-1].body[0]
-    (['FB_FlowTotal', 'law'], 'feed(u := u, restart := NOT begun, start_sum := 0.0);')
+    (['FB_FlowTotal', 'law'], 'feed(u := u, restart := NOT begun);')
     """
-    check_printable(program)
-    program = in_precision(program, precision)
-    owned = with_owned_state(program)
-    check_whole_results(owned, precision)
-    main = with_block_names(_beginning(owned), dialect.all_words)
+    printed = printed_form(program, precision)
+    main = with_block_names(_beginning(printed), dialect.all_words)
     library = []
+    told: set[Variable] = set()
     for block in called_blocks(main):
         name = block_type(block)
         head = (f"{name}:", *block.description)
-        library.append(function_block(replace(block, name=name), dialect, precision, head))
+        unit = function_block(replace(block, name=name), dialect, precision, head)
+        library.append(replace(unit, sections=tuple(_told_once(s, told) for s in unit.sections)))
     notes = (_NUMBERS[precision], *_NOTES)
     if origin is not None:
         # What tells the first scan from the others comes from no design.
         origin = replace(origin, sources={_BEGUN: "", **origin.sources})
-    about = heading(program, "IEC 61131-3 Structured Text", notes, origin)
-    return (*library, function_block(main, dialect, precision, about, origin))
+    about = heading(in_precision(program, precision), "IEC 61131-3 Structured Text", notes, origin)
+    blocks = (*library, function_block(main, dialect, precision, about, origin))
+    return (*called_functions(blocks, dialect, precision), *blocks)
+
+
+#: What a variable is that is declared without a value.
+_ZEROS = (("0.0",), ("0",), ("FALSE",))
+
+
+def _told_once(section: Section, told: set[Variable]) -> Section:
+    """Return the declarations of a block, without what another one has said of the same name.
+
+    They are wired, so they begin with no value of their own; what needs no comment stands last.
+    """
+    groups = []
+    for title, variables in section.groups:
+        found = []
+        for each in variables:
+            each = replace(each, initial=() if each.initial in _ZEROS else each.initial)
+            found.append(replace(each, comment="") if each in told else each)
+            told.add(each)
+        found.sort(key=lambda each: "" if each.comment else each.type)
+        groups.append((title, tuple(found)))
+    return replace(section, groups=tuple(groups))
 
 
 def _beginning(program: Program) -> Program:

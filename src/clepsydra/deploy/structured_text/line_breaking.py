@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 #: Longest line where it can be helped [characters].
 LINE = 100
@@ -13,6 +13,8 @@ _OPENING, _CLOSING = "([", ")]"
 # How much holds together what stands beside a sign; a line is broken there where it is least.
 _TIGHT = {":=": 0, ",": 0, "OR": 1, "AND": 2, "<": 3, "<=": 3, "=": 3, "<>": 3, ">": 3, ">=": 3,
           "+": 4, "-": 4}  # fmt: skip
+_BRANCH = re.compile(r" *((IF|ELSIF)\b.* THEN|ELSE)$")
+_COMPOUND = re.compile(r" *(IF|FOR|\(\*|//)")
 #: A line is broken before that many characters only where it cannot be helped.
 _LEAST = 40
 
@@ -48,3 +50,46 @@ def folded(line: str) -> Iterator[str]:
         yield line[:-at].rstrip()
         start, line = len(indent), indent + line[-at:]
     yield line
+
+
+def dense(lines: Sequence[str]) -> list[str]:
+    """Return statements with what each branch of an IF does beside its condition.
+
+    That is so where every branch is one short statement.
+
+    Examples
+    --------
+    >>> print("\\n".join(dense(["IF late THEN", "  scans := 0;", "END_IF;"])))
+    IF late THEN scans := 0; END_IF;
+    >>> print("\\n".join(dense(["IF a THEN", "  b := 1;", "ELSE", "  b := 2;", "END_IF;"])))
+    IF a THEN b := 1;
+    ELSE b := 2;
+    END_IF;
+    """
+    found: list[str] = []
+    place = 0
+    while place < len(lines):
+        rows = [*_branches(lines[place:])]
+        end = place + 2 * len(rows)
+        if len(rows) == 1:
+            rows = [f"{rows[0]} END_IF;"]
+            end += 1
+        fits = rows and all(len(row) <= LINE for row in rows)
+        found += rows if fits else [lines[place]]
+        place = end if fits else place + 1
+    return found
+
+
+def _branches(lines: Sequence[str]) -> Iterator[str]:
+    """Yield the branches of an IF at the beginning, a line each; none if one needs more."""
+    if not lines[0].lstrip().startswith("IF "):
+        return
+    rows = []
+    for place in range(0, len(lines) - 2, 2):
+        head, inside, after = lines[place : place + 3]
+        if not _BRANCH.match(head) or _COMPOUND.match(inside):
+            return
+        rows.append(f"{head} {inside.lstrip()}")
+        if after.lstrip() == "END_IF;":
+            yield from rows
+            return

@@ -6,6 +6,9 @@ from clepsydra.deploy.printing.expressions import Notation
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import Dialect
 
+#: Functions that come with the text: of two reals, `a > b ? a : b` and `a < b ? a : b`, which
+#: MAX and MIN of a system are not where one is no number, or where both are zeros.
+EXTREMES = {"maximum": "FC_Max", "minimum": "FC_Min"}
 # Functions of integers and truth values.
 _TYPED = {
     "select": "SEL",
@@ -16,7 +19,7 @@ _TYPED = {
 }
 #: Two lines at the most.
 _WIDTH = 150
-_STATEMENTS = frozenset({"select", "maximum", "minimum", "number", "floor", "ceiling"})
+_STATEMENTS = frozenset({"select", "number", "floor", "ceiling"})
 
 
 def notation_of(dialect: Dialect, precision: Precision) -> Notation:
@@ -30,6 +33,7 @@ def notation_of(dialect: Dialect, precision: Precision) -> Notation:
     """
     real = "LREAL" if precision == "double" else "REAL"
     power = {"pow": "EXPT"} if dialect.power else {}
+    extremes = {code: dialect.quoted(name) for code, name in EXTREMES.items()}
     typed = {**_TYPED, "real": f"DINT_TO_{real}", "rounded": f"{real}_TO_DINT"}
     return Notation(
         language="Structured Text",
@@ -40,7 +44,7 @@ def notation_of(dialect: Dialect, precision: Precision) -> Notation:
             "and": "AND", "or": "OR",
         },
         # A power that is an operator is written by `Wording`; here it counts for its width.
-        functions={**dialect.functions, **power, **typed},
+        functions={**dialect.functions, **power, **extremes, **typed},
         negation="NOT ",
         statements=_STATEMENTS,
         repeating=_STATEMENTS - {"select", "number"},

@@ -71,7 +71,7 @@ class Unit:
 
     Parameters
     ----------
-    kind : {"FUNCTION_BLOCK", "PROGRAM"}
+    kind : {"FUNCTION_BLOCK", "FUNCTION", "PROGRAM"}
     name : str
     head : tuple of str
         Lines of its head comment.
@@ -79,6 +79,8 @@ class Unit:
         Those without variables are left out of every text.
     body : tuple of str
         Lines of its statements.
+    result : str
+        Type of what a function returns.
 
     Examples
     --------
@@ -86,11 +88,12 @@ class Unit:
     ('level := 0.1;',)
     """
 
-    kind: Literal["FUNCTION_BLOCK", "PROGRAM"]
+    kind: Literal["FUNCTION_BLOCK", "FUNCTION", "PROGRAM"]
     name: str
     head: tuple[str, ...]
     sections: tuple[Section, ...]
     body: tuple[str, ...]
+    result: str = ""
 
     def declared(self) -> list[tuple[Section, Variable]]:
         """Return every variable with its section."""

@@ -26,10 +26,7 @@ def unit_text(unit: Unit, dialect: Dialect) -> list[str]:
     >>> print("\\n".join(unit_text(unit, dialect_of("codesys"))))
     (* Half. *)
     FUNCTION_BLOCK half
-    VAR RETAIN
-      (* state *)
-      x : LREAL := 0.5;
-    END_VAR
+    VAR RETAIN x : LREAL := 0.5; END_VAR
     x := 0.5 * x;
     END_FUNCTION_BLOCK
     """
@@ -48,7 +45,8 @@ def declaration_lines(unit: Unit, dialect: Dialect) -> list[str]:
     >>> declaration_lines(unit, dialect_of("codesys"))
     ['(* Nothing yet. *)', 'PROGRAM main']
     """
-    title = f"{_keyword(unit, dialect)} {dialect.quoted(unit.name)}"
+    result = f" : {unit.result}" if unit.result else ""
+    title = f"{_keyword(unit, dialect)} {dialect.quoted(unit.name)}{result}"
     head = comment_lines(unit.head, dialect)
     # What stands before the attributes belongs to no block, so there the comment goes inside.
     opening = [title, *dialect.attributes, *head] if dialect.attributes else [*head, title]
@@ -56,7 +54,7 @@ def declaration_lines(unit: Unit, dialect: Dialect) -> list[str]:
 
 
 def _keyword(unit: Unit, dialect: Dialect) -> str:
-    return unit.kind if dialect.programs else "FUNCTION_BLOCK"
+    return "FUNCTION_BLOCK" if unit.kind == "PROGRAM" and not dialect.programs else unit.kind
 
 
 def comment_lines(lines: Sequence[str], dialect: Dialect) -> list[str]:
@@ -86,20 +84,26 @@ def comment_lines(lines: Sequence[str], dialect: Dialect) -> list[str]:
 
 
 def _section(section: Section, dialect: Dialect) -> list[str]:
-    if not any(True for _ in section.variables):
-        return []
-    lines = [f"{section.keyword} {section.qualifier}".rstrip()]
-    for title, variables in section.groups:
-        if variables:
-            lines.append(f"  {dialect.commented(title)}")
+    groups = [(title, variables) for title, variables in section.groups if variables]
+    head, end = f"{section.keyword} {section.qualifier}".rstrip(), "END_VAR"
+    lines: list[str] = []
+    for title, variables in groups:
+        if len(groups) > 1:
+            lines.append(dialect.commented(title))
         for kind, names in groupby(variables, partial(_plain_type, dialect=dialect)):
             entries = [*names]
             if kind:
                 lines += _list([entry.name for entry in entries], kind)
                 continue
             for entry in entries:
-                lines += [f"  {line}" for line in _declaration(entry, dialect)]
-    return [*lines, "END_VAR"]
+                lines += _declaration(entry, dialect)
+    if len(lines) == 1:
+        # A comment belongs to what it stands behind, and one of a line ends with it.
+        declared, mark, about = lines[0].partition(" (*")
+        whole = f"{head} {declared} {end}{mark}{about}"
+        if len(whole) <= _WIDTH and "//" not in whole:
+            return [whole]
+    return [head, *(f"  {line}" for line in lines), end] if lines else []
 
 
 def _plain_type(entry: Variable, dialect: Dialect) -> str:
@@ -109,9 +113,7 @@ def _plain_type(entry: Variable, dialect: Dialect) -> str:
 
 
 def _list(names: Sequence[str], kind: str) -> list[str]:
-    return textwrap.wrap(
-        f"{', '.join(names)} : {kind};", _WIDTH, initial_indent="  ", subsequent_indent="    "
-    )
+    return textwrap.wrap(f"{', '.join(names)} : {kind};", _WIDTH, subsequent_indent="  ")
 
 
 def _declaration(entry: Variable, dialect: Dialect) -> list[str]:

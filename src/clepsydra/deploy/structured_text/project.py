@@ -59,11 +59,14 @@ def make_project(
     program = make_loop_program(
         controller, process, wires, sampling_period, dialect, precision, origin
     )
-    blocks = [
+    units = [
         *function_blocks(controller, dialect, precision, origin),
         *function_blocks(process, dialect, precision, process_origin),
     ]
-    return Project((*blocks, program.unit), program.interval)
+    # A function that both call stands there once.
+    functions = {unit.name: unit for unit in units if unit.kind == "FUNCTION"}
+    blocks = [unit for unit in units if unit.kind != "FUNCTION"]
+    return Project((*functions.values(), *blocks, program.unit), program.interval)
 
 
 def print_test_project(

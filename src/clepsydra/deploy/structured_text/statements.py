@@ -47,8 +47,8 @@ def statement(entry: ListingStatement, wording: Wording, depth: int = 0) -> list
     lines = [_STEP * depth + wording.dialect.commented(_title(entry))]
     for start in entry.start:
         lines += assign(start.name, start.expression, wording, depth)
-    if isinstance(entry, CountedLoop) and entry.count == 1 and not wording.dialect.single_turns:
-        return [*lines, *wrapped(entry.index, "0", depth), *_body(entry, wording, depth)]
+    if isinstance(entry, CountedLoop) and entry.count == 1:
+        return [*lines, *_body(entry, wording, depth)]
     if isinstance(entry, CountedLoop):
         head, end = f"FOR {entry.index} := 0 TO {entry.count - 1} DO", "END_FOR;"
     else:
@@ -58,10 +58,17 @@ def statement(entry: ListingStatement, wording: Wording, depth: int = 0) -> list
 
 
 def _call(entry: BlockCall, wording: Wording) -> str:
-    """Write the call of an instance, on one line however long it is."""
+    """Write the call of an instance, on one line however long it is.
+
+    An input that is a constant stays what it is declared with where it is that.
+    """
     given = []
     for signal, argument in zip(entry.program.inputs, entry.arguments, strict=True):
         value = of_kind(signal.kind, argument)
+        declared = Expression("constant", number=signal.initial)
+        # By their texts: equal numbers may be zeros of different sign.
+        if repr(value) == repr(of_kind(signal.kind, declared)):
+            continue
         text = wording.expression(value)
         if value.code in COMPARISONS:
             text = f"({text})"

@@ -144,7 +144,7 @@ class Wording:
         if code == "truth":
             zero = Expression("constant")
             return self._worded(Expression("not_equal", (expression.operands[0], zero)))
-        if code in ("number", "maximum", "minimum"):
+        if code == "number":
             return self._worded(as_select(expression))
         if code == "select" and expression.is_truth:
             expression = _logical(expression)

@@ -11,7 +11,11 @@ from clepsydra.deploy.proof.text.values import ZEROS, literal
 if TYPE_CHECKING:
     from tree_sitter import Node
 
-_UNITS = {"function_block_declaration": "FUNCTION_BLOCK", "program_declaration": "PROGRAM"}
+_UNITS = {
+    "function_block_declaration": "FUNCTION_BLOCK",
+    "function_declaration": "FUNCTION",
+    "program_declaration": "PROGRAM",
+}
 _SECTIONS = ("var_input", "var_output", "var_block", "var_temp")
 _QUIET = ("comment", "pragma")
 
@@ -50,15 +54,15 @@ class Declared:
 
 @dataclass(frozen=True)
 class Unit:
-    """A function block or a program.
+    """A function block, a function or a program.
 
     Parameters
     ----------
     kind : str
-        "FUNCTION_BLOCK" or "PROGRAM".
+        "FUNCTION_BLOCK", "FUNCTION" or "PROGRAM".
     name : str
     declared : dict
-        Name in lower case to what was declared.
+        Name in lower case to what was declared; of a function also what it returns.
     body : tuple of Node
         Its statements.
 
@@ -77,7 +81,7 @@ class Unit:
 
 
 def units_of(root: Node) -> dict[str, Unit]:
-    """Return the function blocks and programs of a text, by name in lower case.
+    """Return the function blocks, functions and programs of a text, by name in lower case.
 
     Raises
     ------
@@ -112,10 +116,17 @@ def _unit(node: Node) -> Unit:
         if child.type not in ("empty_statement", *_QUIET)
     )
     known = {*_SECTIONS, *_QUIET, "empty_statement"}
+    title = [part(node, "name")]
+    if _UNITS[node.type] == "FUNCTION":
+        title.append(part(node, "return_type"))
+        kind = content(title[1]).upper()
+        if kind not in ZEROS:
+            raise wrong(node, f"no meaning for a function of {kind}")
+        declared[content(title[0]).lower()] = Declared("VAR_TEMP", kind, ZEROS[kind])
     for child in node.named_children:
-        if child.type not in known and child != part(node, "name") and child not in body:
+        if child.type not in known and child not in (*title, *body):
             raise wrong(child, f"no meaning for {child.type}")
-    return Unit(_UNITS[node.type], content(part(node, "name")), declared, body)
+    return Unit(_UNITS[node.type], content(title[0]), declared, body)
 
 
 def _declare(section: Node, declared: dict[str, Declared]) -> None:

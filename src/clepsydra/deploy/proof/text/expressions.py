@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -80,14 +80,21 @@ class Expressions:
     unit : Unit
     units : mapping
         All function blocks of the text by name in lower case.
+    functions : mapping
+        The functions of the text that may be called, by name in lower case.
 
     Examples
     --------
     See `clepsydra.deploy.proof.text.interpreter.FunctionBlock`.
     """
 
-    def __init__(self, unit: Unit, units: Mapping[str, Unit]) -> None:
-        self._unit, self._units = unit, units
+    def __init__(
+        self,
+        unit: Unit,
+        units: Mapping[str, Unit],
+        functions: Mapping[str, Callable[..., Any]],
+    ) -> None:
+        self._unit, self._units, self._functions = unit, units, functions
         self.read: set[str] = set()
         #: What the translated code calls.
         self.namespace: dict[str, Any] = {
@@ -247,6 +254,8 @@ class Expressions:
 
     def _call(self, node: Node, wanted: str) -> Typed:
         name = content(part(node, "function")).upper()
+        if name.lower() in self._functions:
+            return self._of_text(node, self._units[name.lower()])
         given = [self._argument(each, name, k) for k, each in enumerate(_given(node))]
         arguments = [self.expression(argument, wanted) for argument in given]
         own = {a.type for a, n in zip(arguments, given, strict=True) if _has_own_type(n)}
@@ -257,6 +266,22 @@ class Expressions:
             # Literals take the type of what stands beside them.
             arguments = [self.expression(argument, *own) for argument in given]
         return self._applied(node, name, arguments)
+
+    def _of_text(self, node: Node, unit: Unit) -> Typed:
+        """Translate the call of a function that the text declares."""
+        key, given = unit.name.lower(), _given(node)
+        inputs = [(n, d.type) for n, d in unit.declared.items() if d.section == "VAR_INPUT"]
+        if unit.kind != "FUNCTION" or len(given) != len(inputs):
+            raise wrong(node, f"{unit.name} is no function of {len(given)} inputs")
+        arguments = []
+        for each, (name, kind) in zip(given, inputs, strict=True):
+            if each.type == "named_argument":
+                if content(part(each, "name")).lower() != name:
+                    raise wrong(node, f"{content(each)} is not {name} of {unit.name}")
+                each = part(each, "value")
+            arguments.append(self.of_type(each, kind, name))
+        self.namespace[key] = self._functions[key]
+        return Typed(unit.declared[key].type, self.called(key, *arguments))
 
     def _argument(self, node: Node, function: str, place: int) -> Node:
         """Return the value of an argument, which may be given with its name."""

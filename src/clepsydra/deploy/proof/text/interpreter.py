@@ -11,7 +11,7 @@ from clepsydra.deploy.proof.text.statements import compiled
 from clepsydra.deploy.proof.text.tree import StructuredTextError, parse
 from clepsydra.deploy.proof.text.values import admitted
 
-_Run = Callable[[dict[str, Any]], None]
+_Run = Callable[..., Any]
 
 
 class StructuredText:
@@ -60,9 +60,9 @@ class StructuredText:
         root = parse(text)
         self.units: dict[str, Unit] = units_of(root)
         self.tasks: tuple[Task, ...] = tasks_of(root)
-        self._runs: dict[str, _Run] = {
-            name: compiled(unit, self.units) for name, unit in self.units.items()
-        }
+        self._runs: dict[str, _Run] = {}
+        for name, unit in self.units.items():
+            self._runs[name] = compiled(unit, self.units, self._runs)
 
     def instance(self, name: str) -> FunctionBlock:
         """Return a new instance of a function block or program, all it holds at its start.
@@ -73,7 +73,7 @@ class StructuredText:
             The text has no such unit.
         """
         unit = self.units.get(name.lower())
-        if unit is None:
+        if unit is None or unit.kind == "FUNCTION":
             raise StructuredTextError(f"the text has no {name}")
         return FunctionBlock(unit, self._runs[name.lower()], self)
 

@@ -91,17 +91,23 @@ class _Block:
 
     tokens: list[_Token]
     local: set[str] = field(default_factory=set)
+    kind: str = ""
 
     def read(self, place: int) -> int:
         """Read a block from its first word; returns the place behind its last one."""
         first = self._at(place)
-        if first.text.upper() != "FUNCTION_BLOCK":
+        self.kind = first.text.upper()
+        if self.kind not in ("FUNCTION_BLOCK", "FUNCTION"):
             raise _wrong(first, f"{first.text} outside of a block")
         name = self._at(place + 1)
         if name.kind != "quoted":
             raise _wrong(name, f"the name {name.text} of a block is not in quotes")
         name.text = name.text.strip('"')
-        place = self._header(place + 2)
+        place += 2
+        if self.kind == "FUNCTION":
+            self.local.add(name.text.lower())
+            place += 2  # a colon and its type
+        place = self._header(place)
         while self._at(place).text.upper() in _SECTIONS:
             place = self._section(place + 1)
         begin = self._at(place)
@@ -150,14 +156,16 @@ class _Block:
     def _statements(self, place: int) -> int:
         """Read statements up to the end of the block."""
         calls: list[bool] = []  # whether an open parenthesis is that of a call
-        while (token := self._at(place)).text.upper() != "END_FUNCTION_BLOCK":
+        while (token := self._at(place)).text.upper() != f"END_{self.kind}":
             before = self._at(place - 1)
             if token.text == "(":
-                calls.append(before.kind in ("marked", "word"))
+                calls.append(before.kind in ("marked", "word", "quoted"))
             elif token.text == ")" and calls:
                 calls.pop()
             elif token.text.upper() == "BEGIN":
                 raise _wrong(token, "a second BEGIN")
+            elif token.kind == "quoted" and self._at(place + 1).text == "(":
+                token.text = token.text.strip('"')
             elif token.kind in ("quoted", "attribute") or token.text in ("#", '"'):
                 raise _wrong(token, f"no meaning for {token.text} in a statement")
             elif token.kind in ("marked", "word"):

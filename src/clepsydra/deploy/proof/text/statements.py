@@ -19,8 +19,13 @@ _LOAD, _STORE = ast.Load(), ast.Store()
 _PASSIVE = ("empty_statement", "comment", "pragma")
 
 
-def compiled(unit: Unit, units: Mapping[str, Unit]) -> Callable[[dict[str, Any]], None]:
+def compiled(
+    unit: Unit, units: Mapping[str, Unit], functions: Mapping[str, Callable[..., Any]]
+) -> Callable[..., Any]:
     """Return a function of Python that runs the body of a unit once on its memory.
+
+    Of a function it takes the inputs, in order, and returns what that returns. `functions` are
+    those that stand before the unit, by name in lower case.
 
     What the body reads is loaded from the memory into local variables, and what it writes is
     stored at its end. A temporary variable is local only, so that one which is read before it
@@ -37,21 +42,26 @@ def compiled(unit: Unit, units: Mapping[str, Unit]) -> Callable[[dict[str, Any]]
     >>> from clepsydra.deploy.proof.text.tree import parse
     >>> text = "PROGRAM p VAR n : DINT; END_VAR n := n + 1; END_PROGRAM"
     >>> memory = {"n": 4}
-    >>> compiled(units_of(parse(text))["p"], {})(memory)
+    >>> compiled(units_of(parse(text))["p"], {}, {})(memory)
     >>> memory
     {'n': 5}
     """
-    return _Body(unit, units).function()
+    return _Body(unit, units, functions).function()
 
 
 class _Body:
-    def __init__(self, unit: Unit, units: Mapping[str, Unit]) -> None:
+    def __init__(
+        self,
+        unit: Unit,
+        units: Mapping[str, Unit],
+        functions: Mapping[str, Callable[..., Any]],
+    ) -> None:
         self._unit = unit
-        self._expressions = Expressions(unit, units)
+        self._expressions = Expressions(unit, units, functions)
         self._written: set[str] = set()
         self._controls: list[str] = []
 
-    def function(self) -> Callable[[dict[str, Any]], None]:
+    def function(self) -> Callable[..., Any]:
         body = self._sequence(self._unit.body)
         kept = [n for n, d in self._unit.declared.items() if d.section != "VAR_TEMP"]
         used = self._expressions.read | self._written
@@ -70,13 +80,17 @@ class _Body:
             for name in kept
             if name in self._written
         ]
-        arguments = ast.arguments([], [ast.arg("memory")], None, [], [], None, [])
+        given = ["memory"]
         whole = [*loads, *body, *stores] or [ast.Pass()]
+        if self._unit.kind == "FUNCTION":
+            given = [f"v_{name}" for name in kept]
+            whole = [*body, ast.Return(ast.Name(f"v_{self._unit.name.lower()}", _LOAD))]
+        arguments = ast.arguments([], [ast.arg(name) for name in given], None, [], [], None, [])
         module = ast.parse("")
         module.body = [ast.FunctionDef("run", arguments, whole, [])]
         namespace = self._expressions.namespace
         exec(compile(ast.fix_missing_locations(module), f"<{self._unit.name}>", "exec"), namespace)
-        run: Callable[[dict[str, Any]], None] = namespace["run"]
+        run: Callable[..., Any] = namespace["run"]
         return run
 
     def _sequence(self, nodes: Sequence[Node]) -> list[ast.stmt]:

@@ -1,0 +1,74 @@
+"""A program as it is printed: checked, in its precision, its blocks with all that is theirs."""
+
+from __future__ import annotations
+
+from clepsydra.base.arguments import require_type
+from clepsydra.base.errors import InputError
+from clepsydra.deploy.printing.precision import Precision, in_precision
+from clepsydra.deploy.printing.whole_numbers import check_whole_results
+from clepsydra.program.called_blocks import without_unread_ports
+from clepsydra.program.owned_state import with_owned_state
+from clepsydra.program.program import Program
+
+
+def printed_form(program: Program, precision: Precision) -> Program:
+    """Return a program whose calls own their state and have no port that nobody reads.
+
+    Raises
+    ------
+    InputError
+        It cannot be printed in that precision.
+    ValueError
+        Two blocks of one name compute different things.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block
+    >>> law = Program("law", (), (Signal("x"),), (), (Signal("y"),), Block(1, (), (0,)))
+    >>> printed_form(law, "single") == law
+    True
+    """
+    check_printable(program)
+    program = without_unread_ports(with_owned_state(in_precision(program, precision)))
+    check_whole_results(program, precision)
+    return program
+
+
+def check_printable(program: Program) -> None:
+    """Refuse what is no program, and a program with a fused operation.
+
+    Structured Text has no fused operation, and a controller must compute the same bits
+    everywhere.
+
+    Raises
+    ------
+    InputError
+        It is no program, or some operation is fused.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block, Operation
+    >>> fused = Block(1, (Operation(1, "multiply", (0, 0), fused=True),), (1,))
+    >>> try:
+    ...     check_printable(Program("law", (), (Signal("u"),), (), (Signal("y"),), fused))
+    ... except InputError as error:
+    ...     print(error.value)
+    a fused multiply
+    """
+    require_type(
+        program,
+        Program,
+        "print",
+        "a Program",
+        "give controller.program(), or program_of(law) of a step law",
+    )
+    for operation in program.block.operations():
+        if operation.fused:
+            raise InputError(
+                f"program {program.name}, value {operation.target}",
+                f"a fused {operation.code}",
+                "a program without fused operations",
+                "print the controller's own program, or a process without fused operations",
+            )
