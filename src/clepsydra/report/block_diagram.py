@@ -74,8 +74,14 @@ class Box:
 _Source = Port | tuple[str, bool]
 
 
-def block_box(block: Program) -> Box:
+def block_box(block: Program, settings: Iterable[str] = ()) -> Box:
     """Return a block by itself, with all its ports.
+
+    Parameters
+    ----------
+    block : Program
+    settings : iterable of str
+        Inputs that are only counted.
 
     Examples
     --------
@@ -84,8 +90,10 @@ def block_box(block: Program) -> Box:
     >>> [port.name for port in block_box(total).inputs]
     ['u']
     """
-    inputs, outputs = ([_port(s, 0) for s in group] for group in (block.inputs, block.outputs))
-    return Box("", block.name, inputs, outputs, kept=len(own_state(block)))
+    counted = set(settings)
+    inputs = [_port(signal, 0) for signal in block.inputs if signal.name not in counted]
+    outputs = [_port(signal, 0) for signal in block.outputs]
+    return Box("", block.name, inputs, outputs, len(counted), len(own_state(block)))
 
 
 def diagram(program: Program, settings: Iterable[str] = ()) -> list[Box]:
@@ -117,9 +125,9 @@ class _Reader:
         self.boxes: list[Box] = []
         self.read: dict[Port, list[_Source]] = {}
         entries = (*map(signal_of, program.state), *program.inputs, *program.parameters)
-        given = settings.union(signal.identifier for signal in program.parameters)
+        given = settings.union(signal.name for signal in program.parameters)
         self.sources: dict[int, list[_Source]] = {
-            k: [(entry.identifier, entry.identifier in given)] for k, entry in enumerate(entries)
+            k: [(entry.identifier, entry.name in given)] for k, entry in enumerate(entries)
         }
         self.direct = set(self.sources)
         self.kept = {signal_of(entry).identifier for entry in program.state}

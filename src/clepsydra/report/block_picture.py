@@ -54,7 +54,7 @@ def program_svg(program: Program, title: str, prefix: str, settings: Iterable[st
     return _drawn(diagram(program, settings), title, prefix)
 
 
-def block_svg(block: Program, title: str, prefix: str) -> str:
+def block_svg(block: Program, title: str, prefix: str, settings: Iterable[str] = ()) -> str:
     """Draw one block with its ports.
 
     Parameters
@@ -62,6 +62,8 @@ def block_svg(block: Program, title: str, prefix: str) -> str:
     block : Program
     title, prefix : str
         As for `Chart`.
+    settings : iterable of str
+        As for `block_box`.
 
     Examples
     --------
@@ -71,7 +73,7 @@ def block_svg(block: Program, title: str, prefix: str) -> str:
     >>> ">u<" in block_svg(total, "a block", "a")
     True
     """
-    return _drawn([block_box(block)], title, prefix)
+    return _drawn([block_box(block, settings)], title, prefix)
 
 
 def _drawn(boxes: list[Box], title: str, prefix: str) -> str:
