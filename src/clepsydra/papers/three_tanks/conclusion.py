@@ -65,7 +65,9 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
     best = placed[25]
     others = [*calm.values(), pid]
     names = [*(f"LQC, R = {weight}" for weight in calm), "PID"]
-    on_model = "FSFB with poles -40 and -25 ± j25 on (2), without a limit of the feed."
+    on_model = (
+        "FSFB with poles -40 and -25 ± j25 on (2) before rounding, without a limit of the feed."
+    )
     with_pid = f"{on_model} PID by (3) and the printed Kc, Ki and Kd."
     return [
         remark(
@@ -90,7 +92,7 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
             + "; ".join(f"{name} {each.overshoot:.1f} % in {each.settling:.3g} s"
                         for name, each in zip(names, others, strict=True)),
             reason="Less than 3 % and 0.2 s are desired, settling to within 2 %: FSFB keeps both, "
-            f"each of the others neither. {with_pid} LQC on (2) too.",
+            f"each of the others neither. {with_pid} LQC on (2) before rounding.",
         ),
         claimed(
             "conclusion", "settling time, ISE and IAE",
@@ -110,8 +112,9 @@ def _claims(placed: dict[int, Response], calm: dict[str, Response], pid: Respons
                         for name, each in zip(names, others, strict=True)),
             "cm",
             reason="No measure is printed. It holds of the largest deviation of level 3 after 10 "
-            "cm³/s into tank 3 on (2), as here (FSFB of Table 2 in its order, PID with the printed "
-            "Kc, Ki and Kd), and fails of what is left in the end, as only PID has an integral.",
+            "cm³/s into tank 3 on (2) before rounding, as here (FSFB of Table 2 in its order, PID "
+            "with the printed Kc, Ki and Kd), and fails of what is left in the end, as only PID "
+            "has an integral.",
         ),
     ]  # fmt: skip
 

@@ -13,6 +13,7 @@ from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks.printed_model import (
     DENOMINATOR,
     FLOW,
+    IN_FULL,
     LEVELS,
     NUMERATOR,
     flows_at,
@@ -23,6 +24,19 @@ from clepsydra.papers.three_tanks.printed_model import (
 
 _A = (("-0.0322", "0.0322", "0"), ("0.0322", "-0.0578", "0.0257"), ("0", "0.0257", "-0.0371"))
 _B = ("64.93", "0", "0")
+#: A and B of (2) in letters; where one is zero, what the balance of that tank does not have.
+_LETTERS = (
+    ("-k1/A", "k1/A", "h3", "1/A"),
+    ("k1/A", "-(k2 + k1)/A", "k2/A", "q1"),
+    ("h1", "k2/A", "-(k2 + k3)/A", "q1"),
+)
+#: Of the controllability matrix, where no rounding of (2) matters.
+_ORIGINS = {
+    (0, 0): "1/A, which (2) cuts to 64.93.",
+    (1, 0): "B2 of (2).",
+    (2, 0): "B3 of (2).",
+    (2, 1): "Third row of A times B: A31, B2 and B3 are zero.",
+}
 _Q = (("64.94", "-2.6", "0.17"), ("0", "2.1", "-0.2"), ("0", "0", "0.05"))
 
 
@@ -78,14 +92,15 @@ def _rest() -> list[Row]:
 
 def _matrices() -> list[Row]:
     model = printed_model()
-    why = "Slope of the orifice laws at the levels of Table 1, read in metres."
     rows = [
-        compared("(2)", f"A{i + 1}{j + 1}", _A[i][j], float(model.A[i, j]), "1/s", why=why)
+        compared(
+            "(2)", f"A{i + 1}{j + 1}", _A[i][j], float(model.A[i, j]), "1/s", why=_origin(i, j)
+        )
         for i in range(3)
         for j in range(3)
     ]
     rows += [
-        compared("(2)", f"B{i + 1}", _B[i], float(model.B[i, 0]), "1/m²", why="1/A.")
+        compared("(2)", f"B{i + 1}", _B[i], float(model.B[i, 0]), "1/m²", why=_origin(i, 3))
         for i in range(3)
     ]
     eigenvalues = np.linalg.eigvals(model.A)
@@ -94,17 +109,25 @@ def _matrices() -> list[Row]:
             "simulation results", "open loop", "the open loop system is stable",
             bool(np.all(eigenvalues < 0.0)),
             ", ".join(f"{value:.4f}" for value in sorted(eigenvalues.real)), "1/s",
-            reason="Eigenvalues of (2) before rounding, from the levels of Table 1.",
+            reason="Eigenvalues of A in letters with Table 1, levels in metres, unrounded.",
         )
     )  # fmt: skip
     return rows
+
+
+def _origin(row: int, column: int) -> str:
+    """Say what an entry of [A B] of (2) comes from, both numbers from zero."""
+    letters = _LETTERS[row][column]
+    if letters.endswith("/A"):
+        return f"{letters} with Table 1{', levels in metres' if 'k' in letters else ''}."
+    return f"The balance of tank {row + 1} in (1) has no {letters}."
 
 
 def _transfer_function() -> list[Row]:
     model = printed_model()
     polynomial = np.poly(model.A)
     numerator = float(model.B[0, 0] * model.A[1, 0] * model.A[2, 1])
-    why = "From the exact constants of (2)."
+    why = f"From {IN_FULL}."
     # Half a unit of each of the three rates whose sum it is.
     left = 3 * 5e-5
     rows = [
@@ -112,8 +135,8 @@ def _transfer_function() -> list[Row]:
         compared(
             "(3)", "coefficient of s²", "0.1272", float(polynomial[1]), "1/s",
             tolerance=left / float(polynomial[1]),
-            why="From the exact constants of (2): the sum of the three rates on its diagonal, "
-            f"whose four decimals leave {left:g} open.",
+            why=f"{why} Minus the sum of the diagonal of A, whose four decimals in (2) leave "
+            f"{left:g} open.",
         ),
         compared("(3)", "coefficient of s", "0.0035", float(polynomial[2]), "1/s²", why=why),
         compared("(3)", "constant coefficient", "9.4E-6", float(polynomial[3]), "1/s³", why=why),
@@ -174,7 +197,7 @@ def _controllability() -> list[Row]:
     rows = [
         compared(
             "controllability", f"Qc{i + 1}{j + 1}", _Q[i][j], float(matrix[i, j]),
-            why="From (2)." if i or j else "1/A, which (2) cuts to 64.93.",
+            why=_ORIGINS.get((i, j), f"From {IN_FULL}."),
             right_if=proof.get((i, j), ()),
         )
         for i in range(3)

@@ -11,7 +11,7 @@ from clepsydra.papers.experiment import Findings
 from clepsydra.papers.figure import Curve, Figure, Panel
 from clepsydra.papers.row import Row
 from clepsydra.papers.three_tanks.feedback_loop import FeedbackLoop
-from clepsydra.papers.three_tanks.printed_model import printed_model, rounded_model
+from clepsydra.papers.three_tanks.printed_model import IN_FULL, printed_model, rounded_model
 from clepsydra.papers.three_tanks.state_feedback import ROUNDED, STEP, placed_loop
 from clepsydra.papers.three_tanks.state_feedback import TABLE as PLACED
 
@@ -23,7 +23,7 @@ TABLE = (
     ("0.001", "0.2", "29.1", "3120.5", "-5.5", "-2.8", "4.8", "3162.3", "7.0"),
 )
 _SIZES = ("0.1", "0.01", "0.001")
-_EIGENVALUES = "Riccati equation with (2) in full."
+_EIGENVALUES = f"Riccati equation with {IN_FULL}."
 
 
 def run() -> Findings:

@@ -100,7 +100,7 @@ def _closed_loop() -> list[Row]:
         for j in range(3)
     ]  # fmt: skip
     gain = float(printed_model().B[0, 0])
-    evidence = ("1/A, as in (2) and in Qc", abs(gain - 64.94) < 5e-3 + 1e-9)
+    evidence = ("1/A, as in Qc, and cut to 64.93 in (2)", abs(gain - 64.94) < 5e-3 + 1e-9)
     row = compared(place, "B1", "69.94", gain, "1/m²", right_if=[evidence])
     return [*rows, damaged(row, "One digit, which the conversion may have misread.")]
 
