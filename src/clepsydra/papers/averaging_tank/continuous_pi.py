@@ -18,7 +18,7 @@ from clepsydra.papers.averaging_tank.symbols import Variant
 from clepsydra.scores.step_response import rise_time, settling_time
 
 #: Between points that are kept [s].
-_KEPT = 1e-3
+_KEPT = 1e-4
 _FLOW, _INLET = 1.0, 25.0
 _REST = {"C": 5.0, "V": 2.0}
 _OUTPUTS = ("C", "V")

@@ -241,8 +241,8 @@ def _claims() -> list[Row]:
         for of in (np.ptp, np.max)
     )
     inlet = [float(lqi_run(column).values["inflow.impurity"].max()) / KMOL for column in COLUMNS]
-    others = lqi_run(COLUMNS[1]._replace(states=(1e-6, 1e-6, 100.0, 0.08)), 2e-5, 4.0)
-    better = indices(others)
+    chosen = COLUMNS[1]._replace(states=(1e-6, 1e-6, 100.0, 0.08))
+    printed, better = (indices(lqi_run(weights, 2e-5, 4.0)) for weights in (COLUMNS[1], chosen))
     return [
         remark(
             "section 4", "LQI, which flow",
@@ -282,14 +282,15 @@ def _claims() -> list[Row]:
             "(100a)", "optimal weights",
             "the lowest integral performance index values for both control variables … were "
             "achieved for the ITAE index. The optimal values",
-            any(better["ITAE", o] >= found[1]["ITAE", o] for o in ("C", "V")),
+            any(better["ITAE", o] >= printed["ITAE", o] for o in ("C", "V")),
             ", ".join(
-                f"ITAE of {o} {better['ITAE', o]:.2e} against {found[1]['ITAE', o]:.2e}"
+                f"ITAE of {o} {better['ITAE', o]:.2e} against {printed['ITAE', o]:.2e}"
                 for o in ("C", "V")
             ),
             reason="The larger of both was to be smallest: with Q = diag(1e-6, 1e-6, 100, 0.08), "
             "which (99) allows, and R as printed, both are smaller. Steps as in Table 7; the "
-            "nonlinear tank, sampled every 0.02 ms, where no range of section 3.3 cuts an input.",
+            "nonlinear tank, sampled every 0.02 ms for 4 s, and in these digits the same when "
+            "simulated without the ranges of section 3.3.",
         ),
     ]  # fmt: skip
 

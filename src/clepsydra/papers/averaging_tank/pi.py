@@ -322,8 +322,9 @@ def _claims() -> list[Row]:
             "section 4", "PI, f_out with f_in constant", "a long state of saturation",
             other.at_limit("flow") > 0.5 * other.settling("V"),
             f"{other.at_limit('flow'):.2f} s of the {other.settling('V'):.2f} s until V settles",
-            reason="Time of f_out at 0 or 1 m³/s, the range of section 3.3, without anti-windup, "
-            "constants (83), C_in free; V settles to within 2 %. Long is read as more than half.",
+            reason="Time of f_out at 0 or 1 m³/s, the range of section 3.3, in continuous time, "
+            "without anti-windup, constants (83), C_in free; V settles to within 2 %. Long is read "
+            "as more than half.",
         ),
         claimed(
             "section 3.1.3", "PI, what IE chooses",
