@@ -91,8 +91,8 @@ def _table(set_up: SetUp) -> list[Row]:
                 compared(
                     place, f"h{tank}, calculated", printed, float(set_up.levels[tank - 1]), "cm"
                 ),
-                f"The level of Table {1 if set_up is MINIMUM else 2}, from which the hole was "
-                "found.",
+                f"Table {1 if set_up is MINIMUM else 2} prints it too, as the level that the hole "
+                "was found from: the same number twice, and no forecast.",
             )
         )  # fmt: skip
     return rows

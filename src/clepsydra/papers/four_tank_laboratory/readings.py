@@ -16,6 +16,7 @@ from clepsydra.papers.four_tank_laboratory.closed_loop import SEEDS
 from clepsydra.papers.four_tank_laboratory.set_ups import (
     MINIMUM,
     OF_THE_COURSE,
+    UNCONVERTED,
     Holes,
     Noise,
     SetUp,
@@ -52,7 +53,10 @@ READINGS = tuple(Reading(holes, noise) for holes in ("report", "fitted") for noi
 #: The one whose numbers stand in the column of computed ones.
 USUAL = READINGS[0]
 #: Of which runs the figures of a claim are.
-MEDIANS = f"medians of {SEEDS} runs in the simulator's percent ({USUAL}, with {OF_THE_COURSE})"
+MEDIANS = (
+    f"designed in volts and run {UNCONVERTED}: medians of {SEEDS} runs ({USUAL}, with "
+    f"{OF_THE_COURSE})"
+)
 #: The controllers are not printed either: a claim about the tables is judged by the tables as well,
 #: and by the gain that ours were designed with, which the simulator makes three times as large.
 PRINTED, DESIGNED = "the printed numbers", "our controllers in volts"

@@ -20,6 +20,7 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     Units,
 )
 from clepsydra.papers.four_tank_laboratory.step_and_pours import (
+    GLOVER,
     TABLES,
     median,
     table_figures,
@@ -78,8 +79,8 @@ def _beside_decentralised() -> list[Row]:
                 "; ".join(
                     f"{set_up.phase} {_pairs(each, unit)}" for set_up, each in pairs[USUAL].items()
                 ),
-                reason="PI to Glover-McFarlane, controllers of ours, in both tanks of both "
-                f"set-ups, {MEDIANS}.{of_score}",
+                reason=f"PI to {GLOVER} in both tanks of both set-ups, controllers of ours, "
+                f"{MEDIANS}.{of_score}",
             )
         )  # fmt: skip
     return rows
@@ -140,7 +141,7 @@ def _trade() -> Row:
             f"and {rise[1]:.2f}"
             for set_up, (over, rise) in shares[USUAL].items()
         ),
-        reason=f"Glover-McFarlane over PI, controllers of ours, tank 1 and tank 2, {MEDIANS}; "
+        reason=f"{GLOVER} over PI, tank 1 and tank 2, controllers of ours, {MEDIANS}; "
         "judged as more in each tank, by both.",
     )  # fmt: skip
 
@@ -189,7 +190,7 @@ def _beside_minimum() -> list[Row]:
                     f"{set_up.phase} {one:.3g} and {two:.3g} {unit}"
                     for set_up, (one, two) in zip(SET_UPS, values[USUAL], strict=True)
                 ),
-                reason=f"{score.capitalize()} of tanks 1 and 2 with Glover-McFarlane controllers "
+                reason=f"{score.capitalize()} of tanks 1 and 2 under {GLOVER}, controllers "
                 f"of ours, {MEDIANS}; judged for each"
                 + (
                     " as larger."

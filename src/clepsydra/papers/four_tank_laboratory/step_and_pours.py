@@ -23,6 +23,8 @@ from clepsydra.papers.four_tank_laboratory.set_ups import (
     NON_MINIMUM,
     OF_THE_COURSE,
     PHASE_MARGIN,
+    SENSOR_GAIN,
+    UNCONVERTED,
     SetUp,
     Units,
 )
@@ -75,12 +77,13 @@ _FIGURES = {
     ("robust", MINIMUM): "Fig. 9",
     ("robust", NON_MINIMUM): "Fig. 10",
 }
+GLOVER = "Glover-McFarlane with γ = 1.1 γ_min"
 #: What our controllers are, since the report's are not printed.
 _CONTROLLERS = {
     ("decentralised", MINIMUM): "PI control with",
     ("decentralised", NON_MINIMUM): "PI control with",
-    ("robust", MINIMUM): "Glover-McFarlane around PI control with",
-    ("robust", NON_MINIMUM): "Glover-McFarlane around a dynamic decoupling with",
+    ("robust", MINIMUM): f"{GLOVER} around PI control with",
+    ("robust", NON_MINIMUM): f"{GLOVER} around a dynamic decoupling with",
 }
 #: How the scores are read.
 _HOW = {
@@ -185,15 +188,17 @@ def table_rows(kind: Kind) -> list[Row]:
         of_both = ", of the tank that is farther off" if len(tanks) == 2 else ""
         words = (
             f"The controller is not printed; ours is {_CONTROLLERS[kind, set_up]} "
-            f"{_wanted(set_up)}, as the course's exercise asks, in its simulator in percent: "
+            f"{_wanted(set_up)}, as the course's exercise asks, designed in volts "
+            f"({SENSOR_GAIN:g} V/cm) and run {UNCONVERTED}: "
             f"empty tanks, {USUAL}, pours of 6.25 cm, with {OF_THE_COURSE}. "
             f"{_HOW[score]}, median of {SEEDS} runs{of_both}."
         )
         row = compared(
             place, f"{score} {'/'.join(map(str, tanks))}, {set_up.phase}", printed, usual.value,
             unit, tolerance=reach / usual.value if always and usual.value else 0.0,
-            why=f"{words} {_NEARLY_ALL} of them are {usual.low:.3g} to {usual.high:.3g} {unit}, "
-            "and leave it open in the other readings of noise and holes as well.",
+            why=f"{words} The middle {_NEARLY_ALL} of them are {usual.low:.3g} to "
+            f"{usual.high:.3g} {unit}, and in the other readings of noise and holes they leave it "
+            "open as well.",
             unprinted=words,
         )  # fmt: skip
         rows.append(undecided(row, within) if (within := _within(spreads, printed)) else row)
@@ -206,13 +211,18 @@ def _within(spreads: dict[Reading, list[_Spread]], printed: str) -> str:
     if not any(holding.values()):
         return ""
     if all(holding.values()):
-        widest = f"{100 * _WIDEST:g} % of their median"
-        return f"It lies within runs that spread too far, by more than {widest}."
+        return (
+            f"The middle {_NEARLY_ALL} of {SEEDS} runs leave it open, but spread by more than "
+            f"{100 * _WIDEST:g} % of their median, too far to decide."
+        )
     among, outside = (
         next(reading for reading, holds in holding.items() if holds is each)
         for each in (True, False)
     )
-    return f"It lies within {_NEARLY_ALL} of {SEEDS} runs with {among}, and outside with {outside}."
+    return (
+        f"With {among} it lies between the lowest and the highest of the middle {_NEARLY_ALL} of "
+        f"{SEEDS} runs, and with {outside} it does not."
+    )
 
 
 def _wanted(set_up: SetUp) -> str:
