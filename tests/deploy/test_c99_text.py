@@ -219,6 +219,6 @@ def test_numbers_of_float_are_written_as_floats():
     )
     program = Program("law", (), (Signal("u"),), (), (Signal("y"), Signal("z")), block)
     code = print_c(program, precision="single").source.partition("{")[2]
-    assert "u < HUGE_VALF ? u : HUGE_VALF" in code and "sqrtf(0.1f * " in code
+    assert "inputs->u < HUGE_VALF ? inputs->u : HUGE_VALF" in code and "sqrtf(0.1f * " in code
     assert "expf(" in code and "? 1.0f : 0.0f" in code
     assert "double" not in code and not re.search(r"\d\.\d+(E-?\d+)?[^f\dE]", code)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tools import need_grammar
 
 from clepsydra import InputError
-from clepsydra.deploy.c99.notation import notation_of as c_notation_of
+from clepsydra.deploy.c99.language import notation_of as c_notation_of
 from clepsydra.deploy.printing.expressions import (
     Expression,
     decimal,

@@ -68,7 +68,7 @@ def test_names_that_become_one():
 
 def test_an_output_named_like_an_input_is_printed_as_c_only():
     program = doubling(Signal("level"), Signal("level"))
-    assert "outputs->level = level + level;" in print_c(program).source
+    assert "outputs->level = inputs->level + inputs->level;" in print_c(program).source
     with refused(remedy="rename one"):
         print_structured_text(program)
 
@@ -91,7 +91,7 @@ def test_what_is_no_program_is_refused_with_the_way_to_one(printer):
 def test_functions_of_the_standard_only():
     root = Block(1, (Operation(1, "tanh", (0,)),), (1,))
     program = Program("law", (), (Signal("u"),), (), (Signal("y"),), root)
-    assert "tanh(u)" in print_c(program).source
+    assert "tanh(inputs->u)" in print_c(program).source
     with refused(place="operation tanh"):
         print_structured_text(program)
 
@@ -231,7 +231,7 @@ def test_values_that_nothing_reads_leave_no_variable(tmp_path):
     program = Program("law", (), (Signal("u"),), (), (Signal("y"),), block)
     source = print_c(program).source
     # The second carried value feeds itself only, and the third is read by nothing.
-    assert "y = y + sum_up_table[i];" in source and "sum_up_value" not in source
+    assert "outputs->y = outputs->y + sum_up_table[i];" in source and "sum_up_value" not in source
     compile_strictly(program, tmp_path, "-std=c99")
     for table in run_both(program, tmp_path, {"u": np.array([0.5])}):
         assert table.tolist() == [[11.5]]

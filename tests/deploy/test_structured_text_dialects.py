@@ -16,10 +16,10 @@ from clepsydra import InputError, Signal
 from clepsydra.deploy.printing.expressions import Expression, variable
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.origin import Origin
+from clepsydra.deploy.printing.statements import assign
 from clepsydra.deploy.proof.interpreted_text import InterpretedText
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES, dialect_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.deploy.structured_text.statements import assign
 from clepsydra.deploy.structured_text.wording import Wording
 from clepsydra.program.program import Block, Operation, Program
 
@@ -70,7 +70,7 @@ def test_the_interface_in_every_dialect():
              for name in DIALECT_NAMES}  # fmt: skip
     assert CODESYS in texts["codesys"] and CODESYS in texts["matiec"]
     for text in texts.values():
-        opened = text.partition("END_FUNCTION\n")[2] if text == texts["scl"] else text
+        opened = text.rpartition("END_FUNCTION\n")[2] if text == texts["scl"] else text
         head = " ".join(line.strip("(*/ )") for line in opened.splitlines()[:13])
         assert "The law for a tank, sampled every 1 s." in head and "Design: By hand." in head
     scl = texts["scl"]
@@ -86,7 +86,9 @@ def test_the_interface_in_every_dialect():
 
 
 def test_scl_marks_each_local_name_and_nothing_else():
-    statements = print_structured_text(every_kind(), dialect="scl").rpartition("BEGIN\n")[2]
+    functions, _, statements = print_structured_text(every_kind(), dialect="scl").rpartition(
+        "BEGIN\n"
+    )
     locals_ = ["u", "good", "gain", "y", "then_u", "fine", "count", "late", "late_position"]
     for line in statements.splitlines()[:-1]:
         code = line.partition("//")[0]
@@ -97,7 +99,7 @@ def test_scl_marks_each_local_name_and_nothing_else():
             assert marked != function, (name, line)
         for name in locals_:
             assert not re.search(rf"(?<!#)\b{name}\b", code), line
-    assert "TRUNC_DINT(" in statements and "LREAL#-0.1" in statements
+    assert "TRUNC_DINT(" in functions and "LREAL#-0.1" in statements
 
 
 def test_a_single_turn_is_no_loop():

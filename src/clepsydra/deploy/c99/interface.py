@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from clepsydra.deploy.c99.language import REAL
 from clepsydra.deploy.c99.layout import instances
 from clepsydra.deploy.c99.structures import WIDTH, Structures, block_name
 from clepsydra.deploy.printing.heading import heading
@@ -15,7 +16,6 @@ from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.owned_state import own_state
 from clepsydra.program.program import Program
 
-REAL = {"double": "double", "single": "float"}
 _NUMBERS: dict[Precision, tuple[str, str]] = {
     "double": (
         "Needs IEEE 754 doubles, evaluated as doubles; the source switches fused multiply-add off",

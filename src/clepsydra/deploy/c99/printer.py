@@ -83,8 +83,8 @@ def print_c(
     >>> from clepsydra.program.program import Block, Operation
     >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
     >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
-    >>> print_c(program).source.splitlines()[-4:]
-    ['', '  /* outputs */', '  outputs->y = x + x;', '}']
+    >>> print_c(program).source.splitlines()[-2:]
+    ['  outputs->y = inputs->x + inputs->x;', '}']
     """
     printed = printed_form(program, precision)
     head = head_comment(in_precision(program, precision), origin, precision)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 
 from clepsydra.base.signal import Signal
@@ -11,14 +12,14 @@ from clepsydra.deploy.c99.interface import (
     default_parameters_head,
     initialise_head,
 )
-from clepsydra.deploy.c99.notation import arithmetic_check, literal, notation_of, real_type
-from clepsydra.deploy.c99.statements import array
+from clepsydra.deploy.c99.language import C99, arithmetic_check, literal
 from clepsydra.deploy.c99.step import BlockFunction, StepFunction
 from clepsydra.deploy.c99.structures import WIDTH, block_name
 from clepsydra.deploy.printing.heading import commented, number_comment, table_comment
 from clepsydra.deploy.printing.identifiers import C_WORDS
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
+from clepsydra.deploy.printing.statements import indented
 from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.owned_state import state_paths
@@ -47,8 +48,8 @@ class _Source:
         self, program: Program, head: Sequence[str], origin: Origin | None, precision: Precision
     ) -> None:
         self._program, self._head, self._origin = program, head, origin
-        self._notation = notation_of(precision)
-        self._real = real_type(self._notation)
+        self._language = C99(program.name, precision)
+        self._notation, self._real = self._language.notation, self._language.types["real"]
         name, blocks = program.name, called_blocks(program)
         taken = (
             {*C_WORDS, *self._notation.functions.values(), "state", "inputs", "parameters"}
@@ -63,9 +64,9 @@ class _Source:
         )
         self._blocks: list[StepFunction] = []
         for block in blocks:
-            self._blocks.append(BlockFunction(block, name, self._notation, taken))
-            taken |= self._blocks[-1].listing.tables.keys()
-        self._step = StepFunction(program, name, self._notation, taken)
+            self._blocks.append(BlockFunction(block, self._language, taken))
+            taken |= self._blocks[-1].tables.keys()
+        self._step = StepFunction(program, self._language, taken)
 
     def text(self) -> str:
         lines = [*self._head, f'#include "{self._program.name}.h"', "", "#include <float.h>"]
@@ -82,19 +83,24 @@ class _Source:
 
     def _tables(self, function: StepFunction) -> list[str]:
         lines = []
-        for table, values in function.listing.tables.items():
-            head = f"static const {self._real} {table}[{len(values)}]"
-            lines += [f"/* {table_comment(self._origin)} */", *array(head, values, self._notation)]
+        for table, values in function.tables.items():
+            texts = ", ".join(literal(value, "real", self._notation) for value in values)
+            lines += [
+                f"/* {table_comment(self._origin)} */",
+                f"static const {self._real} {table}[{len(values)}] = {{",
+                *indented(textwrap.wrap(f"{texts},", WIDTH - 2, break_on_hyphens=False)),
+                "};",
+                "",
+            ]
         return lines
 
     def _uses_mathematics(self) -> bool:
         program = self._program
         entries = (*program.state, *program.rings, *program.parameters, *program.inputs)
+        names = "|".join(name for name in self._notation.functions.values() if name.isalnum())
         return any(math.isinf(signal_of(entry).initial) for entry in entries) or any(
-            part.code in self._notation.functions
-            or (part.code == "constant" and math.isinf(part.number))
+            function.reads(rf"(?:{names})\(|{self._notation.infinity}\b")
             for function in (*self._blocks, self._step)
-            for part in function.listing.expressions()
         )
 
     def _defaults(self, head: list[str], where: str, entries: Sequence[Signal]) -> list[str]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from clepsydra.deploy.c99.language import TYPES
 from clepsydra.deploy.c99.layout import instances
-from clepsydra.deploy.c99.statements import declare
 from clepsydra.deploy.printing.heading import comment, commented
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.entries import Entry, is_ring, signal_of
@@ -14,7 +14,6 @@ from clepsydra.program.program import Program
 
 #: A line with its comment is no wider than this [characters].
 WIDTH = 98
-TYPES = {"integer": "int32_t", "boolean": "bool"}
 _PLACEHOLDER = "  char nothing; /* a structure of C99 has at least one member */"
 
 
@@ -67,7 +66,8 @@ class Structures:
             members += self._member(entry, about)
         for call in instances(program):
             kind = f"{block_name(self._name, call.program)}_state"
-            members += declare(kind, call.instance, 1)
+            line = f"  {kind} {call.instance};"
+            members += [line] if len(line) <= WIDTH else [f"  {kind}", f"      {call.instance};"]
         return _structure(name, "state", title, members)
 
     def plain(self, entries: Sequence[Entry], name: str, what: str, title: str) -> list[str]:

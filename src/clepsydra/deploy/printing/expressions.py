@@ -15,12 +15,14 @@ from clepsydra.program.program import COMPARISONS, LOGIC
 # demands is put in parentheses.
 _LOOSE, _SIGNED, _SUM, _PRODUCT, _ATOM = range(5)
 _CHOICES = frozenset({"select", "number"})
-_EXTREMES = frozenset({"maximum", "minimum"})
+_EXTREMES = {"maximum": ">", "minimum": "<", "greatest": ">", "least": "<"}
+#: What a language without a function for it writes as a choice.
+_CHOSEN = frozenset({*_EXTREMES, "magnitude", "count"})
 # Integers: read, constant, counted from a truth value, rounded; the others have whole operands.
 # How a comparison may be written from the other side.
 _GREATER = frozenset({"greater", "greater_equal"})
 _INTEGERS = frozenset(
-    {"integer", "whole", "count", "rounded", "quotient", "greatest", "least", "limit"}
+    {"integer", "whole", "count", "rounded", "quotient", "greatest", "least", "limit", "magnitude"}
 )
 _ARITHMETIC = frozenset({"add", "subtract", "multiply", "negate", "absolute"})
 
@@ -189,15 +191,14 @@ class Notation:
     operators : mapping
         Code of a binary operation to its sign.
     functions : mapping
-        Code of an operation to the name of the function that computes it.
+        Code of an operation to the name of the function that computes it, or to a type in
+        parentheses.
     negation : str
         The sign before a negated truth value.
     statements : frozenset of str
         Operations that this language writes as statements, not as expressions.
     repeating : frozenset of str
         Operations whose text holds an operand more than once.
-    rounding : frozenset of str
-        Operations that need a few steps, and so a variable of their own to do them in.
     infinity : str
         The text of infinity; empty where the language has none.
     single : bool
@@ -222,17 +223,11 @@ class Notation:
     negation: str
     statements: frozenset[str]
     repeating: frozenset[str]
-    rounding: frozenset[str] = frozenset()
     infinity: str = ""
     single: bool = False
     suffix: str = ""
     width: int = 72
     formal: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-
-    @property
-    def has_types(self) -> bool:
-        """Whether whole numbers and truth values are computed in types of their own."""
-        return "real" in self.functions
 
     def writes(self, expression: Expression) -> bool:
         """Whether an expression can be part of another one.
@@ -327,10 +322,12 @@ def _written(expression: Expression, notation: Notation) -> tuple[str, int]:
         zero = Expression("constant")
         return _operator(Expression("not_equal", (operands[0], zero)), notation)
     chosen = code in _CHOICES and code not in notation.statements
-    if chosen or (code in _EXTREMES and code not in notation.functions):
+    if chosen or (code in _CHOSEN and code not in notation.functions):
         return _choice(expression, notation), _LOOSE
     if code == "number":
         return _written(as_select(expression), notation)
+    if code in notation.functions and notation.functions[code].endswith(")"):
+        return notation.functions[code] + _operand(operands[0], notation, _ATOM), _ATOM
     if code in notation.functions:
         texts = [_operand(operand, notation, _LOOSE) for operand in operands]
         if code == "select":
@@ -388,8 +385,11 @@ def _choice(expression: Expression, notation: Notation) -> str:
         return f"{_operand(operands[0], notation, _ATOM)} ? {one} : {zero}"
     if code == "select":
         return f"{_operand(operands[0], notation, _ATOM)} ? {texts[1]} : {texts[2]}"
-    sign = ">" if code == "maximum" else "<"
-    return f"{texts[0]} {sign} {texts[1]} ? {texts[0]} : {texts[1]}"
+    if code == "count":
+        return f"{_operand(operands[0], notation, _ATOM)} ? 1 : 0"
+    if code == "magnitude":
+        return f"{texts[0]} < 0 ? -{texts[0]} : {texts[0]}"
+    return f"{texts[0]} {_EXTREMES[code]} {texts[1]} ? {texts[0]} : {texts[1]}"
 
 
 def _operand(expression: Expression, notation: Notation, least: int) -> str:

@@ -79,7 +79,7 @@ def list_block(
     --------
     A value that is read twice gets a variable, one that is read once is written in its place:
 
-    >>> from clepsydra.deploy.c99.notation import notation_of
+    >>> from clepsydra.deploy.c99.language import notation_of
     >>> from clepsydra.deploy.printing.expressions import render
     >>> notation = notation_of("double")
     >>> block = Block(1, (Operation(1, "multiply", (0, 0)), Operation(2, "add", (1, 1))), (2,))
@@ -139,21 +139,18 @@ class _Lister:
                 continue
             if statement.target in labels:
                 scope.assign(statement.target, labels[statement.target])
-            elif expression.code in self._notation.rounding or (
-                uses.get(statement.target, 0) > 1
-                and not scope.is_short(expression, uses[statement.target])
+            elif uses[statement.target] > 1 and not scope.is_short(
+                expression, uses[statement.target]
             ):
                 scope.assign(statement.target)
         return scope.statements, [scope.values[value] for value in block.results]
 
     def _only_compared(self, block: Block) -> set[int]:
-        """Return the rounded values that nothing but a comparison reads."""
-        if not self._notation.has_types:
-            return set()
+        """Return the rounded values that only comparisons read: these may do without."""
         rounded = {
             each.target
             for each in block.statements
-            if isinstance(each, Operation) and each.code in self._notation.rounding
+            if isinstance(each, Operation) and each.code in ("floor", "ceiling")
         }
         for each in block.statements:
             if not (isinstance(each, Operation) and each.code in COMPARISONS):
@@ -241,7 +238,7 @@ class _Lister:
             given = given.operands[0] if truth else given
             written = self._notation.writes(given)
             arguments.append(scope.values[value] if written else scope.atom(value))
-        scope.statements.append(BlockCall(name, program, tuple(arguments)))
+        scope.statements.append(BlockCall(name, program, tuple(arguments), call.instance))
         # The next state stays in the instance.
         scope.values |= dict.fromkeys(call.targets[:states], _UNREAD)
         for signal, target in zip(program.outputs, call.targets[states:], strict=True):

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
+from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.expressions import Expression
+from clepsydra.deploy.printing.typed_values import of_kind
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
 
@@ -97,10 +99,13 @@ class BlockCall:
     Parameters
     ----------
     instance : str
+        What its outputs are read by.
     program : Program
         The block.
     arguments : tuple of Expression
-        One for each of its inputs: of a boolean one a truth value's number.
+        One for each of its inputs, as a number.
+    kept : str
+        The name of what it keeps.
 
     Examples
     --------
@@ -108,13 +113,20 @@ class BlockCall:
     >>> from clepsydra.deploy.printing.expressions import variable
     >>> from clepsydra.program.program import Block
     >>> half = Program("half", (), (Signal("x"),), (), (Signal("y"),), Block(1, (), (0,)))
-    >>> BlockCall("first_half", half, (variable("level"),)).arguments[0].text
-    'level'
+    >>> call = BlockCall("first_half", half, (variable("level"),), "first_half")
+    >>> [(signal.name, value.text) for signal, value in call.given()]
+    [('x', 'level')]
     """
 
     instance: str
     program: Program
     arguments: tuple[Expression, ...]
+    kept: str
+
+    def given(self) -> Iterator[tuple[Signal, Expression]]:
+        """Yield each input with its value, in its own type."""
+        for signal, value in zip(self.program.inputs, self.arguments, strict=True):
+            yield signal, of_kind(signal.kind, value)
 
 
 ListingStatement = Assignment | CountedLoop | Branch | BlockCall

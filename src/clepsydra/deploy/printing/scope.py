@@ -75,11 +75,10 @@ class Scope:
             wanted = self.preferred.get(value) or _EXTREME.get(expression.code, "")
             name = self._names.new(wanted) if wanted else self._names.temporary()
         read = flag(name) if expression.is_truth else variable(name)
-        if self._notation.has_types and expression.code in ("real", "number", "select"):
-            choice = expression.code == "select" and value not in self._read_as_number
-            integers = whole_form(expression) if choice else None
+        if expression.code == "select" and value not in self._read_as_number:
+            integers = whole_form(expression)
             expression = expression if integers is None else Expression("real", (integers,))
-        if self._notation.has_types and expression.code in ("real", "number"):
+        if expression.code in ("real", "number"):
             whole = expression.code == "real"
             read = integer(name) if whole else Expression("number", (flag(name),))
             expression = expression.operands[0]
@@ -91,7 +90,7 @@ class Scope:
         """Return a value as something that can be written more than once."""
         expression = self.values[value]
         read = expression.code == "number" and expression.operands[0].is_atom
-        if expression.is_atom or (read and self._notation.has_types):
+        if expression.is_atom or read:
             return expression
         return self.assign(value)
 
@@ -120,8 +119,6 @@ class Scope:
 
     def is_short(self, expression: Expression, uses: int) -> bool:
         """Whether an expression may be written as often as it is read."""
-        if not self._notation.has_types:
-            return False
         if expression.code == "number":
             expression = expression.operands[0]
         plain = all(
@@ -145,10 +142,6 @@ class Scope:
                 return number.operands[0]
         typed = self._made(operation)
         for position, value in enumerate(operation.arguments):
-            if self.values[value].code in self._notation.rounding:
-                if self.values[value] in typed.operands:
-                    self.atom(value)
-                continue
             wanted = typed.operands[0].code if typed.code in ("real", "number") else typed.code
             if not self._fits(wanted, position, self.values[value]):
                 self.atom(value)
@@ -157,13 +150,10 @@ class Scope:
     def _made(self, operation: Operation) -> Expression:
         """Return an operation over the expressions of its arguments, in their own type."""
         operands = tuple(self.values[value] for value in operation.arguments)
-        if self._notation.has_types:
-            bounds = [self._ranges.get(value) for value in operation.arguments]
-            found = self._ranges.get(operation.target)
-            typed = in_own_type(operation.code, operands, bounds, found, self._integers)
-            if typed is not None:
-                return typed
-        return simplified(Expression(operation.code, operands))
+        bounds = [self._ranges.get(value) for value in operation.arguments]
+        found = self._ranges.get(operation.target)
+        typed = in_own_type(operation.code, operands, bounds, found, self._integers)
+        return typed or simplified(Expression(operation.code, operands))
 
     def _fits(self, code: str, position: int, operand: Expression) -> bool:
         """Whether the language can write an operand in that place."""

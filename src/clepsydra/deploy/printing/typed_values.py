@@ -13,7 +13,7 @@ from clepsydra.deploy.printing.whole_numbers import INTEGER_HIGH, INTEGER_LOW, W
 from clepsydra.program.program import COMPARISONS
 
 _SAME = {"add": "add", "subtract": "subtract", "multiply": "multiply", "negate": "negate",
-         "absolute": "absolute", "maximum": "greatest", "minimum": "least"}  # fmt: skip
+         "absolute": "magnitude", "maximum": "greatest", "minimum": "least"}  # fmt: skip
 #: Comparison of a whole number n with what was rounded up, and the other way round: with which
 #: comparison of the unrounded value, and what is added to n.
 _ROUNDED = {
@@ -183,3 +183,18 @@ def _compared(
         sides[other] = Expression("real", (integer,))
         return Expression(compared, tuple(sides))
     return None
+
+
+def of_kind(kind: str, number: Expression) -> Expression:
+    """Return a number in the type of a signal; that it fits has been proved.
+
+    Examples
+    --------
+    >>> of_kind("boolean", Expression("number", (Expression("flag", text="good"),))).text
+    'good'
+    """
+    if kind == "boolean":
+        return truth_form(number) or Expression("truth", (number,))
+    if kind == "integer":
+        return whole_form(number) or Expression("rounded", (number,))
+    return number

@@ -14,6 +14,11 @@ _FUNCTIONS = {
     "sin": "SIN", "cos": "COS", "tan": "TAN", "asin": "ASIN", "acos": "ACOS", "atan": "ATAN",
 }  # fmt: skip
 
+#: Functions that come with the text, of reals: `a > b ? a : b` and `a < b ? a : b`, which MAX and
+#: MIN of a system are not where one is no number, or where both are zeros, and rounding to whole
+#: numbers that need not fit an integer.
+OWN = {"maximum": "FC_Max", "minimum": "FC_Min", "floor": "FC_Floor", "ceiling": "FC_Ceiling"}
+
 
 @dataclass(frozen=True)
 class Dialect:
@@ -89,7 +94,7 @@ class Dialect:
     @property
     def all_words(self) -> frozenset[str]:
         """Words of the standard, of the system and of the functions that come with a text."""
-        return STRUCTURED_TEXT_WORDS | self.words | {"FC_MAX", "FC_MIN"}
+        return STRUCTURED_TEXT_WORDS | self.words | {name.upper() for name in OWN.values()}
 
     def commented(self, text: str) -> str:
         """Return a text as a comment of one line.

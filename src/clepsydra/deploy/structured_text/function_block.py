@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from clepsydra.deploy.printing.body import Body, Places
 from clepsydra.deploy.printing.expressions import decimal
 from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.deploy.printing.line_breaking import dense, folded
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
-from clepsydra.deploy.structured_text.body import Body
 from clepsydra.deploy.structured_text.dialect import Dialect
 from clepsydra.deploy.structured_text.interface import Interface, block_type, check_names
-from clepsydra.deploy.structured_text.line_breaking import dense, folded
 from clepsydra.deploy.structured_text.pou import Section, Unit, Variable
 from clepsydra.deploy.structured_text.wording import Wording
 from clepsydra.program.entries import signal_of
@@ -71,7 +71,7 @@ class _Printer:
         declared += [block_type(call.program) for call in program.calls]
         self._names = Identifiers([*declared, program.name, *dialect.all_words], ignore_case=True)
         self._wording = Wording(dialect, precision, self._names)
-        self._body = Body(program, self._wording, self._names)
+        self._body = Body(program, self._wording, self._names, Places.of(program))
 
     def unit(self, head: Sequence[str], origin: Origin | None) -> Unit:
         program, wording = self._program, self._wording

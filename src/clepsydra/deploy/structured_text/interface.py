@@ -129,7 +129,7 @@ class Interface:
         signal = signal_of(entry)
         return Variable(
             signal.identifier,
-            self._wording.type_of(signal.kind),
+            self._wording.types[signal.kind],
             (self.initial(signal),),
             comment=comment(entry),
         )

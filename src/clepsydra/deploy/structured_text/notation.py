@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from clepsydra.deploy.printing.expressions import Notation
 from clepsydra.deploy.printing.precision import Precision
-from clepsydra.deploy.structured_text.dialect import Dialect
+from clepsydra.deploy.structured_text.dialect import OWN, Dialect
 
-#: Functions that come with the text: of two reals, `a > b ? a : b` and `a < b ? a : b`, which
-#: MAX and MIN of a system are not where one is no number, or where both are zeros.
-EXTREMES = {"maximum": "FC_Max", "minimum": "FC_Min"}
 # Functions of integers and truth values.
 _TYPED = {
     "select": "SEL",
@@ -16,10 +13,11 @@ _TYPED = {
     "greatest": "MAX",
     "least": "MIN",
     "limit": "LIMIT",
+    "magnitude": "ABS",
 }
 #: Two lines at the most.
 _WIDTH = 150
-_STATEMENTS = frozenset({"select", "number", "floor", "ceiling"})
+_STATEMENTS = frozenset({"select", "number"})
 
 
 def notation_of(dialect: Dialect, precision: Precision) -> Notation:
@@ -33,7 +31,7 @@ def notation_of(dialect: Dialect, precision: Precision) -> Notation:
     """
     real = "LREAL" if precision == "double" else "REAL"
     power = {"pow": "EXPT"} if dialect.power else {}
-    extremes = {code: dialect.quoted(name) for code, name in EXTREMES.items()}
+    own = {code: dialect.quoted(name) for code, name in OWN.items()}
     typed = {**_TYPED, "real": f"DINT_TO_{real}", "rounded": f"{real}_TO_DINT"}
     return Notation(
         language="Structured Text",
@@ -44,11 +42,10 @@ def notation_of(dialect: Dialect, precision: Precision) -> Notation:
             "and": "AND", "or": "OR",
         },
         # A power that is an operator is written by `Wording`; here it counts for its width.
-        functions={**dialect.functions, **power, **extremes, **typed},
+        functions={**dialect.functions, **power, **own, **typed},
         negation="NOT ",
         statements=_STATEMENTS,
-        repeating=_STATEMENTS - {"select", "number"},
-        rounding=frozenset({"floor", "ceiling"}),
+        repeating=frozenset(),
         single=precision == "single",
         width=_WIDTH,
         formal=dialect.formal,

@@ -5,47 +5,24 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection
-from dataclasses import replace
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.printing.expressions import (
-    Expression,
-    as_select,
-    decimal,
-    render,
-    simplified,
-    variable,
-)
+from clepsydra.deploy.printing.expressions import Expression, decimal, render, variable
 from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.deploy.printing.language import Language
+from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.deploy.printing.precision import Precision
+from clepsydra.deploy.printing.typed_values import of_kind
 from clepsydra.deploy.structured_text.dialect import Dialect
 from clepsydra.deploy.structured_text.notation import notation_of
 from clepsydra.program.program import COMPARISONS
 
-
-def _logical(select: Expression) -> Expression:
-    """Return a choice of truth values as logic where one of them is known."""
-    condition, first, second = select.operands
-    known = {"TRUE": True, "FALSE": False}
-    for place, value in ((1, first), (0, second)):
-        truth, other = known.get(value.text), second if place else first
-        if truth is not None:
-            # Where the known one is FALSE the other one counts under the opposite condition.
-            opposite = Expression("not", (condition,))
-            holds = condition if truth == bool(place) else opposite
-            return simplified(Expression("or" if truth else "and", (simplified(holds), other)))
-    return select
-
-
-# A variable is compared with a number, not the other way round.
-_TURNED = {"less": "greater", "less_equal": "greater_equal"}
-_TYPES = {"integer": "DINT", "boolean": "BOOL"}
 #: The largest power of two that every system reads as a number, whatever the type.
 _FACTOR_EXPONENT = 120
 _NAME = re.compile(r"(?<![\w.#])[A-Za-z]\w*")
 
 
-class Wording:
+class Wording(Language):
     """Writes expressions and numbers as a dialect and a precision want them.
 
     Parameters
@@ -70,27 +47,58 @@ class Wording:
     def __init__(self, dialect: Dialect, precision: Precision, names: Identifiers) -> None:
         self.dialect = dialect
         self.precision = precision
-        self.notation = notation_of(dialect, precision)
         self.real = "LREAL" if precision == "double" else "REAL"
+        super().__init__(
+            notation_of(dialect, precision),
+            {"real": self.real, "integer": "DINT", "boolean": "BOOL"},
+        )
         #: Variable to a number that the system cannot read, and to the factors of the product
         #: that it is assigned at the start of a scan.
         self.products: dict[str, tuple[float, list[str]]] = {}
         self._names = names
         self._typed = precision in dialect.typed_numbers
 
-    def type_of(self, kind: str) -> str:
-        """Return the type that a kind of signal is declared with."""
-        return _TYPES.get(kind, self.real)
+    closed, loop_closed = "END_IF;", "END_FOR;"
 
-    def expression(self, expression: Expression) -> str:
-        """Write an expression.
+    def commented(self, text: str) -> str:
+        """Write a comment."""
+        return self.dialect.commented(text)
 
-        Raises
-        ------
-        InputError
-            The system has no such function, or a number is not finite.
+    def assignment(self, name: str, text: str) -> str:
+        """Write an assignment."""
+        return f"{name} := {text};"
+
+    def opened(self, condition: Expression, *, otherwise: bool = False) -> str:
+        """Write the beginning of a conditional, or of its next branch."""
+        return f"{'ELSIF' if otherwise else 'IF'} {self.expression(condition)} THEN"
+
+    def otherwise(self) -> str:
+        """Write the beginning of the last branch."""
+        return "ELSE"
+
+    def counted(self, index: str, count: int) -> str:
+        """Write the beginning of a loop."""
+        return f"FOR {index} := 0 TO {count - 1} DO"
+
+    def advanced(self, position: str, length: int) -> str:
+        """Write the place behind a place in a ring."""
+        return f"({position} + 1) MOD {length}"
+
+    def call(self, entry: BlockCall) -> list[str]:
+        """Write the call of an instance.
+
+        An input that is a constant stays what it is declared with where it is that.
         """
-        return render(self._worded(expression), self.notation)
+        given = []
+        for signal, value in entry.given():
+            declared = of_kind(signal.kind, Expression("constant", number=signal.initial))
+            # By their texts: equal numbers may be zeros of different sign.
+            if repr(value) == repr(declared):
+                continue
+            text = self.expression(value)
+            text = f"({text})" if value.code in COMPARISONS else text
+            given.append(f"{signal.identifier} := {text}")
+        return [f"{entry.instance}({', '.join(given)});"]
 
     def number(self, value: float, place: str = "a number") -> str:
         """Write a number of a declaration, where it needs no type.
@@ -137,33 +145,18 @@ class Wording:
         bounds = self.dialect.literals
         return bounds is None or value == 0.0 or bounds[0] <= abs(value) <= bounds[1]
 
-    def _worded(self, expression: Expression, *, compared: bool = False) -> Expression:
-        code = expression.code
-        if code == "constant":
+    def worded(self, expression: Expression, *, compared: bool = False) -> Expression:
+        """Return an expression as the dialect writes it."""
+        if expression.code == "constant":
             return self._constant(expression)
-        if code == "truth":
-            zero = Expression("constant")
-            return self._worded(Expression("not_equal", (expression.operands[0], zero)))
-        if code == "number":
-            return self._worded(as_select(expression))
-        if code == "select" and expression.is_truth:
-            expression = _logical(expression)
-            code = expression.code
-        inside = code in COMPARISONS
-        operands = tuple(self._worded(part, compared=inside) for part in expression.operands)
-        if code == "absolute" and not compared and not self.dialect.absolute_zero:
+        found = super().worded(expression, compared=compared)
+        if expression.code == "absolute" and not compared and not self.dialect.absolute_zero:
             # The sum of the two zeros is the positive one.
-            positive = replace(expression, operands=operands)
-            return Expression("add", (positive, self._constant(Expression("constant"))))
-        if code == "pow" and self.dialect.power:
-            base, exponent = (self._atom(operand) for operand in operands)
+            return Expression("add", (found, self._constant(Expression("constant"))))
+        if expression.code == "pow" and self.dialect.power:
+            base, exponent = map(self._atom, found.operands)
             return variable(f"({base} {self.dialect.power} {exponent})")
-        if code == "not" and operands[0].code in ("equal", "not_equal"):
-            other = "equal" if operands[0].code == "not_equal" else "not_equal"
-            return replace(operands[0], code=other)
-        if code in _TURNED and expression.operands[0].code in ("constant", "whole"):
-            return Expression(_TURNED[code], operands[::-1])
-        return replace(expression, operands=operands)
+        return found
 
     def _atom(self, operand: Expression) -> str:
         text = render(operand, self.notation)

@@ -1,9 +1,11 @@
-"""How C99 writes operations and numbers, and what it must hold to, in each precision."""
+"""How C99 writes operations and statements, and what it must hold to, in each precision."""
 
 from __future__ import annotations
 
 from clepsydra.base.signal import Kind
-from clepsydra.deploy.printing.expressions import Expression, Notation, render
+from clepsydra.deploy.printing.expressions import Expression, Notation, flag, render
+from clepsydra.deploy.printing.language import Language
+from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.program import LIBRARY
 
@@ -11,11 +13,17 @@ _FUNCTIONS = {
     "square_root": "sqrt", "absolute": "fabs", "floor": "floor", "ceiling": "ceil",
     **{name: name for name in LIBRARY},
 }  # fmt: skip
+#: What an expression can be without many variables, on two lines at the most [characters].
+_WIDTH = 150
 _OPERATORS = {
     "add": "+", "subtract": "-", "multiply": "*", "divide": "/",
     "less": "<", "less_equal": "<=", "equal": "==", "not_equal": "!=",
-    "and": "&&", "or": "||",
+    "greater": ">", "greater_equal": ">=", "quotient": "/", "and": "&&", "or": "||",
 }  # fmt: skip
+
+
+REAL: dict[Precision, str] = {"double": "double", "single": "float"}
+TYPES = {"integer": "int32_t", "boolean": "bool"}
 
 
 def notation_of(precision: Precision) -> Notation:
@@ -29,28 +37,81 @@ def notation_of(precision: Precision) -> Notation:
     """
     single = precision == "single"
     mark = "f" if single else ""
+    kinds = {"real": f"({REAL[precision]})", "rounded": "(int32_t)"}
     return Notation(
         language="C",
         operators=_OPERATORS,
-        functions={code: f"{name}{mark}" for code, name in _FUNCTIONS.items()},
+        functions={**{code: f"{name}{mark}" for code, name in _FUNCTIONS.items()}, **kinds},
         negation="!",
         statements=frozenset(),
-        repeating=frozenset({"minimum", "maximum"}),
+        repeating=frozenset({"minimum", "maximum", "least", "greatest", "limit", "magnitude"}),
         infinity="HUGE_VALF" if single else "HUGE_VAL",
         single=single,
         suffix=mark,
+        width=_WIDTH,
     )
 
 
-def real_type(notation: Notation) -> str:
-    """Return the type of a real number.
+class C99(Language):
+    """C99 in a precision.
+
+    Parameters
+    ----------
+    name : str
+        What the names of the blocks' types and functions begin with.
+    precision : {"double", "single"}
 
     Examples
     --------
-    >>> real_type(notation_of("double")), real_type(notation_of("single"))
-    ('double', 'float')
+    >>> C99("law", "single").types["real"]
+    'float'
     """
-    return "float" if notation.single else "double"
+
+    states = "state->"
+    closed = loop_closed = "}"
+
+    def __init__(self, name: str, precision: Precision) -> None:
+        self.name = name
+        super().__init__(notation_of(precision), {**TYPES, "real": REAL[precision]})
+
+    def worded(self, expression: Expression, *, compared: bool = False) -> Expression:
+        """Return an expression as C writes it."""
+        if expression.text in ("TRUE", "FALSE"):
+            return flag(expression.text.lower())
+        return super().worded(expression, compared=compared)
+
+    def commented(self, text: str) -> str:
+        """Write a comment."""
+        return f"/* {text} */"
+
+    def assignment(self, name: str, text: str) -> str:
+        """Write an assignment."""
+        return f"{name} = {text};"
+
+    def opened(self, condition: Expression, *, otherwise: bool = False) -> str:
+        """Write the beginning of a conditional, or of its next branch."""
+        return f"{'} else if' if otherwise else 'if'} ({self.expression(condition)}) {{"
+
+    def otherwise(self) -> str:
+        """Write the beginning of the last branch."""
+        return "} else {"
+
+    def counted(self, index: str, count: int) -> str:
+        """Write the beginning of a loop."""
+        return f"for (int32_t {index} = 0; {index} < {count}; ++{index}) {{"
+
+    def advanced(self, position: str, length: int) -> str:
+        """Write the place behind a place in a ring."""
+        return f"{position} + 1 < {length} ? {position} + 1 : 0"
+
+    def call(self, entry: BlockCall) -> list[str]:
+        """Call an instance; its outputs are members of a variable that is called like it."""
+        block, name = entry.program, f"{self.name}_{entry.program.name}"
+        arguments = [f"&{self.states}{entry.kept}"] if block.state else []
+        arguments += [self.expression(value) for _, value in entry.given()]
+        lines = [f"{name}_outputs {entry.instance};"] if block.outputs else []
+        arguments += [f"&{entry.instance}"] if block.outputs else []
+        return [*lines, f"{name}_step({', '.join(arguments)});"]
 
 
 def literal(number: float, kind: Kind, notation: Notation) -> str:

@@ -1,4 +1,4 @@
-"""Statements of Structured Text on lines that are not too long."""
+"""Statements on lines that are not too long, nor too short."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from collections.abc import Iterator, Sequence
 #: Longest line where it can be helped [characters].
 LINE = 100
 _STEP = "  "
-_BREAKS = re.compile(r"(?P<sign>[()\[\]]|,|:=|(?<= )(?:AND|OR|[<>=]+|[-+*/])(?= ))")
+_BREAKS = re.compile(r"(?P<sign>[()\[\]]|,|:=|(?<= )(?:AND|OR|&&|\|\||[?:]|[<>=!]+|[-+*/])(?= ))")
 _OPENING, _CLOSING = "([", ")]"
 # How much holds together what stands beside a sign; a line is broken there where it is least.
-_TIGHT = {":=": 0, ",": 0, "OR": 1, "AND": 2, "<": 3, "<=": 3, "=": 3, "<>": 3, ">": 3, ">=": 3,
-          "+": 4, "-": 4}  # fmt: skip
+_TIGHT = {":=": 0, "=": 0, ",": 0, "?": 0, ":": 0, "OR": 1, "||": 1, "AND": 2, "&&": 2, "+": 4,
+          "-": 4} | dict.fromkeys(("<", "<=", "<>", ">", ">=", "==", "!="), 3)  # fmt: skip
 _BRANCH = re.compile(r" *((IF|ELSIF)\b.* THEN|ELSE)$")
 _COMPOUND = re.compile(r" *(IF|FOR|\(\*|//)")
 #: A line is broken before that many characters only where it cannot be helped.
 _LEAST = 40
 
 
-def folded(line: str) -> Iterator[str]:
+def folded(line: str, longest: int = LINE) -> Iterator[str]:
     """Yield a statement on lines that are not too long, broken where it holds least together.
 
     Examples
@@ -31,7 +31,7 @@ def folded(line: str) -> Iterator[str]:
     """
     start = len(line) - len(line.lstrip())
     indent, opened = line[:start] + _STEP * 2, 0
-    while len(line) > LINE:
+    while len(line) > longest:
         depth, places = opened, []
         for found in _BREAKS.finditer(line, start):
             sign = found["sign"]
@@ -40,7 +40,7 @@ def folded(line: str) -> Iterator[str]:
                 continue
             # A comma and an assignment stay where they are, an operator goes to the next line.
             at = found.end() + 1 if sign in (",", ":=") else found.start("sign")
-            if len(line[:at].rstrip()) > LINE:
+            if len(line[:at].rstrip()) > longest:
                 break
             if sign != ":=" or depth == 0:
                 places.append((at < start + _LEAST, depth, _TIGHT.get(sign, 5), -at))

@@ -1,21 +1,51 @@
-"""The statements of a function block, over the variables that it declares."""
+"""The statements of a program in any language, over the variables that its interface declares."""
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Container, Iterator, Sequence
+from dataclasses import dataclass
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.expressions import Expression, flag, integer, variable
 from clepsydra.deploy.printing.folding import list_block
 from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.deploy.printing.language import Language
 from clepsydra.deploy.printing.listing import Assignment, Branch, CountedLoop, ListingStatement
 from clepsydra.deploy.printing.renaming import renamed, renamed_expression, touched
+from clepsydra.deploy.printing.statements import advance, ring_place, statements
+from clepsydra.deploy.printing.typed_values import of_kind
 from clepsydra.deploy.printing.whole_numbers import whole_ranges
-from clepsydra.deploy.structured_text.statements import advance, of_kind, ring_place, statements
-from clepsydra.deploy.structured_text.wording import Wording
-from clepsydra.program.entries import Entry, is_ring, signal_of
+from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.owned_state import owned_by_calls
 from clepsydra.program.program import Operation, Program
+
+
+@dataclass(frozen=True)
+class Places:
+    """What reads and writes the signals of a program, in their order.
+
+    Examples
+    --------
+    >>> from clepsydra.program.program import Block
+    >>> law = Program("law", (), (Signal("tank.level"),), (), (Signal("y"),), Block(1, (), (0,)))
+    >>> Places.of(law, inputs="inputs->").inputs
+    ['inputs->tank_level']
+    """
+
+    state: list[str]
+    inputs: list[str]
+    parameters: list[str]
+    outputs: list[str]
+
+    @classmethod
+    def of(cls, program: Program, **prefixes: str) -> Places:
+        """Return the identifiers of a program's signals, those of a group behind its prefix."""
+
+        def named(group: str) -> list[str]:
+            entries, prefix = getattr(program, group), prefixes.get(group, "")
+            return [prefix + signal_of(each).identifier for each in entries]
+
+        return cls(*map(named, ("state", "inputs", "parameters", "outputs")))
 
 
 class Body:
@@ -24,35 +54,44 @@ class Body:
     Parameters
     ----------
     program : Program
-        In its precision, and with calls that own their state.
-    wording : Wording
+        In its printed form.
+    language : Language
     names : Identifiers
-        The scope of the block, with all that its interface declares.
+        The scope of the statements, with all that stands there already.
+    places : Places
 
     Examples
     --------
-    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> from clepsydra.deploy.c99.language import C99
     >>> from clepsydra.program.program import Block
     >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
     >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
-    >>> names = Identifiers(["x", "y"], ignore_case=True)
-    >>> Body(program, Wording(dialect_of("codesys"), "double", names), names).lines()
-    ['y := x + x;']
+    >>> names = Identifiers([], ignore_case=False)
+    >>> places = Places.of(program, outputs="outputs->")
+    >>> Body(program, C99("law", "double"), names, places).lines()
+    ['outputs->y = x + x;']
     """
 
-    def __init__(self, program: Program, wording: Wording, names: Identifiers) -> None:
-        self._program, self._wording, self._names = program, wording, names
+    def __init__(
+        self, program: Program, language: Language, names: Identifiers, places: Places
+    ) -> None:
+        self._program, self._language, self._names = program, language, names
+        self._places = places
         owned = owned_by_calls(program)
-        self._held = [entry for k, entry in enumerate(program.state) if k not in owned]
-        entries = (*program.state, *program.inputs, *program.parameters)
-        ranges = whole_ranges(program, wording.precision)
+        #: The states that no instance holds, by where they stand.
+        self._held = {
+            place: entry
+            for k, (place, entry) in enumerate(zip(places.state, program.state, strict=True))
+            if k not in owned
+        }
+        ranges = whole_ranges(program, "single" if language.notation.single else "double")
         made = {each.target for each in program.block.statements if isinstance(each, Operation)}
         # What is whole may have a variable of another type than a number.
         labels, preferred = self._labels(made.intersection(ranges))
         listing = list_block(
             program.block,
-            [self._argument(entry) for entry in entries],
-            wording.notation,
+            list(self._arguments()),
+            language.notation,
             names,
             labels=labels,
             preferred=preferred,
@@ -61,13 +100,12 @@ class Body:
         )
         #: Tables of the loops by name.
         self.tables = listing.tables
-        held = {signal_of(entry).identifier for entry in self._held}
-        self._statements = _together([*map(_begun, listing.statements)], held)
+        self._statements = _together([*map(_begun, listing.statements)], self._held)
         count = len(program.state)
         following = [each for k, each in enumerate(listing.results[:count]) if k not in owned]
         self._next = [
             self._plain(signal_of(entry), result)
-            for entry, result in zip(self._held, self._kept(following), strict=True)
+            for entry, result in zip(self._held.values(), self._kept(following), strict=True)
         ]
         self._outputs = [
             self._plain(output, result)
@@ -77,39 +115,40 @@ class Body:
 
     def temporaries(self) -> dict[str, str]:
         """Return name and type of the variables that are no part of the interface."""
-        program, real = self._program, self._wording.real
-        declared = (*program.outputs, *map(signal_of, program.state))
-        known = {signal.identifier for signal in declared}
-        found = dict(_declared(self._statements, real))
-        return {name: kind for name, kind in found.items() if name not in known}
+        known = {*self._places.outputs, *self._places.state}
+        found = dict(_declared(self._statements))
+        return {n: self._language.types[kind] for n, kind in found.items() if n not in known}
 
     def lines(self) -> list[str]:
         """Return the lines of the statements, each statement on one line however long."""
-        wording, comment = self._wording, self._wording.dialect.commented
-        lines = statements(self._statements, wording)
+        language = self._language
+        lines = statements(self._statements, language)
         shown = [
-            Assignment(output.identifier, result)
-            for output, result in zip(self._program.outputs, self._outputs, strict=True)
-            if result.text != output.identifier
+            Assignment(place, result)
+            for place, result in zip(self._places.outputs, self._outputs, strict=True)
+            if result.text != place
         ]
         if shown:
-            lines += [comment("outputs"), *statements(shown, wording)]
+            lines += [language.commented("outputs"), *statements(shown, language)]
         stores: list[Assignment] = []
         rings: list[str] = []
-        for entry, result in zip(self._held, self._next, strict=True):
-            name = signal_of(entry).identifier
+        for (place, entry), result in zip(self._held.items(), self._next, strict=True):
             if is_ring(entry):
-                place = ring_place(name)
-                rings += statements([Assignment(place, result)], wording)
-                rings += advance(name, entry.length)
-            elif result.text != name:
-                stores.append(Assignment(name, result))
-        stored = [*statements(stores, wording), *rings]
-        return [*lines, *([comment("next state")] if stored else []), *stored]
+                rings += statements([Assignment(ring_place(place), result)], language)
+                rings += advance(place, entry.length, language)
+            elif result.text != place:
+                stores.append(Assignment(place, result))
+        stored = [*statements(stores, language), *rings]
+        return [*lines, *([language.commented("next state")] if stored else []), *stored]
 
-    def _argument(self, entry: Entry) -> Expression:
-        signal = signal_of(entry)
-        return self._read(signal, ring_place(signal.identifier, is_ring(entry)))
+    def _arguments(self) -> Iterator[Expression]:
+        for entry, place in zip(self._program.state, self._places.state, strict=True):
+            yield self._read(signal_of(entry), ring_place(place, is_ring(entry)))
+        signals = (*self._program.inputs, *self._program.parameters)
+        for signal, place in zip(
+            signals, (*self._places.inputs, *self._places.parameters), strict=True
+        ):
+            yield self._read(signal, place)
 
     def _read(self, signal: Signal, name: str) -> Expression:
         """Return what reads a variable that is declared with the type of a signal."""
@@ -124,11 +163,13 @@ class Body:
         instances = {call.instance for call in program.calls}
         labels = self._begun()
         preferred: dict[int, str] = {}
-        for output, value in zip(program.outputs, program.output_values, strict=True):
+        for output, place, value in zip(
+            program.outputs, self._places.outputs, program.output_values, strict=True
+        ):
             # An output variable may be read back: the value needs no other name.
             unnamed = program.names.get(value, output.name) == output.name
             if output.kind == "real" and value >= first and unnamed and value not in whole:
-                labels.setdefault(value, output.identifier)
+                labels.setdefault(value, place)
         results = dict(zip(program.output_values, program.outputs, strict=True))
         for value, name in program.names.items():
             own = value in results and results[value].name == name
@@ -149,9 +190,9 @@ class Body:
             if isinstance(each, Operation) and each.code == "constant"
         }
         held = {
-            value: signal_of(entry)
-            for value, entry in enumerate(program.state)
-            if entry in self._held and not is_ring(entry)
+            value: (place, signal_of(self._held[place]).kind)
+            for value, place in enumerate(self._places.state)
+            if place in self._held and not is_ring(self._held[place])
         }
         labels: dict[int, str] = {}
         truths: dict[int, int] = {}
@@ -166,37 +207,37 @@ class Body:
             if each.code == "and" and negated.intersection(each.arguments):
                 for value in each.arguments:
                     if uses[value] == 1 and truths.get(value) in held:
-                        labels[each.target] = held[truths[value]].identifier
+                        labels[each.target] = held[truths[value]][0]
             if each.code != "select":
                 continue
             _, start, before = each.arguments
-            signal = held.get(before)
-            if signal is None or uses[before] != 1:
+            if before not in held or uses[before] != 1:
                 continue
+            place, kind = held[before]
             given = start in constants or (
-                start < len(entries) and signal_of(entries[start]).kind == signal.kind
+                start < len(entries) and signal_of(entries[start]).kind == kind
             )
-            if given or signal.kind == "real":
-                labels[each.target] = signal.identifier
-                held[each.target] = signal
+            if given or kind == "real":
+                labels[each.target] = place
+                held[each.target] = held[before]
         return labels
 
     def _kept(self, results: Sequence[Expression]) -> list[Expression]:
         """Give the next values variables where a state that they read is overwritten before."""
         kept = []
         overwritten: set[str] = set()
-        for entry, result in zip(self._held, results, strict=True):
+        for (place, entry), result in zip(self._held.items(), results, strict=True):
             signal = signal_of(entry)
             if overwritten & touched(Assignment("", result)):
                 result = self._variable(f"next_{signal.identifier}", signal, result)
             kept.append(result)
-            overwritten.add(ring_place(signal.identifier, is_ring(entry)))
+            overwritten.add(ring_place(place, is_ring(entry)))
         return kept
 
     def _plain(self, signal: Signal, result: Expression) -> Expression:
         """Return a result in the type of its signal."""
         found = of_kind(signal.kind, result)
-        if found.code in ("rounded", "truth") and not self._wording.notation.writes(result):
+        if found.code in ("rounded", "truth") and not self._language.notation.writes(result):
             name = self._names.new(f"{signal.identifier}_number")
             self._statements.append(Assignment(name, result))
             return of_kind(signal.kind, variable(name))
@@ -209,11 +250,11 @@ class Body:
 
     def _in_place(self) -> None:
         """Compute outputs and next states where they stand, instead of in variables before."""
-        for k, output in enumerate(self._program.outputs):
-            self._rename(self._outputs[k], output.identifier)
-        for k, entry in enumerate(self._held):
+        for k, place in enumerate(self._places.outputs):
+            self._rename(self._outputs[k], place)
+        for k, (place, entry) in enumerate(self._held.items()):
             if not is_ring(entry):
-                self._rename(self._next[k], signal_of(entry).identifier)
+                self._rename(self._next[k], place)
 
     def _rename(self, result: Expression, name: str) -> None:
         """Let a variable that is only computed for a result be the result's own."""
@@ -282,18 +323,17 @@ def _beginning(statement: ListingStatement, held: Container[str]) -> Expression 
     return condition if constant and kept_alike else None
 
 
-def _declared(statements: Sequence[ListingStatement], real: str) -> list[tuple[str, str]]:
-    """Return name and type of every variable that statements assign, in order."""
+def _declared(statements: Sequence[ListingStatement]) -> list[tuple[str, str]]:
+    """Return every variable that statements assign and the kind of what it holds, in order."""
     found: list[tuple[str, str]] = []
     for entry in statements:
         if isinstance(entry, Assignment):
-            expression = entry.expression
-            kind = "BOOL" if expression.is_truth else "DINT" if expression.is_whole else real
-            found.append((entry.name, kind))
+            truth, whole = entry.expression.is_truth, entry.expression.is_whole
+            found.append((entry.name, "boolean" if truth else "integer" if whole else "real"))
             continue
         if isinstance(entry, CountedLoop):
-            found += [(entry.index, "DINT")] if entry.count > 1 else []
-            found += [(turn.oldest, real) for turn in entry.rings if turn.oldest]
+            found += [(entry.index, "integer")] if entry.count > 1 else []
+            found += [(turn.oldest, "real") for turn in entry.rings if turn.oldest]
         if isinstance(entry, (CountedLoop, Branch)):
-            found += _declared(entry.start, real) + _declared(entry.body, real)
+            found += _declared(entry.start) + _declared(entry.body)
     return found

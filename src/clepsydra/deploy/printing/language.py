@@ -1,0 +1,120 @@
+"""What the printers of statements ask of a language."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import replace
+
+from clepsydra.deploy.printing.expressions import (
+    Expression,
+    Notation,
+    as_select,
+    render,
+    simplified,
+)
+from clepsydra.deploy.printing.listing import BlockCall
+from clepsydra.program.program import COMPARISONS
+
+# A variable is compared with a number, not the other way round.
+_TURNED = {"less": "greater", "less_equal": "greater_equal"}
+
+
+class Language(ABC):
+    """How a language writes expressions and statements.
+
+    Parameters
+    ----------
+    notation : Notation
+    types : mapping
+        Kind of a signal to the type of a variable.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.c99.language import C99
+    >>> from clepsydra.deploy.printing.expressions import flag
+    >>> C99("law", "double").opened(Expression("not", (flag("cold"),)))
+    'if (!cold) {'
+    """
+
+    #: What stands before the name of a state.
+    states = ""
+    #: What ends a conditional, and a loop.
+    closed = ""
+    loop_closed = ""
+
+    def __init__(self, notation: Notation, types: Mapping[str, str]) -> None:
+        self.notation, self.types = notation, types
+
+    def expression(self, expression: Expression) -> str:
+        """Write an expression.
+
+        Raises
+        ------
+        InputError
+            The language has no such function, or a number is not finite.
+        """
+        return render(self.worded(expression), self.notation)
+
+    def worded(self, expression: Expression, *, compared: bool = False) -> Expression:
+        """Return an expression as a person would write it; `compared` if it is an operand of <."""
+        code = expression.code
+        if code == "truth":
+            zero = Expression("constant")
+            return self.worded(Expression("not_equal", (expression.operands[0], zero)))
+        if code == "number" and "select" in self.notation.functions:
+            return self.worded(as_select(expression))
+        if code == "select" and expression.is_truth:
+            expression = _logical(expression)
+            code = expression.code
+        operands = tuple(
+            self.worded(part, compared=code in COMPARISONS) for part in expression.operands
+        )
+        if code == "not" and operands[0].code in ("equal", "not_equal"):
+            other = "equal" if operands[0].code == "not_equal" else "not_equal"
+            return replace(operands[0], code=other)
+        if code in _TURNED and expression.operands[0].code in ("constant", "whole"):
+            return Expression(_TURNED[code], operands[::-1])
+        return replace(expression, operands=operands)
+
+    @abstractmethod
+    def commented(self, text: str) -> str:
+        """Write a comment."""
+
+    @abstractmethod
+    def assignment(self, name: str, text: str) -> str:
+        """Write an assignment."""
+
+    @abstractmethod
+    def opened(self, condition: Expression, *, otherwise: bool = False) -> str:
+        """Write the beginning of a conditional, or of its next branch."""
+
+    @abstractmethod
+    def otherwise(self) -> str:
+        """Write the beginning of the last branch."""
+
+    @abstractmethod
+    def counted(self, index: str, count: int) -> str:
+        """Write the beginning of a loop."""
+
+    @abstractmethod
+    def advanced(self, position: str, length: int) -> str:
+        """Write the place behind a place in a ring."""
+
+    @abstractmethod
+    def call(self, entry: BlockCall) -> list[str]:
+        """Write the call of an instance."""
+
+
+def _logical(select: Expression) -> Expression:
+    """Return a choice of truth values as logic where one of them is known."""
+    condition, first, second = select.operands
+    known = {"TRUE": True, "FALSE": False}
+    for place, value in ((1, first), (0, second)):
+        truth, other = known.get(value.text), second if place else first
+        if truth is not None:
+            # Where the known one is FALSE the other one counts under the opposite condition.
+            opposite = Expression("not", (condition,))
+            holds = condition if truth == bool(place) else opposite
+            return simplified(Expression("or" if truth else "and", (simplified(holds), other)))
+    return select
