@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from clepsydra.base.signal import Kind
 from clepsydra.deploy.printing.expressions import Expression, Notation, flag, render
-from clepsydra.deploy.printing.language import Language
+from clepsydra.deploy.printing.language import Language, Syntax
 from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.program import LIBRARY
@@ -24,6 +24,20 @@ _OPERATORS = {
 
 REAL: dict[Precision, str] = {"double": "double", "single": "float"}
 TYPES = {"integer": "int32_t", "boolean": "bool"}
+
+
+SYNTAX = Syntax(
+    comment="/* {} */",
+    assignment="{} = {};",
+    opened="if ({}) {{",
+    another="}} else if ({}) {{",
+    otherwise="} else {",
+    closed="}",
+    counted="for (int32_t {0} = 0; {0} < {1}; ++{0}) {{",
+    loop_closed="}",
+    advanced="{0} + 1 < {1} ? {0} + 1 : 0",
+    states="state->",
+)
 
 
 def notation_of(precision: Precision) -> Notation:
@@ -67,12 +81,9 @@ class C99(Language):
     'float'
     """
 
-    states = "state->"
-    closed = loop_closed = "}"
-
     def __init__(self, name: str, precision: Precision) -> None:
         self.name = name
-        super().__init__(notation_of(precision), {**TYPES, "real": REAL[precision]})
+        super().__init__(notation_of(precision), SYNTAX, {**TYPES, "real": REAL[precision]})
 
     def worded(self, expression: Expression, *, compared: bool = False) -> Expression:
         """Return an expression as C writes it."""
@@ -80,34 +91,10 @@ class C99(Language):
             return flag(expression.text.lower())
         return super().worded(expression, compared=compared)
 
-    def commented(self, text: str) -> str:
-        """Write a comment."""
-        return f"/* {text} */"
-
-    def assignment(self, name: str, text: str) -> str:
-        """Write an assignment."""
-        return f"{name} = {text};"
-
-    def opened(self, condition: Expression, *, otherwise: bool = False) -> str:
-        """Write the beginning of a conditional, or of its next branch."""
-        return f"{'} else if' if otherwise else 'if'} ({self.expression(condition)}) {{"
-
-    def otherwise(self) -> str:
-        """Write the beginning of the last branch."""
-        return "} else {"
-
-    def counted(self, index: str, count: int) -> str:
-        """Write the beginning of a loop."""
-        return f"for (int32_t {index} = 0; {index} < {count}; ++{index}) {{"
-
-    def advanced(self, position: str, length: int) -> str:
-        """Write the place behind a place in a ring."""
-        return f"{position} + 1 < {length} ? {position} + 1 : 0"
-
     def call(self, entry: BlockCall) -> list[str]:
         """Call an instance; its outputs are members of a variable that is called like it."""
         block, name = entry.program, f"{self.name}_{entry.program.name}"
-        arguments = [f"&{self.states}{entry.kept}"] if block.state else []
+        arguments = [f"&{self.syntax.states}{entry.kept}"] if block.state else []
         arguments += [self.expression(value) for _, value in entry.given()]
         lines = [f"{name}_outputs {entry.instance};"] if block.outputs else []
         arguments += [f"&{entry.instance}"] if block.outputs else []

@@ -9,9 +9,15 @@ from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.expressions import Expression, flag, integer, variable
 from clepsydra.deploy.printing.folding import list_block
 from clepsydra.deploy.printing.identifiers import Identifiers
+from clepsydra.deploy.printing.in_place import in_place, mentions
 from clepsydra.deploy.printing.language import Language
-from clepsydra.deploy.printing.listing import Assignment, Branch, CountedLoop, ListingStatement
-from clepsydra.deploy.printing.renaming import renamed, renamed_expression, touched
+from clepsydra.deploy.printing.listing import (
+    Assignment,
+    Branch,
+    CountedLoop,
+    ListingStatement,
+    touched,
+)
 from clepsydra.deploy.printing.statements import advance, ring_place, statements
 from clepsydra.deploy.printing.typed_values import of_kind
 from clepsydra.deploy.printing.whole_numbers import whole_ranges
@@ -111,25 +117,37 @@ class Body:
             self._plain(output, result)
             for output, result in zip(program.outputs, listing.results[count:], strict=True)
         ]
-        self._in_place()
-
-    def temporaries(self) -> dict[str, str]:
-        """Return name and type of the variables that are no part of the interface."""
-        known = {*self._places.outputs, *self._places.state}
-        found = dict(_declared(self._statements))
-        return {n: self._language.types[kind] for n, kind in found.items() if n not in known}
+        self._lines = in_place(self._written(), self._found(), self._assigned())
 
     def lines(self) -> list[str]:
         """Return the lines of the statements, each statement on one line however long."""
+        return self._lines
+
+    def temporaries(self) -> dict[str, str]:
+        """Return name and type of the variables that are no part of the interface."""
+        types = self._language.types
+        return {
+            name: types[kind]
+            for name, kind in self._found().items()
+            if any(mentions(line, name) for line in self._lines)
+        }
+
+    def _found(self) -> dict[str, str]:
+        known = {*self._places.outputs, *self._places.state}
+        return {n: kind for n, kind in _declared(self._statements) if n not in known}
+
+    def _assigned(self) -> list[str]:
+        """Return what results go to."""
+        states = [place for place, entry in self._held.items() if not is_ring(entry)]
+        return [*self._places.outputs, *states]
+
+    def _written(self) -> list[str]:
         language = self._language
-        lines = statements(self._statements, language)
         shown = [
             Assignment(place, result)
             for place, result in zip(self._places.outputs, self._outputs, strict=True)
             if result.text != place
         ]
-        if shown:
-            lines += [language.commented("outputs"), *statements(shown, language)]
         stores: list[Assignment] = []
         rings: list[str] = []
         for (place, entry), result in zip(self._held.items(), self._next, strict=True):
@@ -138,8 +156,11 @@ class Body:
                 rings += advance(place, entry.length, language)
             elif result.text != place:
                 stores.append(Assignment(place, result))
+        lines = statements(self._statements, language)
         stored = [*statements(stores, language), *rings]
-        return [*lines, *([language.commented("next state")] if stored else []), *stored]
+        for title, results in (("outputs", statements(shown, language)), ("next state", stored)):
+            lines += [language.syntax.comment.format(title), *results] if results else []
+        return lines
 
     def _arguments(self) -> Iterator[Expression]:
         for entry, place in zip(self._program.state, self._places.state, strict=True):
@@ -247,39 +268,6 @@ class Body:
         name = self._names.new(wanted)
         self._statements.append(Assignment(name, self._plain(signal, result)))
         return self._read(signal, name)
-
-    def _in_place(self) -> None:
-        """Compute outputs and next states where they stand, instead of in variables before."""
-        for k, place in enumerate(self._places.outputs):
-            self._rename(self._outputs[k], place)
-        for k, (place, entry) in enumerate(self._held.items()):
-            if not is_ring(entry):
-                self._rename(self._next[k], place)
-
-    def _rename(self, result: Expression, name: str) -> None:
-        """Let a variable that is only computed for a result be the result's own."""
-        local = result.text
-        places = [
-            k
-            for k, each in enumerate(self._statements)
-            if isinstance(each, Assignment) and each.name == local
-        ]
-        if len(places) != 1 or local == name or local not in self.temporaries():
-            return
-        (first,) = places
-        later = [
-            *self._statements[first + 1 :],
-            *(Assignment("", each) for each in (*self._outputs, *self._next)),
-        ]
-        if any(name in touched(each) for each in later):
-            return
-        names = {local: name}
-        self._statements = [
-            *self._statements[:first],
-            *(renamed(each, names) for each in self._statements[first:]),
-        ]
-        self._outputs = [renamed_expression(each, names) for each in self._outputs]
-        self._next = [renamed_expression(each, names) for each in self._next]
 
 
 def _begun(statement: ListingStatement) -> ListingStatement:

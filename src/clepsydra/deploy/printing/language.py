@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from clepsydra.deploy.printing.expressions import (
     Expression,
@@ -20,12 +20,48 @@ from clepsydra.program.program import COMPARISONS
 _TURNED = {"less": "greater", "less_equal": "greater_equal"}
 
 
+@dataclass(frozen=True)
+class Syntax:
+    """How a language writes statements; what is filled in stands in braces.
+
+    Parameters
+    ----------
+    comment, assignment : str
+    opened, another, otherwise, closed : str
+        A conditional: its first branch, each next one, the last one, its end.
+    counted, loop_closed : str
+        A loop: its beginning, with the index, the number of turns and one less, and its end.
+    advanced : str
+        The place behind a place in a ring of a length.
+    states : str
+        What stands before the name of a state.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.c99.language import SYNTAX
+    >>> SYNTAX.opened.format("late")
+    'if (late) {'
+    """
+
+    comment: str
+    assignment: str
+    opened: str
+    another: str
+    otherwise: str
+    closed: str
+    counted: str
+    loop_closed: str
+    advanced: str
+    states: str = ""
+
+
 class Language(ABC):
     """How a language writes expressions and statements.
 
     Parameters
     ----------
     notation : Notation
+    syntax : Syntax
     types : mapping
         Kind of a signal to the type of a variable.
 
@@ -33,18 +69,12 @@ class Language(ABC):
     --------
     >>> from clepsydra.deploy.c99.language import C99
     >>> from clepsydra.deploy.printing.expressions import flag
-    >>> C99("law", "double").opened(Expression("not", (flag("cold"),)))
-    'if (!cold) {'
+    >>> C99("law", "double").expression(Expression("not", (flag("cold"),)))
+    '!cold'
     """
 
-    #: What stands before the name of a state.
-    states = ""
-    #: What ends a conditional, and a loop.
-    closed = ""
-    loop_closed = ""
-
-    def __init__(self, notation: Notation, types: Mapping[str, str]) -> None:
-        self.notation, self.types = notation, types
+    def __init__(self, notation: Notation, syntax: Syntax, types: Mapping[str, str]) -> None:
+        self.notation, self.syntax, self.types = notation, syntax, types
 
     def expression(self, expression: Expression) -> str:
         """Write an expression.
@@ -76,30 +106,6 @@ class Language(ABC):
         if code in _TURNED and expression.operands[0].code in ("constant", "whole"):
             return Expression(_TURNED[code], operands[::-1])
         return replace(expression, operands=operands)
-
-    @abstractmethod
-    def commented(self, text: str) -> str:
-        """Write a comment."""
-
-    @abstractmethod
-    def assignment(self, name: str, text: str) -> str:
-        """Write an assignment."""
-
-    @abstractmethod
-    def opened(self, condition: Expression, *, otherwise: bool = False) -> str:
-        """Write the beginning of a conditional, or of its next branch."""
-
-    @abstractmethod
-    def otherwise(self) -> str:
-        """Write the beginning of the last branch."""
-
-    @abstractmethod
-    def counted(self, index: str, count: int) -> str:
-        """Write the beginning of a loop."""
-
-    @abstractmethod
-    def advanced(self, position: str, length: int) -> str:
-        """Write the place behind a place in a ring."""
 
     @abstractmethod
     def call(self, entry: BlockCall) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from clepsydra.base.signal import Signal
@@ -139,44 +139,43 @@ class Listing:
     Examples
     --------
     >>> from clepsydra.deploy.printing.expressions import variable
-    >>> listing = Listing((Assignment("t1", variable("x")),), (variable("t1"),))
-    >>> [expression.text for expression in listing.expressions()]
-    ['x', 't1']
+    >>> Listing((Assignment("t1", variable("x")),), (variable("t1"),)).tables
+    {}
     """
 
     statements: tuple[ListingStatement, ...]
     results: tuple[Expression, ...]
     tables: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
-    def walk(self) -> Iterator[ListingStatement]:
-        """Yield every statement, those inside loops and branches included."""
-        yield from _walk(self.statements)
 
-    def expressions(self) -> Iterator[Expression]:
-        """Yield every expression and every part of one."""
-        for statement in self.walk():
-            if isinstance(statement, Assignment):
-                yield from parts(statement.expression)
-            elif isinstance(statement, BlockCall):
-                for argument in statement.arguments:
-                    yield from parts(argument)
-            else:
-                for assignment in statement.start + statement.update:
-                    yield from parts(assignment.expression)
-            if isinstance(statement, Branch):
-                yield from parts(statement.condition)
-            if isinstance(statement, CountedLoop):
-                for turn in statement.rings:
-                    yield from parts(turn.written)
-        for result in self.results:
-            yield from parts(result)
+def touched(statement: ListingStatement) -> set[str]:
+    """Return the names of the variables that a statement reads or assigns.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.printing.expressions import variable
+    >>> sorted(touched(Assignment("u", Expression("add", (variable("a"), variable("b"))))))
+    ['a', 'b', 'u']
+    """
+    return set(_touched(statement))
 
 
-def _walk(statements: Sequence[ListingStatement]) -> Iterator[ListingStatement]:
-    for statement in statements:
-        yield statement
-        if isinstance(statement, (CountedLoop, Branch)):
-            yield from _walk(statement.body)
+def _touched(statement: ListingStatement) -> Iterator[str]:
+    given: Iterable[Expression]
+    if isinstance(statement, Assignment):
+        yield statement.name
+        given = [statement.expression]
+    elif isinstance(statement, BlockCall):
+        given = statement.arguments
+    else:
+        for inner in (*statement.start, *statement.body, *statement.update):
+            yield from _touched(inner)
+        given = (
+            [turn.written for turn in statement.rings]
+            if isinstance(statement, CountedLoop)
+            else [statement.condition]
+        )
+    yield from (part.text for each in given for part in parts(each) if part.text)
 
 
 def parts(expression: Expression) -> Iterator[Expression]:

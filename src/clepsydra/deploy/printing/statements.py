@@ -55,14 +55,14 @@ def statements(entries: Sequence[ListingStatement], language: Language) -> list[
             continue
         del rest[: len(group)]
         choices = [(each.name, *_choice(each.expression)) for each in group]
-        lines.append(language.opened(choices[0][1]))
+        lines.append(language.syntax.opened.format(language.expression(choices[0][1])))
         for name, _, first, _ in choices:
             lines += indented(assign(name, first, language))
         others = [(name, second) for name, _, _, second in choices if not _keeps(name, second)]
-        lines += [language.otherwise()] if others else []
+        lines += [language.syntax.otherwise] if others else []
         for name, second in others:
             lines += indented(assign(name, second, language))
-        lines.append(language.closed)
+        lines.append(language.syntax.closed)
     return lines
 
 
@@ -74,26 +74,28 @@ def _statement(entry: ListingStatement, language: Language) -> list[str]:
     title = entry.label
     if isinstance(entry, CountedLoop):
         title += f": {entry.count} turn{'s' if entry.count > 1 else ''}"
-    lines = [language.commented(title)]
+    lines = [language.syntax.comment.format(title)]
     for start in entry.start:
         lines += assign(start.name, start.expression, language)
     inside = _body(entry, language)
     if isinstance(entry, Branch):
-        return [*lines, language.opened(entry.condition), *indented(inside), language.closed]
+        head = language.syntax.opened.format(language.expression(entry.condition))
+        return [*lines, head, *indented(inside), language.syntax.closed]
     if entry.count == 1:
         return [*lines, *inside]
-    head = language.counted(entry.index, entry.count)
-    return [*lines, head, *indented(inside), language.loop_closed]
+    head = language.syntax.counted.format(entry.index, entry.count, entry.count - 1)
+    return [*lines, head, *indented(inside), language.syntax.loop_closed]
 
 
 def _body(entry: CountedLoop | Branch, language: Language) -> list[str]:
     """Write what a loop repeats or a branch does, up to the next values of what it carries."""
     turns = entry.rings if isinstance(entry, CountedLoop) else ()
-    places = [f"{language.states}{turn.ring.signal.identifier}" for turn in turns]
+    places = [f"{language.syntax.states}{turn.ring.signal.identifier}" for turn in turns]
     lines = []
     for turn, place in zip(turns, places, strict=True):
         if turn.oldest:
-            lines.append(language.assignment(turn.oldest, ring_place(place, is_ring(turn.ring))))
+            oldest = ring_place(place, is_ring(turn.ring))
+            lines.append(language.syntax.assignment.format(turn.oldest, oldest))
     lines += statements(entry.body, language)
     for turn, place in zip(turns, places, strict=True):
         lines += assign(ring_place(place, is_ring(turn.ring)), turn.written, language)
@@ -124,7 +126,8 @@ def advance(name: str, length: int, language: Language) -> list[str]:
     ['flow_position = flow_position + 1 < 5 ? flow_position + 1 : 0;']
     """
     position = f"{name}_position"
-    return [language.assignment(position, language.advanced(position, length))]
+    following = language.syntax.advanced.format(position, length)
+    return [language.syntax.assignment.format(position, following)]
 
 
 def assign(
@@ -156,21 +159,23 @@ def assign(
       u := gain / time;
     END_IF;
     """
+    syntax = language.syntax
     if not _branches(name, expression, language):
-        return [language.assignment(name, language.expression(expression))]
+        return [syntax.assignment.format(name, language.expression(expression))]
     condition, first, second = _choice(expression)
     before: list[str] = []
     if held is None and second.is_atom and not name_in(name, expression):
         # What holds otherwise comes first.
         before, held = assign(name, second, language), second
-    lines = [language.opened(condition), *indented(assign(name, first, language, held))]
+    head = syntax.opened.format(language.expression(condition))
+    lines = [head, *indented(assign(name, first, language, held))]
     while second.code == "select":
         condition, first, second = _choice(second)
-        lines.append(language.opened(condition, otherwise=True))
+        lines.append(syntax.another.format(language.expression(condition)))
         lines += indented(assign(name, first, language, held))
     if second != held and not _keeps(name, second):
-        lines += [language.otherwise(), *indented(assign(name, second, language, held))]
-    return [*before, *lines, language.closed]
+        lines += [syntax.otherwise, *indented(assign(name, second, language, held))]
+    return [*before, *lines, syntax.closed]
 
 
 def _branches(name: str, expression: Expression, language: Language) -> bool:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection
+from dataclasses import replace
 
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.printing.expressions import Expression, decimal, render, variable
 from clepsydra.deploy.printing.identifiers import Identifiers
-from clepsydra.deploy.printing.language import Language
+from clepsydra.deploy.printing.language import Language, Syntax
 from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.printing.typed_values import of_kind
@@ -17,6 +18,17 @@ from clepsydra.deploy.structured_text.dialect import Dialect
 from clepsydra.deploy.structured_text.notation import notation_of
 from clepsydra.program.program import COMPARISONS
 
+_SYNTAX = Syntax(
+    comment="(* {} *)",
+    assignment="{} := {};",
+    opened="IF {} THEN",
+    another="ELSIF {} THEN",
+    otherwise="ELSE",
+    closed="END_IF;",
+    counted="FOR {0} := 0 TO {2} DO",
+    loop_closed="END_FOR;",
+    advanced="({0} + 1) MOD {1}",
+)
 #: The largest power of two that every system reads as a number, whatever the type.
 _FACTOR_EXPONENT = 120
 _NAME = re.compile(r"(?<![\w.#])[A-Za-z]\w*")
@@ -50,6 +62,7 @@ class Wording(Language):
         self.real = "LREAL" if precision == "double" else "REAL"
         super().__init__(
             notation_of(dialect, precision),
+            replace(_SYNTAX, comment="// {}") if dialect.line_comments else _SYNTAX,
             {"real": self.real, "integer": "DINT", "boolean": "BOOL"},
         )
         #: Variable to a number that the system cannot read, and to the factors of the product
@@ -57,32 +70,6 @@ class Wording(Language):
         self.products: dict[str, tuple[float, list[str]]] = {}
         self._names = names
         self._typed = precision in dialect.typed_numbers
-
-    closed, loop_closed = "END_IF;", "END_FOR;"
-
-    def commented(self, text: str) -> str:
-        """Write a comment."""
-        return self.dialect.commented(text)
-
-    def assignment(self, name: str, text: str) -> str:
-        """Write an assignment."""
-        return f"{name} := {text};"
-
-    def opened(self, condition: Expression, *, otherwise: bool = False) -> str:
-        """Write the beginning of a conditional, or of its next branch."""
-        return f"{'ELSIF' if otherwise else 'IF'} {self.expression(condition)} THEN"
-
-    def otherwise(self) -> str:
-        """Write the beginning of the last branch."""
-        return "ELSE"
-
-    def counted(self, index: str, count: int) -> str:
-        """Write the beginning of a loop."""
-        return f"FOR {index} := 0 TO {count - 1} DO"
-
-    def advanced(self, position: str, length: int) -> str:
-        """Write the place behind a place in a ring."""
-        return f"({position} + 1) MOD {length}"
 
     def call(self, entry: BlockCall) -> list[str]:
         """Write the call of an instance.
