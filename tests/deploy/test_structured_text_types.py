@@ -119,7 +119,7 @@ def test_blocks_read_like_written_by_hand():
         "  was_high := FALSE;",
         "END_IF;",
     ]
-    assert "scans := MIN(8, t1) + 1;" in body
+    assert "scans := MIN(8, larger) + 1;" in body
     assert "high := (kept > 1.0) OR was_high;" in body
 
 

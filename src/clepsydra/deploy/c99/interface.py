@@ -101,18 +101,7 @@ def print_header(
     lines += structures.plain(program.inputs, name, "inputs", "Inputs of one sample.")
     lines += structures.plain(program.outputs, name, "outputs", "Outputs of one sample.")
     lines += [
-        "/* Sets the parameters' values. */",
-        *default_parameters_head(name, ";"),
-        "",
-        "/* Sets the inputs to what they are until they are wired. */",
-        *default_inputs_head(name, ";"),
-        "",
-        "/* Sets the initial state. */",
-        *initialise_head(name, ";"),
-        "",
-        "/* Computes one sample: the outputs and the next state. */",
-        *step_head(name, ";"),
-        "",
+        *(row for what, about in _ABOUT.items() for row in _declared(name, what, about)),
         *("#ifdef __cplusplus", "}", "#endif", ""),
         "#endif",
         "",
@@ -138,62 +127,50 @@ def head_comment(
     return [f"/* {first}", *(f" * {line}" for line in rest), " */", ""]
 
 
-def step_head(name: str, end: str) -> list[str]:
-    """Return the head of the function that computes one sample.
+_ABOUT = {
+    "default_parameters": "Sets the parameters' values.",
+    "default_inputs": "Sets the inputs to what they are until they are wired.",
+    "initialise": "Sets the initial state.",
+    "step": "Computes one sample: the outputs and the next state.",
+}
+
+
+def _declared(name: str, what: str, about: str) -> list[str]:
+    return [f"/* {about} */", *function_head(name, what, ";"), ""]
+
+
+#: What the functions of a program take, where NAME stands for its name.
+_TAKEN = {
+    "default_parameters": ("NAME_parameters *parameters",),
+    "default_inputs": ("NAME_inputs *inputs",),
+    "initialise": ("NAME_state *state",),
+    "step": (
+        "const NAME_parameters *parameters",
+        "NAME_state *state",
+        "const NAME_inputs *inputs",
+        "NAME_outputs *outputs",
+    ),
+}
+
+
+def function_head(name: str, what: str, end: str = "") -> list[str]:
+    """Return the head of a function of a program.
+
+    One argument a line: behind the bracket, or below the name where that is too wide.
 
     Examples
     --------
-    >>> print("\\n".join(step_head("law", ";")))
+    >>> function_head("law", "initialise", ";")
+    ['void law_initialise(law_state *state);']
+    >>> print("\\n".join(function_head("law", "step")))
     void law_step(const law_parameters *parameters,
                   law_state *state,
                   const law_inputs *inputs,
-                  law_outputs *outputs);
+                  law_outputs *outputs)
     """
-    arguments = [
-        f"const {name}_parameters *parameters", f"{name}_state *state",
-        f"const {name}_inputs *inputs", f"{name}_outputs *outputs",
-    ]  # fmt: skip
-    return _function_head(f"{name}_step", arguments, end)
-
-
-def initialise_head(name: str, end: str) -> list[str]:
-    """Return the head of the function that sets the initial state.
-
-    Examples
-    --------
-    >>> initialise_head("law", ";")
-    ['void law_initialise(law_state *state);']
-    """
-    return _function_head(f"{name}_initialise", [f"{name}_state *state"], end)
-
-
-def default_parameters_head(name: str, end: str) -> list[str]:
-    """Return the head of the function that sets the parameters' values.
-
-    Examples
-    --------
-    >>> default_parameters_head("law", ";")
-    ['void law_default_parameters(law_parameters *parameters);']
-    """
-    arguments = [f"{name}_parameters *parameters"]
-    return _function_head(f"{name}_default_parameters", arguments, end)
-
-
-def default_inputs_head(name: str, end: str) -> list[str]:
-    """Return the head of the function that sets the inputs' values before they are wired.
-
-    Examples
-    --------
-    >>> default_inputs_head("law", ";")
-    ['void law_default_inputs(law_inputs *inputs);']
-    """
-    return _function_head(f"{name}_default_inputs", [f"{name}_inputs *inputs"], end)
-
-
-def _function_head(name: str, arguments: Sequence[str], end: str) -> list[str]:
-    """Write one argument a line: behind the bracket, or below the name where that is too wide."""
-    opening = f"void {name}("
-    rows = [*(f"{argument}," for argument in arguments[:-1]), f"{arguments[-1]}){end}"]
+    opening = f"void {name}_{what}("
+    *others, last = (argument.replace("NAME", name) for argument in _TAKEN[what])
+    rows = [*(f"{argument}," for argument in others), f"{last}){end}"]
     if len(opening) + max(map(len, rows)) > WIDTH:
         return [opening, *(f"    {row}" for row in rows)]
     indent = " " * len(opening)

@@ -7,11 +7,7 @@ import textwrap
 from collections.abc import Sequence
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.c99.interface import (
-    default_inputs_head,
-    default_parameters_head,
-    initialise_head,
-)
+from clepsydra.deploy.c99.interface import function_head
 from clepsydra.deploy.c99.language import C99, arithmetic_check, literal
 from clepsydra.deploy.c99.step import BlockFunction, StepFunction
 from clepsydra.deploy.c99.structures import WIDTH, block_name
@@ -51,17 +47,11 @@ class _Source:
         self._language = C99(program.name, precision)
         self._notation, self._real = self._language.notation, self._language.types["real"]
         name, blocks = program.name, called_blocks(program)
-        taken = (
-            {*C_WORDS, *self._notation.functions.values(), "state", "inputs", "parameters"}
-            | {"outputs", f"{name}_state", f"{name}_inputs", f"{name}_parameters"}
-            | {f"{name}_outputs", f"{name}_step", f"{name}_initialise"}
-            | {f"{name}_default_parameters", f"{name}_default_inputs"}
-            | {
-                f"{block_name(name, block)}_{what}"
-                for block in blocks
-                for what in ("state", "outputs", "step")
-            }
-        )
+        parts = ("state", "inputs", "parameters", "outputs")
+        taken = {*C_WORDS, *self._notation.functions.values(), *parts}
+        for each in (name, *(block_name(name, block) for block in blocks)):
+            functions = ("step", "initialise", "default_parameters", "default_inputs")
+            taken |= {f"{each}_{what}" for what in (*parts, *functions)}
         self._blocks: list[StepFunction] = []
         for block in blocks:
             self._blocks.append(BlockFunction(block, self._language, taken))
@@ -76,9 +66,8 @@ class _Source:
         for block in self._blocks:
             lines += [*self._tables(block), *block.text()]
         lines += self._tables(self._step)
-        name, program = self._program.name, self._program
-        lines += self._defaults(default_parameters_head(name, ""), "parameters", program.parameters)
-        lines += self._defaults(default_inputs_head(name, ""), "inputs", program.inputs)
+        lines += self._defaults("parameters", self._program.parameters)
+        lines += self._defaults("inputs", self._program.inputs)
         return "\n".join([*lines, *self._initialise(), *self._step.text()])
 
     def _tables(self, function: StepFunction) -> list[str]:
@@ -103,8 +92,8 @@ class _Source:
             for function in (*self._blocks, self._step)
         )
 
-    def _defaults(self, head: list[str], where: str, entries: Sequence[Signal]) -> list[str]:
-        lines = [*head, "{"]
+    def _defaults(self, where: str, entries: Sequence[Signal]) -> list[str]:
+        lines = [*function_head(self._program.name, f"default_{where}"), "{"]
         for entry in entries:
             lines += self._number(f"{where}->{entry.identifier}", entry, 1)
         if not entries:
@@ -113,7 +102,7 @@ class _Source:
 
     def _initialise(self) -> list[str]:
         program = self._program
-        lines = [*initialise_head(program.name, ""), "{"]
+        lines = [*function_head(program.name, "initialise"), "{"]
         paths = [*state_paths(program), *((ring.signal.identifier,) for ring in program.rings)]
         for entry, path in zip((*program.state, *program.rings), paths, strict=True):
             member = f"state->{'.'.join(path)}"

@@ -7,7 +7,7 @@ import textwrap
 from collections import Counter
 from collections.abc import Iterable
 
-from clepsydra.deploy.c99.interface import step_head
+from clepsydra.deploy.c99.interface import function_head
 from clepsydra.deploy.c99.language import C99
 from clepsydra.deploy.c99.structures import WIDTH, Structures, block_name
 from clepsydra.deploy.printing.body import Body, Places
@@ -63,7 +63,7 @@ class StepFunction:
         unread = [where for where in ("parameters", "inputs", "state") if not self.reads(where)]
         lines = [*(f"(void){where};" for where in unread), *self.lines]
         lines += [] if program.outputs else ["outputs->nothing = 0;"]
-        return [*step_head(program.name, ""), "{", *_wrapped(lines), "}", ""]
+        return [*function_head(program.name, "step"), "{", *_wrapped(lines), "}", ""]
 
 
 class BlockFunction(StepFunction):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from clepsydra.deploy.printing.expressions import (
@@ -22,7 +23,10 @@ from clepsydra.program.program import Block, Call, Operation, read_by
 #: A truth value up to this width is written wherever it is read [characters].
 _SHORT = 32
 #: What a variable is called that nothing gives a name.
-_EXTREME = {"maximum": "larger", "minimum": "smaller", "greatest": "larger", "least": "smaller"}
+_CALLED = {"maximum": "larger", "minimum": "smaller", "greatest": "larger", "least": "smaller",
+           "limit": "limited"}  # fmt: skip
+#: A number is no larger than one above this.
+_LARGE = 1e37
 #: And up to this many characters in all.
 _OFTEN = 90
 #: Choices are folded into choices no deeper than this, so that a chain of ELSIF stays readable.
@@ -72,7 +76,7 @@ class Scope:
         """Give a value a variable, and return the expression that reads it."""
         expression = self.values[value]
         if not name:
-            wanted = self.preferred.get(value) or _EXTREME.get(expression.code, "")
+            wanted = self.preferred.get(value) or _name_for(expression)
             name = self._names.new(wanted) if wanted else self._names.temporary()
         read = flag(name) if expression.is_truth else variable(name)
         if expression.code == "select" and value not in self._read_as_number:
@@ -182,6 +186,26 @@ class Scope:
         if not self._notation.writes(expression):
             return max(self._width(operand) for operand in expression.operands)
         return len(render(expression, self._notation))
+
+
+def _name_for(expression: Expression) -> str:
+    """Return a name that says what an expression is; empty where it says too little."""
+    code, operands = expression.code, expression.operands
+    if code in ("real", "number"):
+        return _name_for(operands[0])
+    if code == "less_equal" and operands[0].code == "absolute" and operands[1].number > _LARGE:
+        return _last_name(operands[0].operands[0], "_is_number")
+    if code == "select" and operands[2].code == "constant":
+        return _last_name(operands[1], "_used")
+    other = {"maximum": "minimum", "minimum": "maximum"}.get(code)
+    if other and [each.code for each in operands] == ["variable", other]:
+        return "limited"
+    return _CALLED.get(code, "")
+
+
+def _last_name(read: Expression, end: str) -> str:
+    """Return the name of a variable, without what it is a member of, and an end."""
+    return re.split(r"\W+", read.text.rstrip("]"))[-1] + end if read.text else ""
 
 
 def _depth(expression: Expression) -> int:
