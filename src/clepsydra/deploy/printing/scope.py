@@ -175,7 +175,9 @@ class Scope:
         arguments = operation.arguments
         while True:
             expression = self._made(operation)
-            if self._width(expression) <= self._notation.width:
+            # A long sum reads well on several lines.
+            lines = 3 if operation.code == "add" else 1
+            if self._width(expression) <= lines * self._notation.width:
                 return expression
             folded = [value for value in arguments if not self.values[value].is_atom]
             if not folded:
