@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Container, Mapping
+from dataclasses import replace
 
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.inlined import append, renamed
@@ -39,8 +39,14 @@ def called_blocks(program: Program) -> tuple[Program, ...]:
     return tuple(found.values())
 
 
-def without_unread_ports(program: Program) -> Program:
-    """Return a program whose blocks have no output that no caller reads, and no input unread.
+#: What the name of an output begins with by which a block tells how things stand.
+_TOLD = "told_"
+
+
+def without_untold(program: Program) -> Program:
+    """Return a program whose blocks tell only what some caller reads, of their outputs told_NAME.
+
+    Every other port stays, so that the blocks of two exports are the same.
 
     Raises
     ------
@@ -49,51 +55,33 @@ def without_unread_ports(program: Program) -> Program:
 
     Examples
     --------
-    Nobody reads the sum, so nobody has to give b:
-
     >>> from clepsydra.base.signal import Signal
     >>> from clepsydra.program.program import Block, Operation
-    >>> a, b, y = map(Signal, "aby")
-    >>> body = Block(2, (Operation(2, "add", (0, 1)), Operation(3, "negate", (0,))), (2, 3))
-    >>> both = Program("both", (), (a, b), (), (Signal("sum"), y), body)
-    >>> calls = Block(2, (Call((2, 3), both, "pair", (0, 1)),), (3,))
-    >>> (call,) = without_unread_ports(Program("law", (), (a, b), (), (y,), calls)).calls
-    >>> [signal.name for signal in (*call.program.inputs, *call.program.outputs)]
-    ['a', 'y']
+    >>> body = Block(1, (Operation(1, "negate", (0,)),), (1, 0))
+    >>> outputs = (Signal("y"), Signal("told_input"))
+    >>> turned = Program("turned", (), (Signal("u"),), (), outputs, body)
+    >>> calls = Block(1, (Call((1, 2), turned, "sign", (0,)),), (1,))
+    >>> law = Program("law", (), (Signal("u"),), (), (Signal("y"),), calls)
+    >>> [signal.name for signal in without_untold(law).calls[0].program.outputs]
+    ['y']
     """
-    while program.calls:
-        found = _reduced(program)
-        if found == program:
-            break
-        program = found
-    return program
-
-
-@dataclass(frozen=True)
-class _Reduced:
-    """A block, and which of its inputs and outputs are left."""
-
-    block: Program
-    inputs: Sequence[int]
-    outputs: Sequence[int]
-
-
-def _reduced(program: Program) -> Program:
     blocks = called_blocks(program)
-    read: dict[str, set[int]] = {block.name: set() for block in blocks}
+    read = {
+        block.name: {k for k, s in enumerate(block.outputs) if not s.name.startswith(_TOLD)}
+        for block in blocks
+    }
     for each in (program, *reversed(blocks)):
-        left = None if each is program else read[each.name]
-        needed, uses = needed_part(_results(each, left).block)
+        needed, uses = needed_part(_results(each, read.get(each.name)).block)
         for call in (each for each in needed.statements if isinstance(each, Call)):
             outputs = call.targets[len(call.program.state) :]
             read[call.program.name].update(k for k, v in enumerate(outputs) if v in uses)
-    done: dict[str, _Reduced] = {}
+    done: dict[str, Program] = {}
     for block in blocks:
-        done[block.name] = _with_reduced(block, done, read[block.name])
-    return _with_reduced(program, done).block
+        done[block.name] = _rewired(_results(block, read[block.name]), done, read)
+    return _rewired(program, done, read) if blocks else program
 
 
-def _results(program: Program, outputs: set[int] | None) -> Program:
+def _results(program: Program, outputs: Container[int] | None) -> Program:
     """Return a program with some of its outputs, all where none are named."""
     if outputs is None:
         return program
@@ -106,40 +94,19 @@ def _results(program: Program, outputs: set[int] | None) -> Program:
     )
 
 
-def _with_reduced(
-    program: Program, done: Mapping[str, _Reduced], outputs: set[int] | None = None
-) -> _Reduced:
-    """Return a program without what nobody reads, that calls blocks without that too."""
-    given = _results(program, outputs)
-    uses = needed_part(given.block)[1]
-    inputs = [k for k, v in enumerate(program.input_arguments) if outputs is None or v in uses]
-    left = [*program.state_arguments, *(program.input_arguments[k] for k in inputs)]
-    left += program.parameter_arguments
-    arguments = [_UNREAD] * given.block.arguments
-    for k, value in enumerate(left):
-        arguments[value] = k
+def _rewired(
+    program: Program, done: Mapping[str, Program], read: Mapping[str, Container[int]]
+) -> Program:
+    """Return a program that calls blocks which tell less."""
 
     def called(builder: BlockBuilder, call: Call, place: Mapping[int, int]) -> list[int]:
-        reduced, states = done[call.program.name], len(call.program.state)
-        values = [place[value] for value in call.arguments]
-        values[states:] = [values[states + k] for k in reduced.inputs]
-        targets = builder.call(reduced.block, call.instance, values)
-        found = [_UNREAD] * len(call.targets)
-        left = [*range(states), *(states + k for k in reduced.outputs)]
-        for k, target in zip(left, targets, strict=True):
-            found[k] = target
-        return found
+        states, outputs = len(call.program.state), range(len(call.program.outputs))
+        given = [place[value] for value in call.arguments]
+        targets = iter(builder.call(done[call.program.name], call.instance, given))
+        kept = [True] * states + [k in read[call.program.name] for k in outputs]
+        # Nothing reads the others.
+        return [next(targets) if each else -1 for each in kept]
 
-    builder = BlockBuilder(len(left))
-    values, place = append(builder, given.block, arguments, called)
-    block = replace(
-        given,
-        inputs=tuple(program.inputs[k] for k in inputs),
-        block=builder.finish(values),
-        names=renamed(given, place),
-    )
-    return _Reduced(block, inputs, sorted(outputs or ()))
-
-
-#: Stands for a value that nothing reads.
-_UNREAD = -1
+    builder = BlockBuilder(program.block.arguments)
+    values, place = append(builder, program.block, range(program.block.arguments), called)
+    return replace(program, block=builder.finish(values), names=renamed(program, place))

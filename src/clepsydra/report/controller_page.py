@@ -8,7 +8,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.program.called_blocks import without_unread_ports
+from clepsydra.program.called_blocks import without_untold
 from clepsydra.program.owned_state import with_owned_state
 from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.block_picture import program_svg
@@ -139,7 +139,7 @@ def _blocks(result: StudyResult, place: int) -> str:
     except InputError:  # a function in Python, or a law without what the shell needs
         return ""
     title = f"Blocks of {controller.title} in their plant shell"
-    program = without_unread_ports(with_owned_state(shelled.program()))
+    program = without_untold(with_owned_state(shelled.program()))
     return program_svg(program, title, f"blocks{place + 1}")
 
 

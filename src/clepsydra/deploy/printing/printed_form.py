@@ -6,13 +6,13 @@ from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.printing.whole_numbers import check_whole_results
-from clepsydra.program.called_blocks import without_unread_ports
+from clepsydra.program.called_blocks import without_untold
 from clepsydra.program.owned_state import with_owned_state
 from clepsydra.program.program import Program
 
 
 def printed_form(program: Program, precision: Precision) -> Program:
-    """Return a program whose calls own their state and have no port that nobody reads.
+    """Return a program whose calls own their state and tell nothing that nobody reads.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def printed_form(program: Program, precision: Precision) -> Program:
     True
     """
     check_printable(program)
-    program = without_unread_ports(with_owned_state(in_precision(program, precision)))
+    program = without_untold(with_owned_state(in_precision(program, precision)))
     check_whole_results(program, precision)
     return program
 
