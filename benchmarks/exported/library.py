@@ -15,7 +15,7 @@ from pathlib import Path
 from benchmarks.exported.families import FAMILIES, ready_for_export
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.structured_text.interface import block_type
-from clepsydra.program.called_blocks import called_blocks, without_unread_ports
+from clepsydra.program.called_blocks import called_blocks, without_untold
 from clepsydra.program.entries import signal_of
 from clepsydra.program.owned_state import own_state, with_owned_state
 from clepsydra.program.program import Program
@@ -64,9 +64,9 @@ def pictures() -> dict[str, str]:
         for name, (block, counted) in library().items()
     }
     for name, family in WIRED.items():
-        program = without_unread_ports(program_of(family))
+        program = without_untold(program_of(family))
         found[name] = program_svg(program, f"{family}, in its plant shell", "a")
-    program = without_unread_ports(program_of(WIRED["lqi-kalman"]))
+    program = without_untold(program_of(WIRED["lqi-kalman"]))
     law = next(call.program for call in program.calls if call.instance == "law")
     settings = {signal.name for signal in program.parameters} & {s.name for s in law.inputs}
     found["lqi-kalman-law"] = program_svg(law, "LQI with Kalman filter", "a", settings)
