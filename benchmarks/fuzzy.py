@@ -17,7 +17,7 @@ import numpy as np
 
 from benchmarks.experiments import AGREEMENT, Disagreement
 from benchmarks.measure import Spread, Way, interleave, on_one_core
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.fuzzy.file import load_fuzzy
 from clepsydra.controllers.fuzzy.inference import infer
 from clepsydra.controllers.fuzzy.rule import firing
@@ -131,14 +131,13 @@ def _whole_law(inputs: dict[str, np.ndarray]) -> Job:
     wired = WiredFuzzy(load_fuzzy(RULES), process)
     program = program_of(wired.law)
     concentration, volume = 5000.0 + 20.0 * inputs["e_C"], 2.0 + 0.02 * inputs["e_V"]
-    kernel = Kernel(program, individual=("measurement_1", "measurement_2"), record=False)
-    names = {f"measurement_{k}": name for k, name in enumerate(wired.measurements, start=1)}
+    kernel = Kernel(program, individual=("concentration.pv", "volume.pv"), record=False)
     values = {"concentration": concentration, "volume": volume}
     setpoints = {"concentration": 5000.0, "volume": 2.0}
     return kernel.prepare(
         SAMPLES,
-        inputs={key: values[name] for key, name in names.items()}
-        | {f"setpoint_{k}": setpoints[name] for k, name in enumerate(wired.setpoints, start=1)}
+        inputs={path(name, "pv"): values[name] for name in wired.measurements}
+        | {path(name, "sp"): setpoints[name] for name in wired.setpoints}
         | {"time_step": 0.1},
         parameters=wired.values,
     )

@@ -19,6 +19,7 @@ import numpy as np
 
 from benchmarks.experiments import Disagreement
 from benchmarks.measure import Spread, on_one_core
+from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.parameters import remembered_parameters
@@ -92,18 +93,20 @@ def with_clepsydra(period: float, generations: int) -> Callable[[], TuningResult
     def run() -> TuningResult:
         process = dataclasses.replace(load_process("averaging-tank"), sampling_period=period)
         point = find_equilibrium(process)
-        law = multiloop_pid_law(2, PidForm(anti_windup="none"))
-        names = ("proportional_gain_1", "integral_time_1", "proportional_gain_2", "integral_time_2")
+        controlled, moved = ("concentration", "volume"), ("inflow.impurity", "inflow")
+        law = multiloop_pid_law(controlled, moved, PidForm(anti_windup="none"))
+        settings = ("proportional_gain", "integral_time")
+        names = [path(y, setting) for y in controlled for setting in settings]
         values = dict(zip(names, START.tolist(), strict=True))
-        values |= {"setpoint_weight_1": 1.0, "setpoint_weight_2": 1.0}
-        values |= {"low_limit_1": 0.0, "high_limit_1": 1e3 * CONCENTRATION_LIMIT}
-        values |= {"low_limit_2": 0.0, "high_limit_2": FLOW_LIMIT}
-        resting = {"1": 1e3 * CONCENTRATION, "2": FLOW}
-        state = {s.name: resting[s.name[-1]] for s in law.state}
+        values |= {path(y, "setpoint_weight"): 1.0 for y in controlled}
+        limits, resting = (1e3 * CONCENTRATION_LIMIT, FLOW_LIMIT), (1e3 * CONCENTRATION, FLOW)
+        for u, limit in zip(moved, limits, strict=True):
+            values |= {path(u, "low_limit"): 0.0, path(u, "high_limit"): limit}
+        rest = dict(zip(controlled + moved, resting * 2, strict=True))
+        state = {s.name: rest[s.owner] for s in law.state}
         controller = Controller(
             "PI", "multiloop PI", "The document's constants (80).", law, values,
-            state | remembered_parameters(law, values), ("concentration", "volume"),
-            ("concentration", "volume"), ("inflow.impurity", "inflow"),
+            state | remembered_parameters(law, values), controlled, controlled, moved,
         )  # fmt: skip
         return tune(
             controller,

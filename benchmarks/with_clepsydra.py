@@ -20,6 +20,7 @@ from benchmarks.case import (
     Case,
     Solution,
 )
+from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.engine.kernel import Job, Kernel, Trajectories
@@ -35,11 +36,11 @@ _PATTERNS = {
     "outlet_area": "outlet_{}.area",
     "pump_gain": "pump_{}.gain",
     "split": "splitter_{0}.tank_{0}",
-    "proportional_gain": "controller.proportional_gain_{}",
-    "integral_time": "controller.integral_time_{}",
-    "tracking_time": "controller.tracking_time_{}",
+    "proportional_gain": "controller.level_{}.proportional_gain",
+    "integral_time": "controller.level_{}.integral_time",
+    "tracking_time": "controller.level_{}.tracking_time",
     "level": "tank_{}.level",
-    "integral": "controller.integral_{}",
+    "integral": "controller.level_{}.integral",
     "integral_absolute_error": "sum_of_absolute_errors[level_{}]",
     "pump": "pump_{}",
 }
@@ -58,12 +59,13 @@ def name_of(entry: str) -> str:
 
 
 def _controller() -> Controller:
-    law = multiloop_pid_law(2)
+    levels, pumps = ("level_1", "level_2"), ("pump_1", "pump_2")
+    law = multiloop_pid_law(levels, pumps)
     values = {signal.name: signal.initial for signal in law.parameters}
-    for loop in (1, 2):
-        values[f"low_limit_{loop}"], values[f"high_limit_{loop}"] = LOW_LIMIT, HIGH_LIMIT
-    state = {f"last_output_{loop}": 0.0 for loop in (1, 2)}
-    state |= {f"integral_{loop}": NOMINAL_VOLTAGE for loop in (1, 2)}
+    for pump in pumps:
+        values |= {path(pump, "low_limit"): LOW_LIMIT, path(pump, "high_limit"): HIGH_LIMIT}
+    state = {path(pump, "last_output"): 0.0 for pump in pumps}
+    state |= {path(level, "integral"): NOMINAL_VOLTAGE for level in levels}
     return Controller(
         name="PI",
         family="multiloop PI",
@@ -71,9 +73,9 @@ def _controller() -> Controller:
         law=law,
         values=values,
         initial_state=state,
-        measurements=("level_1", "level_2"),
-        setpoints=("level_1", "level_2"),
-        manipulated=("pump_1", "pump_2"),
+        measurements=levels,
+        setpoints=levels,
+        manipulated=pumps,
     )
 
 

@@ -147,7 +147,7 @@ def _batch(work: AtWork) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     varied = {
         name: np.array([np.roll(values, scenario) for scenario in range(SCENARIOS)])
         for name, values in few.items()
-        if name.startswith(("measurement_", "setpoint_"))
+        if name.endswith((".pv", ".sp"))
     }
     return few, varied
 

@@ -6,7 +6,7 @@ import clepsydra as cl
 plant = cl.load(cl.new_process("tank"))
 pi = cl.design.simc(plant)
 tank = plant.linear.select(outputs=["level_1"], inputs=["pump_1"]).to_control()  # SI: m by V
-gain, time = pi.values["proportional_gain_1"], pi.values["integral_time_1"]  # SI: V/m and s
+gain, time = (pi.values[f"level_1.{name}"] for name in ("proportional_gain", "integral_time"))  # SI
 loop = ct.feedback(gain * ct.tf([time, 1.0], [time, 0.0]) * ct.ss2tf(tank)[0, 0])
 run = cl.simulate(plant, pi, [cl.step("level_1", "+1 cm", at="10 s")], duration="3 min")
 level = run.to_pandas()["level_1"]

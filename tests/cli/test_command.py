@@ -295,7 +295,7 @@ def test_an_output_that_cannot_be_written_is_a_message(command, tmp_path, ending
 def test_an_interrupted_study_ends_with_status_130(command, tmp_path):
     """Control-C comes while a law runs."""
     (tmp_path / "law.py").write_text(
-        "inputs = ['setpoint_1', 'measurement_1']\noutputs = ['manipulated_1']\n"
+        "inputs = ['level_1.sp', 'level_1.pv']\noutputs = ['pump_1.out']\n"
         "def step(state, inputs, parameters, time_step):\n"
         "    raise KeyboardInterrupt\n"
     )

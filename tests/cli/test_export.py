@@ -86,12 +86,12 @@ def test_options_of_the_plant_are_printed_with_their_source(command):
     )  # fmt: skip
     text = Path(f"{NAME}.c").read_text("utf-8")
     for name, value in (
-        ("fail_safe_1", 2.0), ("sensor_delay_2", 10.0), ("rate_limit_2", 0.5),
-        ("setpoint_rate_1", 0.1), ("fail_safe_2", 0.0), ("sensor_delay_1", 4.0),
+        ("pump_1_fail_safe", 2.0), ("level_2_sensor_delay", 10.0), ("pump_2_rate_limit", 0.5),
+        ("level_1_setpoint_rate", 0.1), ("pump_2_fail_safe", 0.0), ("level_1_sensor_delay", 4.0),
     ):  # fmt: skip
         found = re.search(rf"parameters->{name} = (\S+); /\* (.*) \*/", text)
         assert float(found[1]) == value
-        assert ("default" in found[2]) == (name in ("fail_safe_2", "sensor_delay_1"))
+        assert ("default" in found[2]) == (name in ("pump_2_fail_safe", "level_1_sensor_delay"))
 
 
 @pytest.mark.thorough
@@ -138,9 +138,9 @@ def test_mistakes_end_in_one_message_and_no_file(command, tmp_path, arguments, w
 
 def test_a_law_in_python_is_refused_with_the_reason(command, tmp_path):
     Path("law.py").write_text(
-        "inputs = ['setpoint_1', 'measurement_1']\noutputs = ['manipulated_1']\n"
+        "inputs = ['level_1.sp', 'level_1.pv']\noutputs = ['pump_1.out']\n"
         "def step(state, inputs, parameters, time_step):\n"
-        "    return {}, {'manipulated_1': 3.0}\n",
+        "    return {}, {'pump_1.out': 3.0}\n",
         "utf-8",
     )
     Path("own.toml").write_text(

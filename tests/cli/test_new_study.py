@@ -51,7 +51,7 @@ def test_what_is_written_is_read_and_every_controller_made(command, tmp_path, na
     assert tuned.values == first.values and second.family
     # Written with four digits; an integral time too.
     for key in first.values:
-        if key.startswith(("proportional_gain", "integral_time")):
+        if key.endswith((".proportional_gain", ".integral_time")):
             assert by_hand.values[key] == pytest.approx(first.values[key], rel=6e-4)
     run = Loop(by_hand, model).run(study.scenario)
     at = study.analysis.operating_point.as_dict()
@@ -102,7 +102,7 @@ def test_what_is_commented_out_may_be_written(command, tmp_path):
     for request in study.controllers:
         request.make(study.analysis, model)
     bounds = study.controllers[2].tune.bounds
-    assert [(bound.loop, bound.key) for bound in bounds] == [
+    assert [(bound.owner, bound.key) for bound in bounds] == [
         ("level", "gain"),
         ("level", "integral_time"),
     ]

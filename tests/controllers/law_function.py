@@ -44,3 +44,9 @@ def _buffered(function: ca.Function) -> Called:
         return tuple(numbers.tolist() for numbers in found)
 
     return called
+
+
+def by_path(signals, given):
+    """What is given by paths or, as keyword arguments, by identifiers; by paths."""
+    paths = {signal.identifier: signal.name for signal in signals}
+    return {paths.get(name, name): value for name, value in given.items()}

@@ -3,7 +3,7 @@
 import copy
 from functools import cache
 
-from law_function import function_of
+from law_function import by_path, function_of
 
 from clepsydra import PidForm
 from clepsydra.controllers.at_rest import state_at_rest
@@ -54,20 +54,20 @@ def settings(
     """Parameters of loop 1 with the same meaning in every form: isa gain and times [s]."""
     if form.algorithm == "parallel":
         values = {
-            "proportional_gain_1": gain,
-            "integral_gain_1": gain / integral_time,
-            "derivative_gain_1": gain * derivative_time,
-            "filter_time_1": derivative_time / derivative_filter,
+            "level_1.proportional_gain": gain,
+            "level_1.integral_gain": gain / integral_time,
+            "level_1.derivative_gain": gain * derivative_time,
+            "level_1.filter_time": derivative_time / derivative_filter,
         }
     else:
         values = {
-            "proportional_gain_1": gain,
-            "integral_time_1": integral_time,
-            "derivative_time_1": derivative_time,
-            "derivative_filter_1": derivative_filter,
+            "level_1.proportional_gain": gain,
+            "level_1.integral_time": integral_time,
+            "level_1.derivative_time": derivative_time,
+            "level_1.derivative_filter": derivative_filter,
         }
-    values |= {"setpoint_weight_1": weight, "tracking_time_1": 20.0}
-    return values | {"low_limit_1": LOW, "high_limit_1": HIGH}
+    values |= {"level_1.setpoint_weight": weight, "level_1.tracking_time": 20.0}
+    return values | {"pump_1.low_limit": LOW, "pump_1.high_limit": HIGH}
 
 
 class Scans:
@@ -77,16 +77,19 @@ class Scans:
         self.law = law
         known = [parameter.name for parameter in law.parameters]
         self.values = {parameter.name: parameter.initial for parameter in law.parameters}
-        self.values |= {name: value for name, value in values.items() if name in known}
+        given = by_path(law.parameters, values)
+        self.values |= {name: value for name, value in given.items() if name in known}
         self.inputs = {signal.name: signal.initial for signal in law.inputs}
         self.give(inputs)
         self.state = state_at_rest(law, self.values, self.inputs)
 
     def give(self, inputs):
+        inputs = by_path(self.law.inputs, inputs)
         assert set(inputs) <= set(self.inputs), sorted(set(inputs) - set(self.inputs))
         self.inputs |= inputs
 
     def set(self, **parameters):
+        parameters = by_path(self.law.parameters, parameters)
         assert set(parameters) <= set(self.values), sorted(set(parameters) - set(self.values))
         self.values |= parameters
 
@@ -101,7 +104,7 @@ class Scans:
 
     def moved(self, **inputs):
         """Run one sample and return the first manipulated variable."""
-        return self.scan(**inputs)["manipulated_1"]
+        return self.scan(**inputs)[self.law.outputs[0].name]
 
     def twin(self):
         """Another instance in the same state."""
@@ -113,14 +116,19 @@ class Scans:
 
 @cache
 def law_of(form, rate_limited):
-    return multiloop_pid_law(1, form, rate_limited=rate_limited)
+    return multiloop_pid_law(["level_1"], ["pump_1"], form, rate_limited=rate_limited)
 
 
 def one_loop(form, values, *, rest=5.0, output=50.0, rate_limited=False, **inputs):
     """One PID loop at rest at a level, in automatic."""
     law = law_of(form, rate_limited)
-    given = {"setpoint_1": rest, "measurement_1": rest, "tracking_1": output, "manual_1": output}
-    return Scans(law, values, **(given | inputs))
+    given = {
+        "level_1.sp": rest,
+        "level_1.pv": rest,
+        "pump_1.tracking": output,
+        "pump_1.manual": output,
+    }
+    return Scans(law, values, **by_path(law.inputs, given | inputs))
 
 
 class PlainPid:
@@ -134,27 +142,29 @@ class PlainPid:
     def sample(self, setpoint, measurement, time_step):
         """Return the nonintegral part and the increment of the integral, and advance the filter."""
         form, v, error = self.form, self.values, setpoint - measurement
-        gain = v["proportional_gain_1"]
-        shared = v["setpoint_weight_1"] * setpoint - measurement
+        gain = v["level_1.proportional_gain"]
+        shared = v["level_1.setpoint_weight"] * setpoint - measurement
         parallel = form.algorithm == "parallel"
         rate = 0.0
         if form.has_derivative:
             time = (
-                v["filter_time_1"]
+                v["level_1.filter_time"]
                 if parallel
-                else v["derivative_time_1"] / v["derivative_filter_1"]
+                else v["level_1.derivative_time"] / v["level_1.derivative_filter"]
             )
             signal = measurement if form.derivative_on == "measurement" else error
             rate = (signal - self.filtered) / (time + time_step)
             self.filtered += time_step * rate
             rate = -rate if form.derivative_on == "measurement" else rate
         if parallel:
-            integral_gain = v["integral_gain_1"] if form.has_integral else 0.0
-            derivative_gain = v["derivative_gain_1"] if form.has_derivative else 0.0
+            integral_gain = v["level_1.integral_gain"] if form.has_integral else 0.0
+            derivative_gain = v["level_1.derivative_gain"] if form.has_derivative else 0.0
             part = gain * shared + derivative_gain * rate
         else:
-            integral_gain = gain / v["integral_time_1"] if form.has_integral else 0.0
-            part = gain * (shared + (v["derivative_time_1"] * rate if form.has_derivative else 0.0))
+            integral_gain = gain / v["level_1.integral_time"] if form.has_integral else 0.0
+            part = gain * (
+                shared + (v["level_1.derivative_time"] * rate if form.has_derivative else 0.0)
+            )
             if form.algorithm == "series" and form.has_derivative:
-                error += v["derivative_time_1"] * rate
+                error += v["level_1.derivative_time"] * rate
         return part, time_step * integral_gain * error

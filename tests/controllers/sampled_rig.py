@@ -22,9 +22,9 @@ class Placed(NamedTuple):
     def values(self):
         """The parameters of the law: P divided by p0, and Q in differences of the measurement."""
         differences = -np.cumsum(self.Q[:0:-1])[::-1]
-        gains = {"reference_gain_1": self.feedforward}
-        gains |= {f"measurement_gain_1_{j}": g for j, g in enumerate(differences, start=1)}
-        gains |= {f"increment_gain_1_{j}": p for j, p in enumerate(self.P[1:], start=1)}
+        gains = {"level.reference_gain": self.feedforward}
+        gains |= {f"level.measurement_gain.{j}": g for j, g in enumerate(differences, start=1)}
+        gains |= {f"level.increment_gain.{j}": p for j, p in enumerate(self.P[1:], start=1)}
         scaled = {name: gain / self.P[0] for name, gain in gains.items()}
         return {name: float(gain) for name, gain in scaled.items()}
 
@@ -70,29 +70,28 @@ class Rig:
 
     def __init__(self, law, values, model=None, *, load=0.0):
         self.law, self.model, self.load = law, model, load
-        self.values = {"low_limit_1": -1e6, "high_limit_1": 1e6, **values}
+        self.values = {"pump.low_limit": -1e6, "pump.high_limit": 1e6, **values}
         self.state = {entry.name: 0.0 for entry in law.state}
-        self.state |= {n: 5.0 for n in self.state if n.startswith(("past_measurement_",
-                       "past_prediction_", "past_setpoint_"))}  # fmt: skip
-        self.state["last_output_1"] = 3.0
+        self.state |= {n: 5.0 for n in self.state if ".past_value" in n or ".past_setpoint" in n}
+        self.state["pump.last_output"] = 3.0
         self.rings = {
             entry.name: deque([0.0] * entry.length)
             for entry in law.state
             if isinstance(entry, DelayRing)
         }
-        self.given = {"setpoint_1": 5.0, "measurement_1": 5.0, "sensor_1": 1.0, "mode_1": 1.0,
-                          "manual_1": 3.0, "tracking_1": 3.0, "time_step": 1.0}  # fmt: skip
+        self.given = {"sp": 5.0, "pv": 5.0, "good": 1.0, "mode": 1.0,
+                          "manual": 3.0, "tracking": 3.0, "time_step": 1.0}  # fmt: skip
         self.u, self.y, self.status = [], [], 0
 
     def scan(self, **given):
         """One sample; returns the output."""
         self.given |= given
         if self.model is not None:
-            self.given["measurement_1"] = 5.0 + self.deviation()
+            self.given["pv"] = 5.0 + self.deviation()
         now = {**self.state, **{name: ring[0] for name, ring in self.rings.items()}}
         following, outputs, _ = function_of(self.law)(
             [now[entry.name] for entry in self.law.state],
-            [self.given[signal.name] for signal in self.law.inputs],
+            [self.given[signal.part] for signal in self.law.inputs],
             [self.values[signal.name] for signal in self.law.parameters],
         )
         for entry, value in zip(self.law.state, following, strict=True):
@@ -101,7 +100,7 @@ class Rig:
                 self.rings[entry.name].append(value)
             else:
                 self.state[entry.name] = value
-        self.y.append(self.given["measurement_1"])
+        self.y.append(self.given["pv"])
         self.u.append(outputs[0])
         self.status = int(outputs[1])
         return self.u[-1]

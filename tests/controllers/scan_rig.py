@@ -3,7 +3,7 @@
 from collections import deque
 from functools import cache
 
-from law_function import function_of
+from law_function import by_path, function_of
 
 import clepsydra as cl
 from clepsydra.program.delay_ring import DelayRing
@@ -32,10 +32,12 @@ class ScannedLaw:
         }
         self.values = dict(controller.values)
         self.inputs = {signal.name: signal.initial for signal in self.law.inputs}
-        modes = [name for name in self.inputs if name.startswith(("mode_", "sensor_"))]
-        self.inputs |= dict.fromkeys(modes, 1.0) | {"time_step": period} | inputs
+        ready = [signal.name for signal in self.law.inputs if signal.part in ("mode", "good")]
+        self.inputs |= dict.fromkeys(ready, 1.0) | {"time_step": period}
+        self.inputs |= by_path(self.law.inputs, inputs)
 
     def scan(self, **inputs):
+        inputs = by_path(self.law.inputs, inputs)
         assert set(inputs) <= set(self.inputs), sorted(set(inputs) - set(self.inputs))
         self.inputs |= inputs
         self.state |= {name: ring[0] for name, ring in self.rings.items()}
@@ -65,8 +67,8 @@ class ScannedLaw:
 def at_rest(controller, plant):
     """Measurements, setpoints and what is set by hand at the operating point."""
     at = plant.point.as_dict()
-    given = {f"measurement_{k}": at[n] for k, n in enumerate(controller.measurements, start=1)}
-    given |= {f"setpoint_{j}": at[n] for j, n in enumerate(controller.setpoints, start=1)}
-    for i, name in enumerate(controller.manipulated, start=1):
-        given |= {f"manual_{i}": at[name], f"tracking_{i}": at[name]}
+    given = {f"{name}.pv": at[name] for name in controller.measurements}
+    given |= {f"{name}.sp": at[name] for name in controller.setpoints}
+    for name in controller.manipulated:
+        given |= {f"{name}.manual": at[name], f"{name}.tracking": at[name]}
     return given

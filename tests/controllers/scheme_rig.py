@@ -21,51 +21,59 @@ RATIO = Signal("trim", low=0.0, high=10.0)
 PI = PidForm()
 
 
+def loop(name, form, measured, moved):
+    setpoint = f"{measured.name}.sp"
+    return PidBlock(name, measured.name, form, measured, moved, setpoint, direct=False)
+
+
 @cache
 def cascade(outer=PI, inner=PI, rate_limited=False):
     """A level moves the setpoint of a flow, which moves the pump."""
     blocks = [
-        PidBlock("outer", 1, outer, LEVEL, 1, FLOW, 1, None),
-        PidBlock("inner", 2, inner, FLOW, 2, PUMP, "outer", 1),
-        OutputBlock(1, PUMP, "inner", rate_limited),
+        PidBlock("outer", "level", outer, LEVEL, FLOW, "level.sp", direct=False),
+        PidBlock("inner", "flow", inner, FLOW, PUMP, "outer", inner=True),
+        OutputBlock(PUMP, "inner", rate_limited),
     ]
-    return structure_law("cascade", blocks, controlled=[LEVEL], measured=[LEVEL, FLOW])
+    return structure_law("cascade", blocks, setpoints={"level": LEVEL}, measured=[LEVEL, FLOW])
 
 
 @cache
 def override(selection="low", form=PI, rate_limited=False):
     """The lowest or highest of what a level and a flow ask of the pump."""
     blocks = [
-        PidBlock("level_loop", 1, form, LEVEL, 1, PUMP, 1, None),
-        PidBlock("flow_loop", 2, form, FLOW, 2, PUMP, 2, None),
+        loop("level_loop", form, LEVEL, PUMP),
+        loop("flow_loop", form, FLOW, PUMP),
         SelectorBlock("selected", ("level_loop", "flow_loop"), selection),
-        OutputBlock(1, PUMP, "selected", rate_limited),
+        OutputBlock(PUMP, "selected", rate_limited),
     ]
-    return structure_law("override", blocks, controlled=[LEVEL, FLOW], measured=[LEVEL, FLOW])
+    return structure_law(
+        "override", blocks, setpoints={"level": LEVEL, "flow": FLOW}, measured=[LEVEL, FLOW]
+    )
 
 
 @cache
 def split_range(first=(0.0, 50.0, 100.0, 0.0), second=(50.0, 100.0, 0.0, 100.0), form=PI):
     """A level moves a pump in one part of its range and a valve in the other."""
+    legs = Leg("split.pump", PUMP, *first), Leg("split.valve", VALVE, *second)
     blocks = [
-        PidBlock("level_loop", 1, form, LEVEL, 1, RANGE, 1, None),
-        SplitRangeBlock("split", "level_loop", (Leg(1, PUMP, *first), Leg(2, VALVE, *second))),
-        OutputBlock(1, PUMP, "split, pump"),
-        OutputBlock(2, VALVE, "split, valve"),
+        loop("level_loop", form, LEVEL, RANGE),
+        SplitRangeBlock("split", "level_loop", legs),
+        OutputBlock(PUMP, "split, pump"),
+        OutputBlock(VALVE, "split, valve"),
     ]
-    return structure_law("split_range", blocks, controlled=[LEVEL], measured=[LEVEL])
+    return structure_law("split_range", blocks, setpoints={"level": LEVEL}, measured=[LEVEL])
 
 
 @cache
 def feedforward(form=PI, dynamic=True):
     """A level loop with feedforward from a feed."""
-    terms = (FeedforwardTerm("1", FEED, "measurement_2", dynamic),)
+    terms = (FeedforwardTerm("feed_to_pump", PUMP, FEED, measured=True, dynamic=dynamic),)
     blocks = [
-        PidBlock("level_loop", 1, form, LEVEL, 1, PUMP, 1, None),
+        loop("level_loop", form, LEVEL, PUMP),
         FeedforwardBlock("sum", "level_loop", PUMP, terms),
-        OutputBlock(1, PUMP, "sum"),
+        OutputBlock(PUMP, "sum"),
     ]
-    return structure_law("feedforward", blocks, controlled=[LEVEL], measured=[LEVEL, FEED])
+    return structure_law("feedforward", blocks, setpoints={"level": LEVEL}, measured=[LEVEL, FEED])
 
 
 @cache
@@ -73,30 +81,32 @@ def ratio(form=None):
     """The pump in proportion to a feed; a level trims the ratio, if a form is given."""
     source = "level_loop" if form else None
     blocks = [
-        RatioBlock("proportion", 1, FEED, 1, PUMP, source),
-        OutputBlock(1, PUMP, "proportion"),
+        RatioBlock("proportion", "proportion", FEED, PUMP, source),
+        OutputBlock(PUMP, "proportion"),
     ]
     if form is None:
-        return structure_law("ratio", blocks, controlled=[], measured=[FEED])
-    blocks.insert(0, PidBlock("level_loop", 1, form, LEVEL, 2, RATIO, 1, None))
-    return structure_law("trimmed_ratio", blocks, controlled=[LEVEL], measured=[FEED, LEVEL])
+        return structure_law("ratio", blocks, setpoints={}, measured=[FEED])
+    blocks.insert(0, loop("level_loop", form, LEVEL, RATIO))
+    return structure_law(
+        "trimmed_ratio", blocks, setpoints={"level": LEVEL}, measured=[FEED, LEVEL]
+    )
 
 
 @cache
 def decoupled(form=PI):
     """Two loops, each fed forward what the other one moved at last: inverted decoupling."""
     blocks = []
-    for i, (measured, moved) in enumerate(((LEVEL, PUMP), (FLOW, VALVE)), start=1):
-        other = 3 - i
-        term = FeedforwardTerm(
-            f"{i}_{other}", (PUMP, VALVE)[other - 1], f"last_output_{other}", False
-        )
+    for i, (measured, moved, other) in enumerate(((LEVEL, PUMP, VALVE), (FLOW, VALVE, PUMP))):
+        owner = f"{other.name}_to_{moved.name}"
+        term = FeedforwardTerm(owner, moved, other, measured=False, dynamic=False)
         blocks += [
-            PidBlock(f"loop_{i}", i, form, measured, i, moved, i, None),
+            loop(f"loop_{i}", form, measured, moved),
             FeedforwardBlock(f"sum_{i}", f"loop_{i}", moved, (term,)),
-            OutputBlock(i, moved, f"sum_{i}"),
+            OutputBlock(moved, f"sum_{i}"),
         ]
-    return structure_law("decoupled", blocks, controlled=[LEVEL, FLOW], measured=[LEVEL, FLOW])
+    return structure_law(
+        "decoupled", blocks, setpoints={"level": LEVEL, "flow": FLOW}, measured=[LEVEL, FLOW]
+    )
 
 
 SCHEMES = {

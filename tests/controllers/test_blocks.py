@@ -90,8 +90,8 @@ def test_every_status_word_reads_back():
 @pytest.mark.parametrize("anti_windup", ["foo", "", None, ["conditional_integration"]])
 def test_a_law_with_an_unknown_anti_windup_is_refused(anti_windup):
     for make in (
-        lambda: multiloop_pid_law(1, PidForm(anti_windup=anti_windup)),
-        lambda: lqi_law(1, 1, [1], anti_windup),
+        lambda: multiloop_pid_law(["level_1"], ["pump_1"], PidForm(anti_windup=anti_windup)),
+        lambda: lqi_law(["level_1"], ["pump_1"], ["level_1"], anti_windup),
     ):
         with refused(place="anti_windup", expected="one of back_calculation"):
             make()

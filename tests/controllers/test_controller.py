@@ -19,17 +19,23 @@ PERIOD = 2.0
 
 
 PI_VALUES = {
-    "proportional_gain_1": 3.0, "integral_time_1": 30.0, "setpoint_weight_1": 0.5,
-    "low_limit_1": 0.0, "high_limit_1": 10.0, "tracking_time_1": 30.0,
-    "proportional_gain_2": -2.0, "integral_time_2": 8.0, "setpoint_weight_2": 1.0,
-    "low_limit_2": 0.0, "high_limit_2": 10.0, "tracking_time_2": 8.0,
+    "level_1.proportional_gain": 3.0, "level_1.integral_time": 30.0, "level_1.setpoint_weight": 0.5,
+    "pump_1.low_limit": 0.0, "pump_1.high_limit": 10.0, "level_1.tracking_time": 30.0,
+    "level_2.proportional_gain": -2.0, "level_2.integral_time": 8.0, "level_2.setpoint_weight": 1.0,
+    "pump_2.low_limit": 0.0, "pump_2.high_limit": 10.0, "level_2.tracking_time": 8.0,
 }  # fmt: skip
-PI_STATE = {"integral_1": 3.0, "last_output_1": 3.0, "integral_2": 3.0, "last_output_2": 3.0}
+PI_LAW = multiloop_pid_law(["level_1", "level_2"], ["pump_1", "pump_2"])
+PI_STATE = {
+    "level_1.integral": 3.0,
+    "pump_1.last_output": 3.0,
+    "level_2.integral": 3.0,
+    "pump_2.last_output": 3.0,
+}
 
 
 def cross_paired_pi(**changed):
     return Controller(
-        "PI", "multiloop PI", "by hand", multiloop_pid_law(2), PI_VALUES | changed, PI_STATE,
+        "PI", "multiloop PI", "by hand", PI_LAW, PI_VALUES | changed, PI_STATE,
         ("level_1", "level_2"), ("level_1", "level_2"), ("pump_2", "pump_1"),
     )  # fmt: skip
 
@@ -37,19 +43,31 @@ def cross_paired_pi(**changed):
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"integral_time_1": 0.0}, "PI, integral_time_1: got 0.0, expected a number from 1e-06"),
-        ({"integral_time_2": -3.0}, "PI, integral_time_2: got -3.0"),
-        ({"tracking_time_1": math.nan}, "PI, tracking_time_1: got nan, expected a finite number"),
-        ({"proportional_gain_1": math.inf}, "PI, proportional_gain_1: got inf"),
         (
-            {"setpoint_weight_1": 1.5},
-            "PI, setpoint_weight_1: got 1.5, expected a number from 0 to 1",
+            {"level_1.integral_time": 0.0},
+            "PI, level_1.integral_time: got 0.0, expected a number from 1e-06",
         ),
-        ({"low_limit_2": 10.0}, "PI, low_limit_2: got 10.0, expected a value below high_limit_2"),
-        ({"derivative_time_1": 1.0}, "remove derivative_time_1"),
-        ({"integral_time_1": "30 s"}, "PI, integral_time_1: got '30 s', expected a finite number"),
-        ({"proportional_gain_1": None}, "PI, proportional_gain_1: got None"),
-        ({"proportional_gain_1": True}, "PI, proportional_gain_1: got True"),
+        ({"level_2.integral_time": -3.0}, "PI, level_2.integral_time: got -3.0"),
+        (
+            {"level_1.tracking_time": math.nan},
+            "PI, level_1.tracking_time: got nan, expected a finite number",
+        ),
+        ({"level_1.proportional_gain": math.inf}, "PI, level_1.proportional_gain: got inf"),
+        (
+            {"level_1.setpoint_weight": 1.5},
+            "PI, level_1.setpoint_weight: got 1.5, expected a number from 0 to 1",
+        ),
+        (
+            {"pump_2.low_limit": 10.0},
+            "PI, pump_2.low_limit: got 10.0, expected a value below pump_2.high_limit",
+        ),
+        ({"level_1.derivative_time": 1.0}, "remove level_1.derivative_time"),
+        (
+            {"level_1.integral_time": "30 s"},
+            "PI, level_1.integral_time: got '30 s', expected a finite number",
+        ),
+        ({"level_1.proportional_gain": None}, "PI, level_1.proportional_gain: got None"),
+        ({"level_1.proportional_gain": True}, "PI, level_1.proportional_gain: got True"),
     ],
 )
 def test_a_controller_with_unusable_values_is_refused(changed, message):
@@ -59,10 +77,10 @@ def test_a_controller_with_unusable_values_is_refused(changed, message):
 
 
 def test_a_controller_without_a_value_is_refused():
-    fewer = {name: value for name, value in PI_VALUES.items() if name != "high_limit_1"}
-    with refused(remedy="add high_limit_1"):
+    fewer = {name: value for name, value in PI_VALUES.items() if name != "pump_1.high_limit"}
+    with refused(remedy="add pump_1.high_limit"):
         Controller(
-            "PI", "", "", multiloop_pid_law(2), fewer, PI_STATE,
+            "PI", "", "", PI_LAW, fewer, PI_STATE,
             ("level_1", "level_2"), ("level_1", "level_2"), ("pump_1", "pump_2"),
         )  # fmt: skip
 
@@ -80,7 +98,7 @@ def test_a_controller_without_a_value_is_refused():
         ({"measurements": "y1"}, "PI, measurements: got 'y1', expected 2 names"),
         ({"measurements": ("level_1", 2)}, "PI, measurements: got ('level_1', 2), expected 2"),
         ({"manipulated": None}, "PI, manipulated: got None, expected 2 names"),
-        ({"initial_state": PI_STATE | {"integral_1": "3"}}, "PI, integral_1: got '3'"),
+        ({"initial_state": PI_STATE | {"level_1.integral": "3"}}, "PI, level_1.integral: got '3'"),
     ],
 )
 def test_names_that_do_not_fit_the_law_are_refused(changed, message):
@@ -92,11 +110,11 @@ def test_names_that_do_not_fit_the_law_are_refused(changed, message):
 def test_a_law_with_a_signal_that_nothing_is_wired_to_is_refused():
     law = step_law(
         "with_weather",
-        inputs=[Signal("measurement_1"), Signal("weather")],
+        inputs=[Signal("level_1.pv"), Signal("weather")],
         parameters=[],
         state=[],
-        outputs=[Signal("manipulated_1")],
-        equations=lambda s: Equations({}, {"manipulated_1": s["measurement_1"] + s["weather"]}),
+        outputs=[Signal("pump_1.out")],
+        equations=lambda s: Equations({}, {"pump_1.out": s["level_1.pv"] + s["weather"]}),
     )
     with refused(place="law with_weather", value="weather"):
         Controller("W", "", "", law, {}, {}, ("level_1",), (), ("pump_1",))
@@ -107,16 +125,16 @@ def test_the_program_starts_with_the_numbers_of_the_controller():
     assert {p.name: p.initial for p in program.parameters} == PI_VALUES
     # And it remembers the gains and weights, so that a change of one is noticed.
     remembered = {
-        f"last_{name}": value
+        name.replace(".", ".last_"): value
         for name, value in PI_VALUES.items()
-        if name.startswith(("proportional_gain", "setpoint_weight"))
+        if name.endswith(("proportional_gain", "setpoint_weight"))
     }
     assert {x.name: x.initial for x in program.state} == PI_STATE | remembered
 
 
 def linear(controller):
     """The law near rest at measurements and setpoints of 5."""
-    inputs = {s.name: 5.0 for s in controller.law.inputs if s.name[:5] in ("measu", "setpo")}
+    inputs = {s.name: 5.0 for s in controller.law.inputs if s.part in ("pv", "sp")}
     derivatives = StepLawDerivatives(controller.law)
     return derivatives.at(
         controller.values, controller.initial_state, inputs | {"time_step": PERIOD}
@@ -138,7 +156,7 @@ def test_derivatives_are_built_once_and_evaluated_for_any_values():
     controller = cross_paired_pi()
     derivatives = StepLawDerivatives(controller.law)
     for gain in (1.0, -7.0):
-        values = controller.values | {"proportional_gain_2": gain}
+        values = controller.values | {"level_2.proportional_gain": gain}
         model = derivatives.at(values, {}, {"time_step": PERIOD})
         assert model.D_measurement[1, 1] == -gain
         assert model.B_setpoint[1, 1] == PERIOD * gain / 8.0
@@ -149,15 +167,14 @@ def test_linear_model_of_lqi_has_the_textbook_matrices():
     F, G = rng.normal(size=(2, 3)), rng.normal(size=(2, 2))
     values, state = {}, {}
     for i in (1, 2):
-        values |= {f"feedback_{i}_{j}": F[i - 1, j - 1] for j in (1, 2, 3)}
-        values |= {f"integral_gain_{i}_{j}": G[i - 1, j - 1] for j in (1, 2)}
-        values |= {f"bias_{i}": 0.0, f"low_limit_{i}": -1.0, f"high_limit_{i}": 1.0}
-        state |= {f"integral_{i}": 0.0, f"last_output_{i}": 0.0}
-    values |= {f"reference_measurement_{j}": 50.0 for j in (1, 2, 3)}  # far beyond the limits
-    controller = Controller(
-        "LQI", "LQI", "by hand", lqi_law(3, 2, [1, 2], "conditional_integration"), values, state,
-        ("level_1", "level_2", "level_3"), ("level_1", "level_2"), ("pump_1", "pump_2"),
-    )  # fmt: skip
+        values |= {f"pump_{i}.feedback.level_{j}": F[i - 1, j - 1] for j in (1, 2, 3)}
+        values |= {f"pump_{i}.integral_gain.level_{j}": G[i - 1, j - 1] for j in (1, 2)}
+        values |= {f"pump_{i}.bias": 0.0, f"pump_{i}.low_limit": -1.0, f"pump_{i}.high_limit": 1.0}
+        state |= {f"pump_{i}.integral": 0.0, f"pump_{i}.last_output": 0.0}
+    values |= {f"level_{j}.reference": 50.0 for j in (1, 2, 3)}  # far beyond the limits
+    levels, pumps = ("level_1", "level_2", "level_3"), ("pump_1", "pump_2")
+    law = lqi_law(levels, pumps, levels[:2], "conditional_integration")
+    controller = Controller("LQI", "LQI", "by hand", law, values, state, levels, levels[:2], pumps)
     model = linear(controller)
     assert np.array_equal(model.A, np.eye(2))
     rates = PERIOD * G
@@ -172,13 +189,13 @@ def test_a_delay_ring_counts_as_a_state_for_every_sample_of_delay():
     """u(k) = y(k−3) + y(k−1): its response to an impulse tells when each part arrives."""
     law = step_law(
         "delayed",
-        inputs=[Signal("measurement_1")],
+        inputs=[Signal("level_1.pv")],
         parameters=[],
         state=[DelayRing(Signal("past"), 3), Signal("recent")],
-        outputs=[Signal("manipulated_1")],
+        outputs=[Signal("pump_1.out")],
         equations=lambda s: Equations(
-            {"past": s["measurement_1"], "recent": s["measurement_1"]},
-            {"manipulated_1": s["past"] + s["recent"]},
+            {"past": s["level_1.pv"], "recent": s["level_1.pv"]},
+            {"pump_1.out": s["past"] + s["recent"]},
         ),
     )
     model = StepLawDerivatives(law).at({}, {}, {})

@@ -38,11 +38,11 @@ def held(random, mean, draw):
 
 def whatever_comes(signal, random, period):
     """Values of an input: mostly what a plant shows, and now and then anything [scans]."""
-    kind = signal.name.rpartition("_")[0] or signal.name
+    kind = signal.part
     if kind == "mode":
         modes = [1.0, 1.0, 1.0, 0.0, 2.0, 3.0, -1.0]
         return held(random, 20.0, lambda n: random.choice(modes, n))
-    if kind == "sensor":
+    if kind == "good":
         return held(random, 20.0, lambda n: (random.random(n) < 0.9).astype(float))
     if signal.name == "time_step":
         steps = [period] * 40 + [0.5 * period, 3.7 * period, 0.0, -1.0, np.nan, np.inf, 1e301]
@@ -61,7 +61,7 @@ def whatever_all_bring(program, random, period):
     found = {signal.name: whatever_comes(signal, random, period) for signal in program.inputs}
     signals = {signal.name: signal for signal in program.inputs}
     for name, measured in found.items():
-        asked = signals.get(name.replace("measurement_", "setpoint_"))
+        asked = signals.get(name.removesuffix("pv") + "sp")
         if asked is not None and asked.name != name and asked.high == signals[name].high:
             near = held(random, 100.0, lambda n: random.random(n)) < 0.5
             measured[near] = found[asked.name][near]
@@ -94,7 +94,7 @@ def recorded(program, inputs):
 
 
 def manipulated(controller):
-    return [s for s in controller.law.outputs if s.name.startswith("manipulated_")]
+    return [s for s in controller.law.outputs if s.part == "out"]
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -117,14 +117,12 @@ def test_automatic_goes_on_where_another_mode_left_the_output(name, mode):
     law = ScannedLaw(controller, plant.process.sampling_period)
     at, outputs = plant.point.as_dict(), manipulated(controller)
     given = at_rest(controller, plant)
-    for number, (signal, variable) in enumerate(
-        zip(outputs, controller.manipulated, strict=True), start=1
-    ):
-        given[f"{mode}_{number}"] = at[variable] + 0.1 * signal.span
-        given[f"mode_{number}"] = {"manual": 0, "tracking": 2}[mode]
+    for signal, variable in zip(outputs, controller.manipulated, strict=True):
+        given[f"{variable}.{mode}"] = at[variable] + 0.1 * signal.span
+        given[f"{variable}.mode"] = {"manual": 0, "tracking": 2}[mode]
     for _ in range(400):
         before = law.scan(**given)
-    after = law.scan(**{key: 1 for key in given if key.startswith("mode_")})
-    for number, signal in enumerate(outputs, start=1):
-        assert before[signal.name] == given[f"{mode}_{number}"]
+    after = law.scan(**{key: 1 for key in given if key.endswith(".mode")})
+    for signal in outputs:
+        assert before[signal.name] == given[f"{signal.owner}.{mode}"]
         assert abs(after[signal.name] - before[signal.name]) <= 1e-3 * signal.span

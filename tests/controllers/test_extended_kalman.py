@@ -17,7 +17,7 @@ from clepsydra.linear.derivatives import Derivatives
 PLANT = cl.load("quadruple-tank")
 PROCESS, POINT = PLANT.process, PLANT.point
 SLOPE = 50.0  # of the sensors [V/m]
-BY_HAND = {"mode_1": 0, "mode_2": 0, "setpoint_1": 6.0, "setpoint_2": 6.0}
+BY_HAND = {"pump_1.mode": 0, "pump_2.mode": 0, "level_1.sp": 6.0, "level_2.sp": 6.0}
 
 
 @pytest.fixture(scope="module")
@@ -61,10 +61,10 @@ def scanned(controller, truth, pumps, noise):
     for k, levels in enumerate(truth):
         shown = SLOPE * levels[:2] + noise[k]
         law.scan(
-            **BY_HAND, measurement_1=shown[0], measurement_2=shown[1],
-            manual_1=pumps(k)[0], manual_2=pumps(k)[1],
+            **BY_HAND, level_1_pv=shown[0], level_2_pv=shown[1],
+            pump_1_manual=pumps(k)[0], pump_2_manual=pumps(k)[1],
         )  # fmt: skip
-        estimates.append([law.named[f"state_{j}"] for j in range(1, 5)])
+        estimates.append([law.named[f"tank_{j}.level.state"] for j in range(1, 5)])
     return np.array(estimates), law
 
 
@@ -82,12 +82,12 @@ def test_it_is_the_filter_that_numpy_computes(designed):
     P = np.zeros((4, 4))
     for j in range(4):
         for k in range(j, 4):
-            P[j, k] = P[k, j] = state[f"covariance_{j + 1}_{k + 1}"]
-    x = np.array([state[f"estimate_{j}"] for j in range(1, 5)])
-    V = np.diag([values[f"sensor_noise_{k}"] ** 2 for k in (1, 2)])
-    intensity = np.diag([values[f"input_noise_{i}"] ** 2 for i in (1, 2)])
-    loads = sum(p.name.startswith("load_noise") for p in designed.law.parameters)
-    assert loads == len(PROCESS.disturbances)  # in the order of the process
+            P[j, k] = P[k, j] = state[f"tank_{j + 1}.level.covariance.tank_{k + 1}.level"]
+    x = np.array([state[f"tank_{j}.level.estimate"] for j in range(1, 5)])
+    V = np.diag([values[f"level_{k}.sensor_noise"] ** 2 for k in (1, 2)])
+    intensity = np.diag([values[f"pump_{i}.input_noise"] ** 2 for i in (1, 2)])
+    loads = [p.name for p in designed.law.parameters if p.part == "load_noise"]
+    assert loads == [f"{each.name}.load_noise" for each in PROCESS.disturbances]
     H = np.hstack([SLOPE * np.eye(2), np.zeros((2, 2))])
     derivatives = Derivatives(PROCESS)
     for k, levels in enumerate(truth):
@@ -100,14 +100,16 @@ def test_it_is_the_filter_that_numpy_computes(designed):
         pumps = far_pumps(k)
         local = derivatives.at(x, pumps, POINT.disturbances)
         S = local.rates_by_input @ intensity @ local.rates_by_input.T
-        sizes = np.array([values[f"load_noise_{k}"] for k in range(1, loads + 1)])
+        sizes = np.array([values[name] for name in loads])
         effects = local.rates_by_disturbance * sizes
         S = S + effects @ effects.T
         held = expm(local.rates_by_state)
         P = held @ P @ held.T + 0.5 * (S + held @ S @ held.T)
         x = moved_on(x, pumps, 1)
-    assert law.state["covariance_3_4"] == pytest.approx(P[2, 3], rel=1e-7, abs=1e-15)
-    assert law.state["covariance_4_4"] == pytest.approx(P[3, 3], rel=1e-7)
+    assert law.state["tank_3.level.covariance.tank_4.level"] == pytest.approx(
+        P[2, 3], rel=1e-7, abs=1e-15
+    )
+    assert law.state["tank_4.level.covariance.tank_4.level"] == pytest.approx(P[3, 3], rel=1e-7)
 
 
 def test_far_from_the_operating_point_it_knows_what_the_linear_one_does_not(designed):
@@ -119,10 +121,10 @@ def test_far_from_the_operating_point_it_knows_what_the_linear_one_does_not(desi
     for k, levels in enumerate(truth):
         pumps = far_pumps(k)
         law.scan(
-            **BY_HAND, measurement_1=SLOPE * levels[0], measurement_2=SLOPE * levels[1],
-            manual_1=pumps[0], manual_2=pumps[1],
+            **BY_HAND, level_1_pv=SLOPE * levels[0], level_2_pv=SLOPE * levels[1],
+            pump_1_manual=pumps[0], pump_2_manual=pumps[1],
         )  # fmt: skip
-        linear.append([law.named[f"deviation_{j}"] for j in range(1, 5)])
+        linear.append([law.named[f"tank_{j}.level.deviation"] for j in range(1, 5)])
     assert PROCESS.levels == tuple(f"tank_{j}.level" for j in range(1, 5))
     linear = np.array(linear) + POINT.state
     errors = [np.abs(found - truth)[:, 2:].max() for found in (extended, linear)]
@@ -149,25 +151,27 @@ def test_a_wrong_start_is_forgotten_and_an_empty_tank_does_no_harm(designed):
 def test_without_measurements_it_goes_on_by_the_equations_and_its_doubt_is_bounded(designed):
     law = ScannedLaw(designed, 1.0)
     level = POINT.state
-    shown = {f"measurement_{k}": SLOPE * level[k - 1] for k in (1, 2)}
-    law.scan(**shown, setpoint_1=shown["measurement_1"], setpoint_2=shown["measurement_2"])
+    shown = {f"level_{k}.pv": SLOPE * level[k - 1] for k in (1, 2)}
+    law.scan(**shown, level_1_sp=shown["level_1.pv"], level_2_sp=shown["level_2.pv"])
     for _ in range(3000):
-        law.scan(sensor_1=0.0)
-    assert [law.state[f"estimate_{j}"] for j in range(1, 5)] == pytest.approx(level, rel=1e-6)
+        law.scan(level_1_good=0.0)
+    assert [law.state[f"tank_{j}.level.estimate"] for j in range(1, 5)] == pytest.approx(
+        level, rel=1e-6
+    )
     spans = [signal.span for signal in PROCESS.state]
     for j, span in enumerate(spans, start=1):
-        before = designed.initial_state[f"covariance_{j}_{j}"]
-        assert before < law.state[f"covariance_{j}_{j}"] <= span**2
+        before = designed.initial_state[f"tank_{j}.level.covariance.tank_{j}.level"]
+        assert before < law.state[f"tank_{j}.level.covariance.tank_{j}.level"] <= span**2
 
 
 @pytest.mark.parametrize("fault", [
-    {"measurement_1": np.nan}, {"measurement_2": -np.inf}, {"time_step": -1.0},
-    {"time_step": np.nan}, {"measurement_1": 1e300},
+    {"level_1.pv": np.nan}, {"level_2.pv": -np.inf}, {"time_step": -1.0},
+    {"time_step": np.nan}, {"level_1.pv": 1e300},
 ])  # fmt: skip
 def test_nonsense_leaves_numbers(designed, fault):
     law = ScannedLaw(designed, 1.0)
     for _ in range(5):
-        law.scan(**{"measurement_1": 6.0, "measurement_2": 6.0, "setpoint_1": 6.0} | fault)
+        law.scan(**{"level_1.pv": 6.0, "level_2.pv": 6.0, "level_1.sp": 6.0} | fault)
     assert all(np.isfinite(value) for value in law.state.values())
 
 

@@ -47,10 +47,11 @@ def full(anti_windup="variable_structure", alpha_on="virtual"):
             "saturation_feedback": rate,
             "tracking_time": 1.0 / rate,
         }
-        values |= {f"{n}_{j}": v for n, v in chosen.items() if f"{n}_{j}" in values}
-        state |= {f"last_virtual_gain_{j}": gain, f"last_setpoint_weight_{j}": weight}
-        at = FULL.point.as_dict()[f"level_{j}"]
-        state[f"virtual_integral_{j}"] = gain * (1.0 - weight) * at
+        y = f"level_{j}"
+        named = {f"{y}.{n}": v for n, v in chosen.items()}
+        values |= {n: v for n, v in named.items() if n in values}
+        state |= {f"{y}.last_virtual_gain": gain, f"{y}.last_setpoint_weight": weight}
+        state[f"{y}.virtual_integral"] = gain * (1.0 - weight) * FULL.point.as_dict()[y]
     return replace(controller, values=values, initial_state=state)
 
 
@@ -62,8 +63,7 @@ class Rig(ScannedLaw):
 
     def scan(self, **inputs):
         outputs = super().scan(**inputs)
-        count = len(self.controller.manipulated)
-        return np.array([outputs[f"manipulated_{i}"] for i in range(1, count + 1)])
+        return np.array([outputs[f"{name}.out"] for name in self.controller.manipulated])
 
 
 @cache
@@ -88,7 +88,7 @@ def test_equals_the_equations_in_numpy(anti_windup, alpha_on):
     rig = Rig(controller)
     random = np.random.default_rng(12)
     gain, integral_gain, weight = (np.array(c) for c in zip(*SETTINGS, strict=True))
-    y = np.array([rig.inputs["measurement_1"], rig.inputs["measurement_2"]])
+    y = np.array([rig.inputs["level_1.pv"], rig.inputs["level_2.pv"]])
     integral = gain * (1.0 - weight) * y
     rates, step, cut = np.array(RATES), 0.5, 0
     for k in range(500):
@@ -96,7 +96,7 @@ def test_equals_the_equations_in_numpy(anti_windup, alpha_on):
             r = random.uniform(1.0, 11.0, 2)
         y = np.clip(y + random.normal(scale=0.15, size=2) + 0.06 * (r - y), 0.2, 11.8)
         u = rig.scan(
-            setpoint_1=r[0], setpoint_2=r[1], measurement_1=y[0], measurement_2=y[1],
+            level_1_sp=r[0], level_2_sp=r[1], level_1_pv=y[0], level_2_pv=y[1],
             time_step=step,
         )  # fmt: skip
         L, E = linear_parts(y)
@@ -129,7 +129,7 @@ def test_equals_the_equations_in_numpy(anti_windup, alpha_on):
         else:
             back = np.minimum(np.abs(rates * step * (wanted - applied)), np.abs(excess))
             integral = np.where(winds, integral - np.sign(excess) * back, integral + increment)
-        found = [rig.state[f"virtual_integral_{j}"] for j in (1, 2)]
+        found = [rig.state[f"level_{j}.virtual_integral"] for j in (1, 2)]
         assert found == pytest.approx(integral, abs=1e-9)
     assert 30 < cut < 470
 
@@ -144,26 +144,26 @@ def test_automatic_takes_over_without_a_bump_whatever_was_before():
             # Levels and setpoints stand, and no time passes: the modes alone change.
             last = rig.scan(time_step=1e-12)
             hands = {
-                f"{what}_{i + 1}": last[i] for i in range(2) for what in ("manual", "tracking")
+                f"pump_{i + 1}_{what}": last[i] for i in range(2) for what in ("manual", "tracking")
             }
-            found = rig.scan(mode_1=modes[0], mode_2=modes[1], time_step=1e-12, **hands)
+            found = rig.scan(pump_1_mode=modes[0], pump_2_mode=modes[1], time_step=1e-12, **hands)
             assert found == pytest.approx(last, abs=BUMP)
         by_hand = {
-            f"{what}_{i}": random.uniform(2.0, 8.0)
+            f"pump_{i}_{what}": random.uniform(2.0, 8.0)
             for i in (1, 2)
             for what in ("manual", "tracking")
         }
         last = rig.scan(
-            measurement_1=random.uniform(4.0, 8.0), measurement_2=random.uniform(4.0, 8.0),
-            setpoint_1=random.uniform(4.0, 8.0), time_step=1.0, **by_hand,
+            level_1_pv=random.uniform(4.0, 8.0), level_2_pv=random.uniform(4.0, 8.0),
+            level_1_sp=random.uniform(4.0, 8.0), time_step=1.0, **by_hand,
         )  # fmt: skip
 
 
 def test_gains_change_without_a_bump():
     rig = Rig(full("none"))
-    rig.scan(setpoint_1=6.0, measurement_1=5.0, measurement_2=6.5, time_step=1.0)
+    rig.scan(level_1_sp=6.0, level_1_pv=5.0, level_2_pv=6.5, time_step=1.0)
     last = rig.scan(time_step=1e-12)
-    for name, factor in (("virtual_gain_1", 1.7), ("setpoint_weight_2", 0.5)):
+    for name, factor in (("level_1.virtual_gain", 1.7), ("level_2.setpoint_weight", 0.5)):
         rig.values[name] *= factor
         assert rig.scan(time_step=1e-12) == pytest.approx(last, abs=BUMP)
 
@@ -171,10 +171,10 @@ def test_gains_change_without_a_bump():
 def test_a_pump_by_hand_stands_and_the_other_output_is_still_exact():
     """E₂₁ u₁ + E₂₂ u₂ + L₂ = ν₂ with u₁ given by the operator."""
     rig = Rig(full("none"))
-    rig.scan(mode_1=0.0, manual_1=6.3, time_step=1.0)
-    before = rig.state["virtual_integral_2"]
+    rig.scan(pump_1_mode=0.0, pump_1_manual=6.3, time_step=1.0)
+    before = rig.state["level_2.virtual_integral"]
     y = np.array([5.0, 6.0])
-    u = rig.scan(measurement_1=y[0], measurement_2=y[1], setpoint_2=6.4)
+    u = rig.scan(level_1_pv=y[0], level_2_pv=y[1], level_2_sp=6.4)
     L, E = linear_parts(y)
     asked = SETTINGS[1].gain * (SETTINGS[1].setpoint_weight * 6.4 - y[1]) + before
     assert u[0] == 6.3
@@ -184,12 +184,12 @@ def test_a_pump_by_hand_stands_and_the_other_output_is_still_exact():
 
 @pytest.mark.parametrize(
     "fault",
-    [{"sensor_2": 0.0}, {"measurement_1": np.nan}, {"setpoint_1": np.inf}, {"time_step": 0.0},
+    [{"level_2.good": 0.0}, {"level_1.pv": np.nan}, {"level_1.sp": np.inf}, {"time_step": 0.0},
      {"time_step": np.nan}],
 )  # fmt: skip
 def test_a_fault_holds_both_pumps_and_the_way_back_has_no_bump(fault):
     rig = Rig(full())
-    last = rig.scan(setpoint_1=7.0, measurement_2=6.0, time_step=1.0)
+    last = rig.scan(level_1_sp=7.0, level_2_pv=6.0, time_step=1.0)
     sound = dict(rig.inputs)
     assert rig.scan(**fault) == pytest.approx(last, abs=0.0)
     assert np.all(np.isfinite(list(rig.state.values())))
@@ -203,18 +203,18 @@ def test_an_empty_tank_divides_by_nothing_and_shuts_the_valve():
     rig = Rig(cl.design.feedback_linearisation(VALVE))
     rig.scan(time_step=1.0)
     with np.errstate(all="raise"):
-        shut = rig.scan(measurement_1=0.0)
-        again = rig.scan(measurement_1=0.0)
+        shut = rig.scan(level_pv=0.0)
+        again = rig.scan(level_pv=0.0)
     assert shut == again == [0.0]
     assert np.all(np.isfinite(list(rig.state.values())))
     # Full, it opens.
-    assert rig.scan(measurement_1=1.99) == [1.0]
+    assert rig.scan(level_pv=1.99) == [1.0]
 
 
 def test_no_parameter_of_the_model_can_be_set_to_zero():
     controller = full()
-    with refused(place="model_tank_1_area"):
-        replace(controller, values=controller.values | {"model_tank_1_area": 0.0})
+    with refused(place="model.tank_1.area"):
+        replace(controller, values=controller.values | {"model.tank_1.area": 0.0})
 
 
 def test_a_state_that_nobody_measures_is_estimated():
@@ -226,9 +226,10 @@ def test_a_state_that_nobody_measures_is_estimated():
     controller = cl.design.feedback_linearisation(cl.load("wet-well"))
     assert controller.measurements == ("level",)
     names = [signal.name for signal in controller.law.state]
-    assert [n for n in names if n.startswith("estimate_")] == [f"estimate_{k}" for k in (1, 2, 3)]
-    corrected = {name for name in controller.values if name.startswith("correction_")}
-    assert corrected == {"correction_1_1", "correction_2_1"}
+    estimated = ["well.level", "duty.actual", "standby.actual"]
+    assert [n for n in names if n.endswith(".estimate")] == [f"{n}.estimate" for n in estimated]
+    corrected = {name for name in controller.values if ".correction." in name}
+    assert corrected == {f"{name}.correction.level" for name in estimated[:2]}
 
 
 @pytest.mark.parametrize("wrong", [{"anti_windup": "off"}, {"alpha_on": "volts"}])

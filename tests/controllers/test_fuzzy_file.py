@@ -65,16 +65,18 @@ def controlled(text=TEXT, plant=PLANT):
 def test_units_and_gains_are_converted_to_the_laws():
     controller = controlled()
     values = controller.values
-    assert values["input_gain_1"] == pytest.approx(2.0)  # 0.002 per mV
-    assert values["dead_zone_1"] == pytest.approx(5e-3)
-    assert values["input_gain_2"] == pytest.approx(60.0)  # 1 per V/min, a rate in V/s
-    assert values["filter_time_2"] == 2.0
-    assert values["output_gain_1"] == pytest.approx(3.0 / 60.0)
-    assert values["rate_limit_1"] == 0.5
-    assert (values["low_limit_1"], values["high_limit_1"]) == (0.0, 10.0)
+    assert values["e.gain"] == pytest.approx(2.0)  # 0.002 per mV
+    assert values["e.dead_zone"] == pytest.approx(5e-3)
+    assert values["de.gain"] == pytest.approx(60.0)  # 1 per V/min, a rate in V/s
+    assert values["de.filter_time"] == 2.0
+    assert values["pump_2.output_gain"] == pytest.approx(3.0 / 60.0)
+    assert values["pump_2.rate_limit"] == 0.5
+    assert (values["pump_2.low_limit"], values["pump_2.high_limit"]) == (0.0, 10.0)
     assert controller.manipulated == ("pump_2",) and controller.setpoints == ("level_1",)
-    assert controller.initial_state["last_output_1"] == 3.0
-    assert controller.initial_state["filtered_2"] == pytest.approx(PLANT.point.as_dict()["level_1"])
+    assert controller.initial_state["pump_2.last_output"] == 3.0
+    assert controller.initial_state["de.filtered"] == pytest.approx(
+        PLANT.point.as_dict()["level_1"]
+    )
     assert controller.design == "Written out: 3 rules, centroid on 51 points; A level."
     assert controller.law.description[0] == "down: if e is N then u is S"
 
@@ -93,7 +95,7 @@ def test_each_error_has_the_setpoint_of_its_own_measurement():
 def test_what_a_bumpless_start_of_a_position_saves_fades_in_ten_samples_or_as_written(line, time):
     position = TEXT.replace('action = "increment"\nunit = "V/min"', f'unit = "V"{line}')
     plant = cl.Plant(replace(PLANT.process, sampling_period=0.4))
-    assert controlled(position, plant).values["fading_time_1"] == time
+    assert controlled(position, plant).values["pump_2.fading_time"] == time
 
 
 def test_a_position_is_told_to_have_no_integral_action():

@@ -27,9 +27,9 @@ def averaging():
 
 
 def table_of(points, values):
-    schedule = Schedule("setpoint_1", LEVEL, len(points))
-    symbols = {f"schedule_point_{k}": ca.DM(p) for k, p in enumerate(points, start=1)}
-    symbols |= {f"gain_at_{k}": ca.DM(v) for k, v in enumerate(values, start=1)}
+    schedule = Schedule("level.sp", LEVEL, len(points))
+    symbols = {f"schedule.point.{k}": ca.DM(p) for k, p in enumerate(points, start=1)}
+    symbols |= {f"gain.at.{k}": ca.DM(v) for k, v in enumerate(values, start=1)}
     return lambda at: float(schedule.interpolated(symbols, ca.DM(at), ["gain"])["gain"])
 
 
@@ -50,27 +50,27 @@ def test_points_that_do_not_rise_divide_by_nothing():
 
 
 def scheduled_pi(form=None):
-    plain = multiloop_pid_law(1, form, measured=[LEVEL], manipulated=[PUMP])
-    schedule = Schedule("measurement_1", LEVEL, 3)
-    return scheduled_law(plain, schedule, ["proportional_gain_1", "integral_time_1"])
+    plain = multiloop_pid_law([LEVEL], [PUMP], form)
+    schedule = Schedule("level.pv", LEVEL, 3)
+    return scheduled_law(plain, schedule, ["level.proportional_gain", "level.integral_time"])
 
 
 def test_the_filter_is_of_first_order():
     """s(k) = s(k−1) + Δt/(T + Δt) (y − s(k−1)), to 1 − (T/(T + Δt))^k of a step."""
-    schedule = Schedule("measurement_1", LEVEL, 2)
+    schedule = Schedule("level.pv", LEVEL, 2)
     value = 4.0
     for k in range(1, 20):
-        symbols = {"measurement_1": 9.0, "sensor_1": 1, "scheduling_variable": value,
-                   "time_step": 0.5, "schedule_filter_time": 3.0}  # fmt: skip
+        symbols = {"level.pv": 9.0, "level.good": 1, "schedule.variable": value,
+                   "time_step": 0.5, "schedule.filter_time": 3.0}  # fmt: skip
         value = float(followed(schedule, symbols))
         assert value == pytest.approx(4.0 + 5.0 * (1.0 - (3.0 / 3.5) ** k), rel=1e-12)
 
 
-@pytest.mark.parametrize("fault", [{"measurement_1": np.nan}, {"sensor_1": 0.0}, {"time_step": 0}])
+@pytest.mark.parametrize("fault", [{"level.pv": np.nan}, {"level.good": 0.0}, {"time_step": 0}])
 def test_a_fault_holds_the_scheduling_variable(fault):
-    schedule = Schedule("measurement_1", LEVEL, 2)
-    symbols = {"measurement_1": 9.0, "sensor_1": 1.0, "scheduling_variable": 4.0, "time_step": 0.5,
-                   "schedule_filter_time": 3.0} | fault  # fmt: skip
+    schedule = Schedule("level.pv", LEVEL, 2)
+    symbols = {"level.pv": 9.0, "level.good": 1.0, "schedule.variable": 4.0, "time_step": 0.5,
+                   "schedule.filter_time": 3.0} | fault  # fmt: skip
     assert float(followed(schedule, symbols)) == 4.0
 
 
@@ -80,18 +80,18 @@ def test_a_fault_holds_the_scheduling_variable(fault):
 def test_scheduled_gains_move_no_output_by_themselves(form):
     """An error of zero and a setpoint weight of 0.3, while the gains run over their table."""
     law = scheduled_pi(form)
-    table = {"proportional_gain_1": [2.0, 11.0, 5.0], "integral_time_1": [40.0, 10.0, 90.0]}
+    table = {"level.proportional_gain": [2.0, 11.0, 5.0], "level.integral_time": [40.0, 10.0, 90.0]}
     values = {parameter.name: parameter.initial for parameter in law.parameters}
-    values |= {f"{n}_at_{k}": v for n, row in table.items() for k, v in enumerate(row, start=1)}
-    values |= {"schedule_point_1": 1.0, "schedule_point_2": 5.0, "schedule_point_3": 9.0,
-               "setpoint_weight_1": 0.3, "schedule_filter_time": 20.0}  # fmt: skip
-    state = {entry.name: entry.initial for entry in law.state} | {"integral_1": 40.0}
-    state |= {"scheduling_variable": 1.0, "last_proportional_gain_1": 2.0,
-              "last_setpoint_weight_1": 0.3}  # fmt: skip
+    values |= {f"{n}.at.{k}": v for n, row in table.items() for k, v in enumerate(row, start=1)}
+    values |= {"schedule.point.1": 1.0, "schedule.point.2": 5.0, "schedule.point.3": 9.0,
+               "level.setpoint_weight": 0.3, "schedule.filter_time": 20.0}  # fmt: skip
+    state = {entry.name: entry.initial for entry in law.state} | {"level.integral": 40.0}
+    state |= {"schedule.variable": 1.0, "level.last_proportional_gain": 2.0,
+              "level.last_setpoint_weight": 0.3}  # fmt: skip
     if form.has_derivative:
-        state |= {"filtered_signal_1": 8.5, "last_derivative_time_1": 0.0}
-        state |= {"last_derivative_filter_1": 10.0}
-    inputs = {s.name: s.initial for s in law.inputs} | {"setpoint_1": 8.5, "measurement_1": 8.5}
+        state |= {"level.filtered_signal": 8.5, "level.last_derivative_time": 0.0}
+        state |= {"level.last_derivative_filter": 10.0}
+    inputs = {s.name: s.initial for s in law.inputs} | {"level.sp": 8.5, "level.pv": 8.5}
     gains, outputs = [], []
     for _ in range(200):
         following, (output, *_), _ = function_of(law)(
@@ -101,7 +101,7 @@ def test_scheduled_gains_move_no_output_by_themselves(form):
         )
         state = dict(zip((entry.name for entry in law.state), following, strict=True))
         outputs.append(output)
-        gains.append(state["last_proportional_gain_1"])
+        gains.append(state["level.last_proportional_gain"])
     assert max(gains) > 10.0 and gains[-1] < 6.0
     assert max(outputs) - min(outputs) < 1e-9 * PUMP.span
 
@@ -111,14 +111,14 @@ def test_scheduled_lqi_moves_no_output_by_its_gains():
         cl.load("quadruple-tank"), over="level_1", points=[3.0, 6.0, 9.0]
     )
     law = ScannedLaw(controller, 1.0)
-    shown = {"measurement_1": 8.5, "measurement_2": 4.0, "measurement_3": 2.0, "measurement_4": 3.0}
-    first = law.scan(**shown, setpoint_1=8.5, setpoint_2=4.0)
+    shown = {"level_1.pv": 8.5, "level_2.pv": 4.0, "level_3.pv": 2.0, "level_4.pv": 3.0}
+    first = law.scan(**shown, level_1_sp=8.5, level_2_sp=4.0)
     gains = []
     for _ in range(300):
         outputs = law.scan(**shown)
-        gains.append(law.state["feedback_1_1"])
+        gains.append(law.state["pump_1.feedback.level_1"])
         for i in (1, 2):
-            assert outputs[f"manipulated_{i}"] == pytest.approx(first[f"manipulated_{i}"], abs=1e-9)
+            assert outputs[f"pump_{i}.out"] == pytest.approx(first[f"pump_{i}.out"], abs=1e-9)
     assert max(gains) - min(gains) > 1e-3 * abs(gains[0])
 
 
@@ -132,9 +132,8 @@ def test_scheduled_lqi_at_its_operating_point_is_lqi(averaging):
     laws = [ScannedLaw(controller, 0.1) for controller in pair]
     random = np.random.default_rng(4)
     given = at_rest(pair[0], averaging)
-    places = {name: k for k, name in enumerate(pair[0].measurements, start=1)}
     for _ in range(50):
-        given[f"measurement_{places['concentration']}"] = 5000.0 + 20.0 * random.normal()
+        given["concentration.pv"] = 5000.0 + 20.0 * random.normal()
         found = [law.scan(**given) for law in laws]
         for name, value in found[0].items():
             assert found[1][name] == pytest.approx(value, rel=1e-9, abs=1e-9)
@@ -145,29 +144,28 @@ def test_the_linear_model_halfway_is_that_of_the_interpolated_gains(averaging):
     controller = cl.design.gain_scheduled_pid(
         averaging, over="volume", points=["1 m^3", "2 m^3", "3 m^3"]
     )
-    loop = controller.setpoints.index("concentration") + 1
     law = ScannedLaw(controller, 0.1)
     given = at_rest(controller, averaging)
-    volume = controller.measurements.index("volume") + 1
-    given |= {f"measurement_{volume}": 2.5, f"setpoint_{volume}": 2.5}
+    given |= {"volume.pv": 2.5, "volume.sp": 2.5}
     for _ in range(3000):
         first = law.scan(**given)
-    given[f"measurement_{loop}"] += 1.0
+    given["concentration.pv"] += 1.0
     second = law.scan(**given)
-    gain = 0.5 * sum(controller.values[f"proportional_gain_{loop}_at_{k}"] for k in (2, 3))
-    moved = second[f"manipulated_{loop}"] - first[f"manipulated_{loop}"]
+    gain = 0.5 * sum(controller.values[f"concentration.proportional_gain.at.{k}"] for k in (2, 3))
+    moved = f"{controller.manipulated[controller.setpoints.index('concentration')]}.out"
+    moved = second[moved] - first[moved]
     assert moved == pytest.approx(-gain, rel=1e-6)
 
 
 def test_what_cannot_be_scheduled_is_refused():
-    plain = multiloop_pid_law(1, measured=[LEVEL], manipulated=[PUMP])
+    plain = multiloop_pid_law([LEVEL], [PUMP])
     with refused(value="gian"):
-        scheduled_law(plain, Schedule("measurement_1", LEVEL, 2), ["gian"])
-    with refused(value="measurement_7"):
-        scheduled_law(plain, Schedule("measurement_7", LEVEL, 2), ["proportional_gain_1"])
+        scheduled_law(plain, Schedule("level.pv", LEVEL, 2), ["gian"])
+    with refused(value="level_7.pv"):
+        scheduled_law(plain, Schedule("level_7.pv", LEVEL, 2), ["level.proportional_gain"])
     with refused(place="points"):
-        Schedule("measurement_1", LEVEL, 1)
+        Schedule("level.pv", LEVEL, 1)
     with refused(place="variable"):
-        Schedule("mode_1", LEVEL, 3)
+        Schedule("level.mode", LEVEL, 3)
     with refused(value="clamping"):
-        scheduled_lqi_law([LEVEL], [PUMP], [1], Schedule("setpoint_1", LEVEL, 2), "clamping")
+        scheduled_lqi_law([LEVEL], [PUMP], ["level"], Schedule("level.sp", LEVEL, 2), "clamping")

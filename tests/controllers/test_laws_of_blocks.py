@@ -80,7 +80,9 @@ def test_the_law_of_every_design(name):
 @pytest.mark.parametrize("rate_limited", [False, True])
 @pytest.mark.parametrize("form", FORMS.values(), ids=FORMS)
 def test_two_loops_of_every_form_are_two_instances_of_one_block(form, rate_limited):
-    law = multiloop_pid_law(2, form, rate_limited=rate_limited)
+    law = multiloop_pid_law(
+        ["level_1", "level_2"], ["pump_1", "pump_2"], form, rate_limited=rate_limited
+    )
     check_same(law, {}, 1.0)
     first, second = structured_program_of(law).calls[:2]
     assert first.program == second.program and first.instance != second.instance
@@ -88,11 +90,19 @@ def test_two_loops_of_every_form_are_two_instances_of_one_block(form, rate_limit
 
 @pytest.mark.parametrize("decoupling", ["static", "dynamic"])
 def test_decoupled_loops(decoupling):
-    check_same(multiloop_pid_law(2, decoupling=decoupling), {}, 1.0)
+    check_same(
+        multiloop_pid_law(["level_1", "level_2"], ["pump_1", "pump_2"], decoupling=decoupling),
+        {},
+        1.0,
+    )
 
 
 def test_variable_structure():
-    check_same(variable_structure_pid_law(2, PidForm("PID")), {}, 1.0)
+    check_same(
+        variable_structure_pid_law(["level_1", "level_2"], ["pump_1", "pump_2"], PidForm("PID")),
+        {},
+        1.0,
+    )
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
@@ -107,5 +117,5 @@ def test_smith_predictors_of_two_shapes():
         PredictorShape(integrating, order=1, tail=1, delay=0, error_feedback=True),
         PredictorShape(plain, order=2, tail=3, delay=7),
     ]
-    law = smith_predictor_law(shapes)
+    law = smith_predictor_law(["level", "depth", "stage"], ["pump", "valve", "feed"], shapes)
     check_same(law, {p.name: 0.3 for p in law.parameters if p.initial == 0.0}, 1.0)

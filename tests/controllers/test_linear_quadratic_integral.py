@@ -6,42 +6,51 @@ import numpy as np
 import pytest
 from refusals import refused
 
+from clepsydra.base.signal import path
 from clepsydra.controllers.linear_quadratic_integral import lqi_law
 
 rng = np.random.default_rng(3)
 FEEDBACK, INTEGRAL = rng.normal(size=(2, 3)), 0.1 * rng.normal(size=(2, 2))
 REFERENCE, BIAS = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0])
-CONTROLLED = [3, 1]
+LEVELS, PUMPS = ["level_1", "level_2", "level_3"], ["pump_1", "pump_2"]
+CONTROLLED = ["level_3", "level_1"]
 
 
 def values(anti_windup, low=0.0, high=10.0):
     numbers = {}
     for i in range(2):
-        numbers |= {f"feedback_{i + 1}_{j + 1}": FEEDBACK[i, j] for j in range(3)}
-        numbers |= {f"integral_gain_{i + 1}_{j + 1}": INTEGRAL[i, j] for j in range(2)}
-        numbers |= {f"bias_{i + 1}": BIAS[i]}
-        numbers |= {f"low_limit_{i + 1}": low, f"high_limit_{i + 1}": high}
+        numbers |= {f"pump_{i + 1}.feedback.level_{j + 1}": FEEDBACK[i, j] for j in range(3)}
+        numbers |= {
+            f"pump_{i + 1}.integral_gain.level_{y}": INTEGRAL[i, j] for j, y in enumerate((3, 1))
+        }
+        numbers |= {f"pump_{i + 1}.bias": BIAS[i]}
+        numbers |= {f"pump_{i + 1}.low_limit": low, f"pump_{i + 1}.high_limit": high}
         if anti_windup == "back_calculation":
-            numbers[f"tracking_time_{i + 1}"] = 4.0
-    return numbers | {f"reference_measurement_{j + 1}": REFERENCE[j] for j in range(3)}
+            numbers[f"pump_{i + 1}.tracking_time"] = 4.0
+    return numbers | {f"level_{j + 1}.reference": REFERENCE[j] for j in range(3)}
 
 
 def inputs(measurements, setpoints, **changed):
     numbers = {"time_step": 0.5}
     for j in range(3):
-        numbers |= {f"measurement_{j + 1}": measurements[j], f"sensor_{j + 1}": 1.0}
-    numbers |= {f"setpoint_{j + 1}": setpoints[j] for j in range(2)}
+        numbers |= {f"level_{j + 1}.pv": measurements[j], f"level_{j + 1}.good": 1.0}
+    numbers |= {path(y, "sp"): r for y, r in zip(CONTROLLED, setpoints, strict=True)}
     for i in (1, 2):
-        numbers |= {f"mode_{i}": 1, f"manual_{i}": 0.0, f"tracking_{i}": 0.0}
+        numbers |= {f"pump_{i}.mode": 1, f"pump_{i}.manual": 0.0, f"pump_{i}.tracking": 0.0}
     return numbers | changed
 
 
-REST = {"integral_1": 0.0, "integral_2": 0.0, "last_output_1": 4.0, "last_output_2": 5.0}
+REST = {
+    "pump_1.integral": 0.0,
+    "pump_2.integral": 0.0,
+    "pump_1.last_output": 4.0,
+    "pump_2.last_output": 5.0,
+}
 
 
 @pytest.mark.parametrize("anti_windup", ["back_calculation", "conditional_integration"])
 def test_equals_the_matrix_equations(driven, anti_windup):
-    law = driven(lqi_law(3, 2, CONTROLLED, anti_windup), values(anti_windup), REST)
+    law = driven(lqi_law(LEVELS, PUMPS, CONTROLLED, anti_windup), values(anti_windup), REST)
     integral, saturated = np.zeros(2), 0
     for _ in range(300):
         y, r = REFERENCE + rng.normal(size=3) * 3.0, rng.normal(size=2) + [3.0, 1.0]
@@ -54,8 +63,8 @@ def test_equals_the_matrix_equations(driven, anti_windup):
             stops = ((unlimited > 10) & (increment > 0)) | ((unlimited < 0) & (increment < 0))
             integral = integral + np.where(stops, 0.0, increment)
         found = law.scan(**inputs(y, r))
-        assert [found["manipulated_1"], found["manipulated_2"]] == pytest.approx(output, abs=1e-12)
-        assert [law.state["integral_1"], law.state["integral_2"]] == pytest.approx(
+        assert [found["pump_1.out"], found["pump_2.out"]] == pytest.approx(output, abs=1e-12)
+        assert [law.state["pump_1.integral"], law.state["pump_2.integral"]] == pytest.approx(
             integral, abs=1e-11
         )
         saturated += int(np.any(output != unlimited))
@@ -63,54 +72,54 @@ def test_equals_the_matrix_equations(driven, anti_windup):
 
 
 def test_at_the_operating_point_it_stands_still(driven):
-    law = driven(lqi_law(3, 2, CONTROLLED), values("back_calculation"), REST)
+    law = driven(lqi_law(LEVELS, PUMPS, CONTROLLED), values("back_calculation"), REST)
     found = law.scan(**inputs(REFERENCE, REFERENCE[[2, 0]]))
-    assert (found["manipulated_1"], found["manipulated_2"]) == (4.0, 5.0)
+    assert (found["pump_1.out"], found["pump_2.out"]) == (4.0, 5.0)
     assert law.state == REST
 
 
 def test_a_fault_of_any_sensor_holds_the_automatic_output_only(driven):
-    law = driven(lqi_law(3, 2, CONTROLLED), values("back_calculation"), REST)
+    law = driven(lqi_law(LEVELS, PUMPS, CONTROLLED), values("back_calculation"), REST)
     y = REFERENCE + [0.0, math.nan, 0.0]
-    found = law.scan(**inputs(y, [0.0, 0.0], mode_2=0, manual_2=7.0, sensor_2=0.0))
-    assert (found["manipulated_1"], found["manipulated_2"]) == (4.0, 7.0)
-    assert (found["status_1"], found["status_2"]) == (1 + 16 + 32, 16 + 32)
-    assert law.state["integral_1"] == 0.0
+    found = law.scan(**inputs(y, [0.0, 0.0], pump_2_mode=0, pump_2_manual=7.0, level_2_good=0.0))
+    assert (found["pump_1.out"], found["pump_2.out"]) == (4.0, 7.0)
+    assert (found["pump_1.status"], found["pump_2.status"]) == (1 + 16 + 32, 16 + 32)
+    assert law.state["pump_1.integral"] == 0.0
     # With the sensor back at its place the second output continues from 7.
     found = law.scan(**inputs(REFERENCE, REFERENCE[[2, 0]]))
-    assert found["manipulated_2"] == pytest.approx(7.0, abs=1e-14)
+    assert found["pump_2.out"] == pytest.approx(7.0, abs=1e-14)
 
 
 def test_one_output_by_hand_returns_without_a_bump(driven):
-    law = driven(lqi_law(3, 2, CONTROLLED), values("back_calculation"), REST)
+    law = driven(lqi_law(LEVELS, PUMPS, CONTROLLED), values("back_calculation"), REST)
     y, r = REFERENCE + [0.3, -0.2, 0.4], [3.1, 1.2]
-    law.scan(**inputs(y, r, mode_1=2, tracking_1=8.5))
-    assert law.scan(**inputs(y, r))["manipulated_1"] == pytest.approx(8.5, abs=1e-14)
+    law.scan(**inputs(y, r, pump_1_mode=2, pump_1_tracking=8.5))
+    assert law.scan(**inputs(y, r))["pump_1.out"] == pytest.approx(8.5, abs=1e-14)
 
 
 def test_infinities_of_both_signs_hold_the_output(driven):
     law = driven(
-        lqi_law(3, 2, CONTROLLED, "conditional_integration"),
+        lqi_law(LEVELS, PUMPS, CONTROLLED, "conditional_integration"),
         values("conditional_integration"),
         REST,
     )
-    law.values |= {"feedback_1_1": 1e9, "feedback_1_2": -1e9}
+    law.values |= {"pump_1.feedback.level_1": 1e9, "pump_1.feedback.level_2": -1e9}
     # 1e9 · 1e300 overflows with both signs: their sum is not a number.
     found = law.scan(**inputs([1e300, 1e300, 3.0], [3.0, 1.0]))
-    assert found["manipulated_1"] == 4.0
+    assert found["pump_1.out"] == 4.0
     assert all(math.isfinite(value) for value in law.state.values())
 
 
 def test_a_setpoint_without_measurement_is_refused():
-    with refused(expected="from 1 to 3"):
-        lqi_law(3, 2, [1, 4])
-    with refused(expected="from 1 to 3"):
-        lqi_law(3, 2, [])
+    with refused(expected="level_1, level_2, level_3"):
+        lqi_law(LEVELS, PUMPS, ["level_1", "level_4"])
+    with refused(expected="level_1, level_2, level_3"):
+        lqi_law(LEVELS, PUMPS, [])
 
 
 def test_clamping_is_refused_since_the_integral_is_not_the_whole_output():
     with refused(expected="conditional_integration"):
-        lqi_law(1, 1, [1], "clamping")
+        lqi_law(["level"], ["pump"], ["level"], "clamping")
 
 
 @pytest.mark.parametrize("anti_windup", ["none", "conditional_integration"])
@@ -121,19 +130,20 @@ def test_input_constrained_lqi_does_not_wind_up(driven, anti_windup):
     fifth on the unconstrained integral runs away; the constrained one waits for the level.
     """
     numbers = {
-        "reference_measurement_1": 0.0, "feedback_1_1": 2.0, "integral_gain_1_1": 0.2,
-        "bias_1": 4.0, "low_limit_1": 0.0, "high_limit_1": 9.0,
+        "level_1.reference": 0.0, "pump_1.feedback.level_1": 2.0,
+        "pump_1.integral_gain.level_1": 0.2, "pump_1.bias": 4.0,
+        "pump_1.low_limit": 0.0, "pump_1.high_limit": 9.0,
     }  # fmt: skip
-    rest = {"integral_1": 0.0, "last_output_1": 4.0}
-    law = driven(lqi_law(1, 1, [1], anti_windup), numbers, rest)
+    rest = {"pump_1.integral": 0.0, "pump_1.last_output": 4.0}
+    law = driven(lqi_law(LEVELS[:1], PUMPS[:1], LEVELS[:1], anti_windup), numbers, rest)
     y, integrals = 0.0, []
     for _ in range(12):
         found = law.scan(
-            setpoint_1=10.0, measurement_1=y, sensor_1=1.0, mode_1=1, manual_1=0.0, tracking_1=0.0,
-            time_step=1.0,
+            level_1_sp=10.0, level_1_pv=y, level_1_good=1.0, pump_1_mode=1,
+            pump_1_manual=0.0, pump_1_tracking=0.0, time_step=1.0,
         )  # fmt: skip
-        y += 0.1 * (found["manipulated_1"] - 4.0)
-        integrals.append(law.state["integral_1"])
+        y += 0.1 * (found["pump_1.out"] - 4.0)
+        integrals.append(law.state["pump_1.integral"])
     # By hand: v = 4, 6, 7.6, 8.84, 9.732 (limited), …
     #          y = 0, 0, 0.2, 0.56, 1.044, 1.544, …
     #          I = 2, 4, 5.96, 7.848 after four samples.

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from law_function import by_path
 
 import clepsydra as cl
 
@@ -16,20 +17,20 @@ def scanned():
     law = controller.law
 
     def scan(state, correction, **inputs):
-        given = {signal.name: signal.initial for signal in law.inputs} | {
-            "mode_1": 0.0, "mode_2": 0.0, "time_step": 2.0,
-        } | inputs  # fmt: skip
+        given = {signal.name: signal.initial for signal in law.inputs} | {"time_step": 2.0}
+        given |= {"pump_1.mode": 0.0, "pump_2.mode": 0.0} | by_path(law.inputs, inputs)
         numbers = controller.values | {
-            f"correction_{j + 1}_{k + 1}": value for (j, k), value in np.ndenumerate(correction)
+            f"tank_{j + 1}.level.correction.level_{k + 1}": value
+            for (j, k), value in np.ndenumerate(correction)
         }
         start = {entry.name: 0.0 for entry in law.state}
-        start |= {f"estimate_{k}": x for k, x in enumerate(state, start=1)}
+        start |= {f"tank_{k}.level.estimate": x for k, x in enumerate(state, start=1)}
         following, _, _ = law.function(
             list(start.values()), [given[s.name] for s in law.inputs],
             [numbers[p.name] for p in law.parameters],
         )  # fmt: skip
         after = dict(zip(start, np.array(following).ravel(), strict=True))
-        return np.array([after[f"estimate_{k}"] for k in range(1, 5)])
+        return np.array([after[f"tank_{k}.level.estimate"] for k in range(1, 5)])
 
     return scan
 
@@ -52,8 +53,8 @@ def test_it_goes_on_as_the_process_does(scanned, start):
     state = np.array(start)
     for u in ([3.0, 3.0], [6.0, 1.0], [0.0, 9.0]):
         found = scanned(
-            state, 0.0 * CORRECTION, manual_1=u[0], manual_2=u[1],
-            measurement_1=0.0, measurement_2=0.0,
+            state, 0.0 * CORRECTION, pump_1_manual=u[0], pump_2_manual=u[1],
+            level_1_pv=0.0, level_2_pv=0.0,
         )  # fmt: skip
         expected = integrated(state, u, 2.0)
         assert found == pytest.approx(expected, abs=1e-7)
@@ -64,18 +65,16 @@ def test_it_goes_on_as_the_process_does(scanned, start):
 
 def test_a_surprise_corrects_it_by_the_matrix(scanned):
     state, y = np.array([0.12, 0.13, 0.02, 0.015]), np.array([6.3, 6.1])
-    hand = {"manual_1": 4.0, "manual_2": 2.0}
-    found = scanned(state, CORRECTION, measurement_1=y[0], measurement_2=y[1], **hand)
+    hand = {"pump_1.manual": 4.0, "pump_2.manual": 2.0}
+    found = scanned(state, CORRECTION, level_1_pv=y[0], level_2_pv=y[1], **hand)
     corrected = state + CORRECTION @ (y - 50.0 * state[:2])
     assert found == pytest.approx(integrated(corrected, [4.0, 2.0], 2.0), abs=1e-8)
     # A sensor that fails surprises nobody.
-    failed = scanned(
-        state, CORRECTION, measurement_1=y[0], measurement_2=y[1], sensor_1=0.0, **hand
-    )
+    failed = scanned(state, CORRECTION, level_1_pv=y[0], level_2_pv=y[1], level_1_good=0.0, **hand)
     assert failed == pytest.approx(integrated(state, [4.0, 2.0], 2.0), abs=1e-8)
 
 
 def test_an_unusable_time_step_leaves_the_estimate(scanned):
     state = np.array([0.12, 0.13, 0.02, 0.015])
-    kept = scanned(state, CORRECTION, manual_1=4.0, measurement_1=6.3, time_step=0.0)
+    kept = scanned(state, CORRECTION, pump_1_manual=4.0, level_1_pv=6.3, time_step=0.0)
     assert kept.tolist() == state.tolist()

@@ -6,7 +6,7 @@ import random
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from law_function import function_of
+from law_function import by_path, function_of
 from refusals import refused
 
 from clepsydra import PidForm, Signal
@@ -15,39 +15,42 @@ from clepsydra.controllers.parameters import remembered_parameters
 
 MANUAL, AUTOMATIC, TRACKING = 0, 1, 2
 ANTI_WINDUPS = ["back_calculation", "conditional_integration", "clamping", "none"]
-LAWS = {way: multiloop_pid_law(1, PidForm(anti_windup=way)) for way in ANTI_WINDUPS}
+LAWS = {
+    way: multiloop_pid_law(["level_1"], ["pump_1"], PidForm(anti_windup=way))
+    for way in ANTI_WINDUPS
+}
 
 
 def parameters(anti_windup, **changed):
     values = {
-        "proportional_gain_1": 2.0,
-        "integral_time_1": 10.0,
-        "setpoint_weight_1": 1.0,
-        "low_limit_1": 0.0,
-        "high_limit_1": 10.0,
+        "level_1.proportional_gain": 2.0,
+        "level_1.integral_time": 10.0,
+        "level_1.setpoint_weight": 1.0,
+        "pump_1.low_limit": 0.0,
+        "pump_1.high_limit": 10.0,
     }
     if anti_windup == "back_calculation":
-        values["tracking_time_1"] = 5.0
-    return values | changed
+        values["level_1.tracking_time"] = 5.0
+    return values | by_path(LAWS[anti_windup].parameters, changed)
 
 
 def inputs(**changed):
     values = {
-        "setpoint_1": 5.0,
-        "measurement_1": 5.0,
-        "sensor_1": 1.0,
-        "mode_1": AUTOMATIC,
-        "manual_1": 0.0,
-        "tracking_1": 0.0,
+        "level_1.sp": 5.0,
+        "level_1.pv": 5.0,
+        "level_1.good": 1.0,
+        "pump_1.mode": AUTOMATIC,
+        "pump_1.manual": 0.0,
+        "pump_1.tracking": 0.0,
         "time_step": 1.0,
     }
-    return values | changed
+    return values | by_path(LAWS["none"].inputs, changed)
 
 
 def one_loop(driven, anti_windup, integral=4.0, **changed):
-    law = multiloop_pid_law(1, PidForm(anti_windup=anti_windup))
+    law = multiloop_pid_law(["level_1"], ["pump_1"], PidForm(anti_windup=anti_windup))
     values = parameters(anti_windup, **changed)
-    state = {"integral_1": integral, "last_output_1": integral}
+    state = {"level_1.integral": integral, "pump_1.last_output": integral}
     return driven(law, values, state | remembered_parameters(law, values))
 
 
@@ -121,21 +124,30 @@ def test_agrees_with_a_plain_pi_through_modes_saturation_and_faults(driven, anti
     values = {}
     for i, loop in enumerate(loops, start=1):
         values |= {
-            f"proportional_gain_{i}": loop["gain"],
-            f"integral_time_{i}": loop["integral_time"],
-            f"setpoint_weight_{i}": loop["weight"],
-            f"low_limit_{i}": loop["low"],
-            f"high_limit_{i}": loop["high"],
-            f"tracking_time_{i}": loop["tracking_time"],
+            f"level_{i}.proportional_gain": loop["gain"],
+            f"level_{i}.integral_time": loop["integral_time"],
+            f"level_{i}.setpoint_weight": loop["weight"],
+            f"pump_{i}.low_limit": loop["low"],
+            f"pump_{i}.high_limit": loop["high"],
+            f"level_{i}.tracking_time": loop["tracking_time"],
         }
-    state = {"integral_1": 3.0, "last_output_1": 3.0, "integral_2": 1.0, "last_output_2": 1.0}
-    law = multiloop_pid_law(2, PidForm(anti_windup=anti_windup))
+    state = {
+        "level_1.integral": 3.0,
+        "pump_1.last_output": 3.0,
+        "level_2.integral": 1.0,
+        "pump_2.last_output": 1.0,
+    }
+    law = multiloop_pid_law(
+        ["level_1", "level_2"], ["pump_1", "pump_2"], PidForm(anti_windup=anti_windup)
+    )
     if anti_windup != "back_calculation":
-        values = {k: v for k, v in values.items() if not k.startswith("tracking_time")}
+        values = {k: v for k, v in values.items() if not k.endswith("tracking_time")}
     law = driven(law, values, state | remembered_parameters(law, values))
     plain = [
         PlainPi(anti_windup, loop, 3.0 - 2.0 * i, 3.0 - 2.0 * i) for i, loop in enumerate(loops)
     ]
+    parts = {"setpoint": "level.sp", "measurement": "level.pv", "sensor": "level.good"}
+    parts |= {name: f"pump.{name}" for name in ("mode", "manual", "tracking")}
     seen = set()
     held = {"mode": [1, 1], "setpoint": [5.0, 2.0]}
     for _ in range(2500):
@@ -161,15 +173,17 @@ def test_agrees_with_a_plain_pi_through_modes_saturation_and_faults(driven, anti
                 "manual": random.choice([random.uniform(-5, 15)] * 9 + [math.nan]),
                 "tracking": random.choice([random.uniform(-5, 15)] * 9 + [math.inf]),
             }
-            given_inputs |= {f"{name}_{i + 1}": value for name, value in arguments.items()}
+            given_inputs |= {
+                parts[name].replace(".", f"_{i + 1}."): value for name, value in arguments.items()
+            }
             expected.append(plain[i].scan(**arguments, time_step=time_step))
         found = law.scan(**given_inputs)
         for i, (output, status) in enumerate(expected, start=1):
-            assert found[f"manipulated_{i}"] == pytest.approx(output, rel=1e-12, abs=1e-12)
-            assert found[f"status_{i}"] == status
+            assert found[f"pump_{i}.out"] == pytest.approx(output, rel=1e-12, abs=1e-12)
+            assert found[f"pump_{i}.status"] == status
             integral = plain[i - 1].integral
-            assert law.state[f"integral_{i}"] == pytest.approx(integral, rel=1e-10, abs=1e-10)
-            assert law.state[f"last_output_{i}"] == found[f"manipulated_{i}"]
+            assert law.state[f"level_{i}.integral"] == pytest.approx(integral, rel=1e-10, abs=1e-10)
+            assert law.state[f"pump_{i}.last_output"] == found[f"pump_{i}.out"]
             seen.add(status)
     # The samples went through automatic and tracking, both limits, and every kind of fault.
     assert {bit for word in seen for bit in (1, 2, 4, 8, 16, 32, 64) if word & bit} == {
@@ -181,20 +195,24 @@ def test_agrees_with_a_plain_pi_through_modes_saturation_and_faults(driven, anti
 @pytest.mark.parametrize("anti_windup", ANTI_WINDUPS)
 @pytest.mark.parametrize("mode", [MANUAL, TRACKING])
 def test_automatic_continues_where_the_other_mode_left_the_output(driven, anti_windup, mode):
-    law = one_loop(driven, anti_windup, setpoint_weight_1=0.4)
+    law = one_loop(driven, anti_windup, level_1_setpoint_weight=0.4)
     for value in (2.0, 9.0, 7.5):
         law.scan(
             **inputs(
-                setpoint_1=6.0, measurement_1=4.5, mode_1=mode, manual_1=value, tracking_1=value
+                level_1_sp=6.0,
+                level_1_pv=4.5,
+                pump_1_mode=mode,
+                pump_1_manual=value,
+                pump_1_tracking=value,
             )
         )
-    found = law.scan(**inputs(setpoint_1=6.0, measurement_1=4.5))
-    assert found["manipulated_1"] == pytest.approx(7.5, abs=1e-14)
-    following = law.scan(**inputs(setpoint_1=6.0, measurement_1=4.5))
+    found = law.scan(**inputs(level_1_sp=6.0, level_1_pv=4.5))
+    assert found["pump_1.out"] == pytest.approx(7.5, abs=1e-14)
+    following = law.scan(**inputs(level_1_sp=6.0, level_1_pv=4.5))
     # From there the integral goes on at K/Ti times the error; clamping holds it at 11.7, which
     # is beyond the output's limit of 10, and would only let it come back.
     gained = 0.0 if anti_windup == "clamping" else 2.0 / 10.0 * 1.5
-    assert following["manipulated_1"] - 7.5 == pytest.approx(gained, abs=1e-14)
+    assert following["pump_1.out"] - 7.5 == pytest.approx(gained, abs=1e-14)
 
 
 def test_by_hand_the_output_moves_while_the_sensor_is_broken_and_automatic_takes_over(driven):
@@ -202,24 +220,24 @@ def test_by_hand_the_output_moves_while_the_sensor_is_broken_and_automatic_takes
     law.scan(**inputs())
     for value in (5.0, 8.0):
         found = law.scan(
-            **inputs(mode_1=MANUAL, manual_1=value, sensor_1=0.0, measurement_1=math.nan)
+            **inputs(pump_1_mode=MANUAL, pump_1_manual=value, level_1_good=0.0, level_1_pv=math.nan)
         )
-        assert found["manipulated_1"] == value
-        assert found["status_1"] == 16 + 32
+        assert found["pump_1.out"] == value
+        assert found["pump_1.status"] == 16 + 32
     # Repaired and switched in the same sample, with the measurement where it was: no bump.
-    assert law.scan(**inputs())["manipulated_1"] == pytest.approx(8.0, abs=1e-14)
+    assert law.scan(**inputs())["pump_1.out"] == pytest.approx(8.0, abs=1e-14)
 
 
 @pytest.mark.parametrize(
     "bad",
-    [{"sensor_1": 0.0}, {"measurement_1": math.nan}, {"setpoint_1": math.inf}, {"time_step": 0.0}],
+    [{"level_1.good": 0.0}, {"level_1.pv": math.nan}, {"level_1.sp": math.inf}, {"time_step": 0.0}],
 )
 def test_a_bad_sensor_holds_the_output_and_freezes_the_integral(driven, bad):
     law = one_loop(driven, "conditional_integration", integral=4.0)
-    before = law.scan(**inputs(measurement_1=4.0))["manipulated_1"]
-    integral = law.state["integral_1"]
-    assert law.scan(**(inputs(measurement_1=0.0) | bad))["manipulated_1"] == before
-    assert law.state["integral_1"] == integral
+    before = law.scan(**inputs(level_1_pv=4.0))["pump_1.out"]
+    integral = law.state["level_1.integral"]
+    assert law.scan(**(inputs(level_1_pv=0.0) | bad))["pump_1.out"] == before
+    assert law.state["level_1.integral"] == integral
 
 
 def test_back_calculation_settles_where_the_excess_is_the_error_times_the_gain_ratio(driven):
@@ -228,28 +246,28 @@ def test_back_calculation_settles_where_the_excess_is_the_error_times_the_gain_r
     error, gain, integral_time, tracking_time = 1.0, 2.0, 10.0, 5.0
     final = 10.0 + gain * error * tracking_time / integral_time - gain * error
     for sample in range(1, 40):
-        assert law.scan(**inputs(measurement_1=4.0))["manipulated_1"] == 10.0
+        assert law.scan(**inputs(level_1_pv=4.0))["pump_1.out"] == 10.0
         expected = final + (30.0 - final) * (1.0 - 1.0 / tracking_time) ** sample
-        assert law.state["integral_1"] == pytest.approx(expected, rel=1e-12)
+        assert law.state["level_1.integral"] == pytest.approx(expected, rel=1e-12)
 
 
 def test_conditional_integration_freezes_in_saturation_and_leaves_it_when_the_error_turns(driven):
     law = one_loop(driven, "conditional_integration", integral=9.0)
     for _ in range(50):
-        law.scan(**inputs(measurement_1=4.0))
+        law.scan(**inputs(level_1_pv=4.0))
     # v = K e + I = 2 + 9 is beyond the limit at once, so nothing was added in 50 samples.
-    assert law.state["integral_1"] == 9.0
-    found = law.scan(**inputs(measurement_1=5.5))
-    assert found["manipulated_1"] == pytest.approx(9.0 - 2.0 * 0.5, abs=1e-14)
+    assert law.state["level_1.integral"] == 9.0
+    found = law.scan(**inputs(level_1_pv=5.5))
+    assert found["pump_1.out"] == pytest.approx(9.0 - 2.0 * 0.5, abs=1e-14)
 
 
 @pytest.mark.parametrize("anti_windup", ANTI_WINDUPS[:3])
 def test_recovery_is_sooner_than_without_anti_windup(driven, anti_windup):
     law, samples = one_loop(driven, anti_windup, integral=9.0), 100
     for _ in range(samples):
-        law.scan(**inputs(measurement_1=4.0))
+        law.scan(**inputs(level_1_pv=4.0))
     count = 0
-    while law.scan(**inputs(measurement_1=5.5))["manipulated_1"] >= 10.0:
+    while law.scan(**inputs(level_1_pv=5.5))["pump_1.out"] >= 10.0:
         count += 1
     # An integral that went on for 100 samples at 0.2 would stand at 29 and come down at 0.1 a
     # sample until I − 1 < 10: 180 samples at the limit.
@@ -283,22 +301,24 @@ def test_output_within_limits_and_no_not_a_number_whatever_comes_in(
 ):
     law = LAWS[anti_windup]
     values = {
-        "proportional_gain_1": gain,
-        "integral_time_1": integral_time,
-        "setpoint_weight_1": weight,
-        "low_limit_1": low,
-        "high_limit_1": low + width,
-        "tracking_time_1": tracking_time,
+        "level_1.proportional_gain": gain,
+        "level_1.integral_time": integral_time,
+        "level_1.setpoint_weight": weight,
+        "pump_1.low_limit": low,
+        "pump_1.high_limit": low + width,
+        "level_1.tracking_time": tracking_time,
     }
-    state = {"integral_1": integral, "last_output_1": low} | remembered_parameters(law, values)
+    state = {"level_1.integral": integral, "pump_1.last_output": low} | remembered_parameters(
+        law, values
+    )
     for setpoint, measurement, sensor, mode, manual, tracking, time_step in scans:
         given_inputs = {
-            "setpoint_1": setpoint,
-            "measurement_1": measurement,
-            "sensor_1": float(sensor),
-            "mode_1": mode,
-            "manual_1": manual,
-            "tracking_1": tracking,
+            "level_1.sp": setpoint,
+            "level_1.pv": measurement,
+            "level_1.good": float(sensor),
+            "pump_1.mode": mode,
+            "pump_1.manual": manual,
+            "pump_1.tracking": tracking,
             "time_step": time_step,
         }
         next_state, outputs, _ = function_of(law)(
@@ -313,33 +333,36 @@ def test_output_within_limits_and_no_not_a_number_whatever_comes_in(
 
 
 def test_parameters_changed_to_nonsense_at_run_time_hold_the_output(driven):
-    for nonsense in ({"proportional_gain_1": math.nan}, {"setpoint_weight_1": math.inf}):
+    for nonsense in (
+        {"level_1.proportional_gain": math.nan},
+        {"level_1.setpoint_weight": math.inf},
+    ):
         law = one_loop(driven, "back_calculation", integral=4.0)
-        assert law.scan(**inputs(measurement_1=4.5))["manipulated_1"] == 5.0
-        integral = law.state["integral_1"]
+        assert law.scan(**inputs(level_1_pv=4.5))["pump_1.out"] == 5.0
+        integral = law.state["level_1.integral"]
         law.values |= nonsense
-        found = law.scan(**inputs(measurement_1=4.5))
-        assert 0.0 <= found["manipulated_1"] <= 10.0
-        assert law.state["integral_1"] == integral
-    law = one_loop(driven, "conditional_integration", high_limit_1=math.nan)
-    assert law.scan(**inputs())["manipulated_1"] == 4.0
+        found = law.scan(**inputs(level_1_pv=4.5))
+        assert 0.0 <= found["pump_1.out"] <= 10.0
+        assert law.state["level_1.integral"] == integral
+    law = one_loop(driven, "conditional_integration", pump_1_high_limit=math.nan)
+    assert law.scan(**inputs())["pump_1.out"] == 4.0
 
 
 def test_signals_take_unit_and_range_from_the_process():
     level = Signal("level_1", "V", low=0.0, high=8.0)
     pump = Signal("pump_1", "A", low=1.0, high=9.0, initial=3.0)
-    law = multiloop_pid_law(1, measured=[level], manipulated=[pump])
+    law = multiloop_pid_law([level], [pump])
     by_name = {signal.name: signal for signal in (*law.inputs, *law.outputs, *law.parameters)}
-    assert by_name["setpoint_1"].high == 8.0
-    assert by_name["manipulated_1"].low == 1.0
-    assert by_name["proportional_gain_1"].unit == "A/V"
-    assert by_name["low_limit_1"].initial == 1.0
-    assert by_name["mode_1"].kind == "integer"
-    assert by_name["sensor_1"].kind == "boolean"
+    assert by_name["level_1.sp"].high == 8.0
+    assert by_name["pump_1.out"].low == 1.0
+    assert by_name["level_1.proportional_gain"].unit == "A/V"
+    assert by_name["pump_1.low_limit"].initial == 1.0
+    assert by_name["pump_1.mode"].kind == "integer"
+    assert by_name["level_1.good"].kind == "boolean"
 
 
 def test_a_law_without_loops_is_refused():
-    with refused(expected="at least 1"):
-        multiloop_pid_law(0)
+    with refused(expected="at least one signal"):
+        multiloop_pid_law([], [])
     with refused(expected="2 signals"):
-        multiloop_pid_law(2, measured=[Signal("level_1")])
+        multiloop_pid_law(["level_1", "level_2"], ["pump_1"])

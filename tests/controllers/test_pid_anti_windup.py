@@ -33,8 +33,8 @@ class Saturated:
         self.side, self.sign = side, sign
         values = settings(form, gain=sign * GAIN, integral_time=INTEGRAL_TIME)
         self.loop = one_loop(
-            form, values | {"tracking_time_1": TRACKING_TIME}, rest=REST,
-            output=self.seen(start), time_step=STEP, rate_limited="rate_limit_1" in changed,
+            form, values | {"level_1.tracking_time": TRACKING_TIME}, rest=REST,
+            output=self.seen(start), time_step=STEP, rate_limited="pump_1_rate_limit" in changed,
         )  # fmt: skip
         self.loop.set(**changed)
 
@@ -42,12 +42,12 @@ class Saturated:
         return CENTRE + self.side * (value - CENTRE)
 
     def output(self, error):
-        return self.seen(self.loop.moved(setpoint_1=REST + self.side * self.sign * error))
+        return self.seen(self.loop.moved(level_1_sp=REST + self.side * self.sign * error))
 
     @property
     def integral(self):
         # With r − y = e and b = 1 the proportional part is K e: nothing else is in the integral.
-        return self.seen(self.loop.state["integral_1"])
+        return self.seen(self.loop.state["level_1.integral"])
 
 
 def integral_after(anti_windup, samples):
@@ -154,7 +154,7 @@ RATE = 4.0  # [1/s], 2 a sample
 @sides
 def test_under_a_rate_limit(anti_windup, sign, side):
     """Asked for 60 where 50 stands, 2 a sample: what was not yet applied counts as excess."""
-    law = Saturated(PidForm(anti_windup=anti_windup), side, sign, 50.0, rate_limit_1=RATE)
+    law = Saturated(PidForm(anti_windup=anti_windup), side, sign, 50.0, pump_1_rate_limit=RATE)
     integral, output, hurried = 50.0, 50.0, 0
     for _ in range(60):
         asked = GAIN * ERROR + integral
@@ -175,9 +175,9 @@ def test_under_a_rate_limit(anti_windup, sign, side):
 
 def test_the_status_word_tells_the_rate_limit():
     law = one_loop(PidForm(), settings(PidForm(), gain=2.0), time_step=STEP, rate_limited=True)
-    law.set(rate_limit_1=RATE)
-    assert read_status(int(law.scan(setpoint_1=5.0)["status_1"])) == ("automatic",)
-    assert read_status(int(law.scan(setpoint_1=10.0)["status_1"])) == (
+    law.set(pump_1_rate_limit=RATE)
+    assert read_status(int(law.scan(level_1_sp=5.0)["pump_1.status"])) == ("automatic",)
+    assert read_status(int(law.scan(level_1_sp=10.0)["pump_1.status"])) == (
         "automatic",
         "at_rate_limit",
     )
@@ -185,7 +185,12 @@ def test_the_status_word_tells_the_rate_limit():
 
 def test_by_hand_the_rate_limit_holds_too_and_the_integral_follows_what_was_applied():
     law = one_loop(PidForm(), settings(PidForm(), gain=2.0), time_step=STEP, rate_limited=True)
-    law.set(rate_limit_1=RATE)
-    assert [law.moved(mode_1=0, manual_1=55.0) for _ in range(4)] == [52.0, 54.0, 55.0, 55.0]
-    assert law.moved(manual_1=90.0) == 57.0
-    assert law.moved(mode_1=1) == pytest.approx(57.0, abs=BUMP)
+    law.set(pump_1_rate_limit=RATE)
+    assert [law.moved(pump_1_mode=0, pump_1_manual=55.0) for _ in range(4)] == [
+        52.0,
+        54.0,
+        55.0,
+        55.0,
+    ]
+    assert law.moved(pump_1_manual=90.0) == 57.0
+    assert law.moved(pump_1_mode=1) == pytest.approx(57.0, abs=BUMP)

@@ -56,7 +56,7 @@ def moving(form, *, before=TRANSIENT, **options):
     law = one_loop(form, values_of(form), rest=REST, time_step=STEP, **options)
     output = math.nan
     for sample in range(before):
-        output = law.moved(setpoint_1=REST + 1.0, measurement_1=level(sample))
+        output = law.moved(level_1_sp=REST + 1.0, level_1_pv=level(sample))
     assert 10.0 < output < 90.0, "the transient was to stay between the limits"
     return law, output
 
@@ -81,18 +81,18 @@ def test_a_parameter_is_changed_without_a_bump(form):
     for name, value in changes:
         law, last = moving(form)
         twin = law.twin()
-        unchanged = twin.moved(measurement_1=level(TRANSIENT))
+        unchanged = twin.moved(level_1_pv=level(TRANSIENT))
         assert abs(unchanged - last) > 1000 * BUMP, "the unchanged law was to move"
         law.set(**{name: value})
-        changed = law.moved(measurement_1=level(TRANSIENT))
+        changed = law.moved(level_1_pv=level(TRANSIENT))
         expected = last + increment(form, law.values) if velocity(form) else unchanged
         assert changed == pytest.approx(expected, abs=BUMP), name
         # The new value is in force from now on: the two laws part.
         following = [
-            instance.moved(measurement_1=level(TRANSIENT + 1), setpoint_1=REST)
+            instance.moved(level_1_pv=level(TRANSIENT + 1), level_1_sp=REST)
             for instance in (law, twin)
         ]
-        if not name.startswith("tracking_time"):  # counts in saturation only
+        if not name.endswith("tracking_time"):  # counts in saturation only
             assert abs((following[0] - changed) - (following[1] - unchanged)) > 1000 * BUMP, name
 
 
@@ -113,10 +113,10 @@ def increment(form, values, setpoint=REST + 1.0):
         rates.append((former.filtered - filtered) / STEP)
     sign = -1.0 if form.derivative_on == "measurement" else 1.0
     turned = sign * (rates[-1] - rates[-2]) if form.has_derivative else 0.0
-    gain = values["proportional_gain_1"]
-    integrated = STEP / values["integral_time_1"] * (setpoint - level(TRANSIENT))
+    gain = values["level_1.proportional_gain"]
+    integrated = STEP / values["level_1.integral_time"] * (setpoint - level(TRANSIENT))
     moved = level(TRANSIENT - 1) - level(TRANSIENT)
-    return gain * (moved + integrated + values.get("derivative_time_1", 0.0) * turned)
+    return gain * (moved + integrated + values.get("level_1.derivative_time", 0.0) * turned)
 
 
 @every_form
@@ -129,8 +129,8 @@ def test_a_gain_that_changes_in_every_sample_leaves_control_alive(form):
     gains = [name for name in law.values if "gain" in name]
     for sample in range(40):
         law.set(**{name: ordinary.values[name] * (1 + 1e-6 * sample) for name in gains})
-        scheduled = law.moved(setpoint_1=REST + 1.0)
-        expected = ordinary.moved(setpoint_1=REST + 1.0)
+        scheduled = law.moved(level_1_sp=REST + 1.0)
+        expected = ordinary.moved(level_1_sp=REST + 1.0)
     assert expected - 50.0 > 5.0
     # The last gain is larger by 4e-5 than the first, and so is what it made.
     assert scheduled == pytest.approx(expected, abs=4e-5 * (expected - 50.0))
@@ -149,11 +149,11 @@ def test_automatic_goes_on_from_the_other_mode(form, mode):
     for sample in range(TRANSIENT, TRANSIENT + 9):
         last = 60.0 - 2.0 * sample / TRANSIENT
         part, increment = plain.sample(REST + 1.0, level(sample), STEP)
-        given = {"manual_1": last} if mode == MANUAL else {"tracking_1": last}
-        assert law.moved(measurement_1=level(sample), mode_1=mode, **given) == last
+        given = {"pump_1.manual": last} if mode == MANUAL else {"pump_1.tracking": last}
+        assert law.moved(level_1_pv=level(sample), pump_1_mode=mode, **given) == last
     sample = TRANSIENT + 9
     following, increment = plain.sample(REST + 1.0, level(sample), STEP)
-    found = law.moved(measurement_1=level(sample), mode_1=AUTOMATIC)
+    found = law.moved(level_1_pv=level(sample), pump_1_mode=AUTOMATIC)
     # A velocity form takes the error of this sample, a positional one from the next on.
     now = increment if form.algorithm == "velocity" else 0.0
     assert found - last == pytest.approx(following - part + now, abs=BUMP)
@@ -161,7 +161,7 @@ def test_automatic_goes_on_from_the_other_mode(form, mode):
     sample += 1
     third, later = plain.sample(REST + 1.0, level(sample), STEP)
     now = later if form.algorithm == "velocity" else increment
-    assert law.moved(measurement_1=level(sample)) - found == pytest.approx(
+    assert law.moved(level_1_pv=level(sample)) - found == pytest.approx(
         third - following + now, abs=BUMP
     )
 
@@ -172,17 +172,19 @@ def test_automatic_goes_on_from_the_other_mode(form, mode):
 def test_automatic_goes_on_exactly_where_measurement_and_filter_rest(form, mode):
     law, _ = moving(form)
     for _ in range(200):
-        law.moved(mode_1=mode, manual_1=41.0, tracking_1=41.0)
-    error = law.inputs["setpoint_1"] - law.inputs["measurement_1"]
+        law.moved(pump_1_mode=mode, pump_1_manual=41.0, pump_1_tracking=41.0)
+    error = law.inputs["level_1.sp"] - law.inputs["level_1.pv"]
     allowed = 3.0 / 10.0 * STEP * abs(error) if form.algorithm == "velocity" else 0.0
-    assert abs(law.moved(mode_1=AUTOMATIC) - 41.0) <= allowed + BUMP
+    assert abs(law.moved(pump_1_mode=AUTOMATIC) - 41.0) <= allowed + BUMP
 
 
 @pytest.mark.parametrize("mode", [MANUAL, TRACKING], ids=["manual", "tracking"])
 @every_form
 def test_leaving_automatic_with_the_value_aligned_moves_nothing(form, mode):
     law, last = moving(form)
-    found = law.moved(measurement_1=level(TRANSIENT), mode_1=mode, manual_1=last, tracking_1=last)
+    found = law.moved(
+        level_1_pv=level(TRANSIENT), pump_1_mode=mode, pump_1_manual=last, pump_1_tracking=last
+    )
     assert abs(found - last) <= BUMP
 
 
@@ -196,9 +198,9 @@ def test_an_unknown_mode_holds_and_automatic_goes_on_from_the_integral(form, mod
         before, gained = plain.sample(REST + 1.0, level(sample), STEP)
     for sample in range(TRANSIENT, TRANSIENT + 5):
         plain.sample(REST + 1.0, level(sample), STEP)
-        assert law.moved(measurement_1=level(sample), mode_1=mode) == last
+        assert law.moved(level_1_pv=level(sample), pump_1_mode=mode) == last
     now, increment = plain.sample(REST + 1.0, level(TRANSIENT + 5), STEP)
-    found = law.moved(measurement_1=level(TRANSIENT + 5), mode_1=AUTOMATIC)
+    found = law.moved(level_1_pv=level(TRANSIENT + 5), pump_1_mode=AUTOMATIC)
     # A velocity form goes on from the output, as its increments from sample to sample say.
     if velocity(form):
         before, gained = plain_before(form, TRANSIENT + 5), increment
@@ -216,7 +218,7 @@ def plain_before(form, samples):
 def test_by_hand_a_sample_without_time_step_is_no_bump_afterwards(form, fault):
     law, _ = moving(form)
     for value, time_step in ((50.0, STEP), (49.0, STEP), (48.0, fault)):
-        held = law.moved(mode_1=MANUAL, manual_1=value, time_step=time_step)
+        held = law.moved(pump_1_mode=MANUAL, pump_1_manual=value, time_step=time_step)
         assert held == value
     twin = law.twin()
     assert twin.moved(time_step=STEP) == 48.0
@@ -225,16 +227,16 @@ def test_by_hand_a_sample_without_time_step_is_no_bump_afterwards(form, fault):
     parts = [plain.sample(REST + 1.0, level(k), STEP) for k in range(TRANSIENT)]
     parts += [plain.sample(REST + 1.0, level(TRANSIENT - 1), STEP) for _ in range(3)]
     now = parts[-1][1] if velocity(form) else 0.0
-    found = law.moved(mode_1=AUTOMATIC, time_step=STEP)
+    found = law.moved(pump_1_mode=AUTOMATIC, time_step=STEP)
     assert found - 48.0 == pytest.approx(parts[-1][0] - parts[-2][0] + now, abs=BUMP)
 
 
 FAULTS = {
-    "sensor": {"sensor_1": 0.0},
-    "measurement": {"measurement_1": math.nan},
-    "measurement-and-sensor": {"measurement_1": -math.inf, "sensor_1": 0.0},
-    "sensor-at-zero": {"measurement_1": 0.0, "sensor_1": 0.0},
-    "setpoint": {"setpoint_1": math.nan},
+    "sensor": {"level_1.good": 0.0},
+    "measurement": {"level_1.pv": math.nan},
+    "measurement-and-sensor": {"level_1.pv": -math.inf, "level_1.good": 0.0},
+    "sensor-at-zero": {"level_1.pv": 0.0, "level_1.good": 0.0},
+    "setpoint": {"level_1.sp": math.nan},
     "time-step": {"time_step": 0.0},
 }
 
@@ -249,7 +251,7 @@ def test_after_a_fault_it_goes_on_as_if_the_fault_had_not_been(form, fault):
     for _ in range(12):
         assert law.moved(**fault) == last
     for sample in range(TRANSIENT, TRANSIENT + 5):
-        before["measurement_1"] = level(sample)
+        before["level_1.pv"] = level(sample)
         expected = twin.moved(**before)
         assert law.moved(**before) == pytest.approx(expected, abs=BUMP)
     assert abs(expected - last) > 1000 * BUMP
@@ -261,12 +263,15 @@ def test_a_repair_by_hand_and_back_to_automatic(form):
     law, last = moving(form)
     for value in (last, 30.0, 35.0, 35.0):
         assert (
-            law.moved(measurement_1=math.nan, sensor_1=0.0, mode_1=MANUAL, manual_1=value) == value
+            law.moved(
+                level_1_pv=math.nan, level_1_good=0.0, pump_1_mode=MANUAL, pump_1_manual=value
+            )
+            == value
         )
     for _ in range(200):
-        assert law.moved(measurement_1=level(TRANSIENT), sensor_1=1.0) == 35.0
+        assert law.moved(level_1_pv=level(TRANSIENT), level_1_good=1.0) == 35.0
     allowed = 3.0 / 10.0 * STEP * 4.0 if form.algorithm == "velocity" else 0.0
-    assert abs(law.moved(mode_1=AUTOMATIC) - 35.0) <= allowed + BUMP
+    assert abs(law.moved(pump_1_mode=AUTOMATIC) - 35.0) <= allowed + BUMP
 
 
 @pytest.mark.sampled
@@ -274,16 +279,16 @@ def test_a_repair_by_hand_and_back_to_automatic(form):
 @every_winding_form
 def test_the_source_of_the_setpoint_changes_without_a_bump(form, ramp):
     form = replace(form, remote_setpoint=True, setpoint_ramp=ramp)
-    law, last = moving(form, remote_setpoint_1=REST - 3.0)
+    law, last = moving(form, level_1_remote_setpoint=REST - 3.0)
     sample = TRANSIENT
     for source in (1, 0, 1):
         for _ in range(3):
-            last = law.moved(measurement_1=level(sample))
+            last = law.moved(level_1_pv=level(sample))
             sample += 1
-        found = law.moved(measurement_1=level(sample), setpoint_source_1=source)
+        found = law.moved(level_1_pv=level(sample), level_1_setpoint_source=source)
         expected = last
         if velocity(form):
-            setpoint = law.inputs["remote_setpoint_1" if source else "setpoint_1"]
+            setpoint = law.inputs["level_1.remote_setpoint" if source else "level_1.sp"]
             error = setpoint - level(sample)
             expected += 3.0 * (level(sample - 1) - level(sample) + STEP / 10.0 * error)
             if form.has_derivative and form.derivative_on == "measurement":
@@ -293,11 +298,11 @@ def test_the_source_of_the_setpoint_changes_without_a_bump(form, ramp):
         sample += 1
         # The new source is in force: the loop now heeds it, and it only.
         one, other = law.twin(), law.twin()
-        heeded, ignored = ("remote_setpoint_1", "setpoint_1")[:: 1 if source else -1]
-        base = law.twin().moved(measurement_1=level(sample))
-        assert one.moved(measurement_1=level(sample), **{ignored: 0.0}) == base
+        heeded, ignored = ("level_1.remote_setpoint", "level_1.sp")[:: 1 if source else -1]
+        base = law.twin().moved(level_1_pv=level(sample))
+        assert one.moved(level_1_pv=level(sample), **{ignored: 0.0}) == base
         if not ramp:
-            moved = other.moved(measurement_1=level(sample), **{heeded: law.inputs[heeded] + 1})
+            moved = other.moved(level_1_pv=level(sample), **{heeded: law.inputs[heeded] + 1})
             assert moved - base == pytest.approx(expected_of_setpoint(form), abs=1e-9)
 
 
@@ -313,7 +318,7 @@ def rates_of_measurement(samples):
 def expected_of_setpoint(form):
     """What a unit step of the setpoint moves the output by at once, in the form of these tests."""
     values, step = values_of(form), 1.0
-    found = values["proportional_gain_1"] * values["setpoint_weight_1"] * step
+    found = values["level_1.proportional_gain"] * values["level_1.setpoint_weight"] * step
     if form.has_derivative and form.derivative_on == "error":
         found += 3.0 * 2.0 / (2.0 / 5.0 + STEP)
     if form.algorithm == "velocity":
@@ -324,24 +329,27 @@ def expected_of_setpoint(form):
 @every_form
 def test_the_source_changes_by_hand_and_automatic_takes_over_without_a_bump(form):
     form = replace(form, remote_setpoint=True)
-    law, _ = moving(form, remote_setpoint_1=REST - 3.0)
+    law, _ = moving(form, level_1_remote_setpoint=REST - 3.0)
     for source in (0, 1, 0, 1):
         for _ in range(100):
-            assert law.moved(mode_1=MANUAL, manual_1=44.0, setpoint_source_1=source) == 44.0
+            assert (
+                law.moved(pump_1_mode=MANUAL, pump_1_manual=44.0, level_1_setpoint_source=source)
+                == 44.0
+            )
     allowed = 3.0 / 10.0 * STEP * 4.5 if form.algorithm == "velocity" else 0.0
-    assert abs(law.moved(mode_1=AUTOMATIC) - 44.0) <= allowed + BUMP
+    assert abs(law.moved(pump_1_mode=AUTOMATIC) - 44.0) <= allowed + BUMP
 
 
 @every_form
 def test_a_remote_setpoint_that_fails_leaves_the_last_one(form):
     form = replace(form, remote_setpoint=True)
-    law, _ = moving(form, remote_setpoint_1=REST - 1.0)
-    law.moved(setpoint_source_1=1)
+    law, _ = moving(form, level_1_remote_setpoint=REST - 1.0)
+    law.moved(level_1_setpoint_source=1)
     law.moved()
     twin = law.twin()
     for sample in range(5):
-        found = law.moved(measurement_1=level(sample), remote_setpoint_1=math.nan)
-        assert found == twin.moved(measurement_1=level(sample))
+        found = law.moved(level_1_pv=level(sample), level_1_remote_setpoint=math.nan)
+        assert found == twin.moved(level_1_pv=level(sample))
 
 
 @every_form
@@ -350,18 +358,18 @@ def test_a_ramp_starts_at_the_measurement_and_moves_at_its_rate(form):
     rate, rest = 0.05, 3.0
     law = one_loop(form, values_of(form), rest=rest, output=40.0, time_step=STEP)
     plain = PlainPid(form, values_of(form), rest=rest)
-    law.set(setpoint_ramp_1=rate)
+    law.set(level_1_setpoint_ramp=rate)
     # By hand the setpoint waits one step from the measurement, the one of the first sample in
     # automatic, which so begins without a bump.
     part = math.nan
     for _ in range(60):
-        assert law.moved(mode_1=MANUAL, manual_1=40.0, setpoint_1=8.0) == 40.0
+        assert law.moved(pump_1_mode=MANUAL, pump_1_manual=40.0, level_1_sp=8.0) == 40.0
         part, _ = plain.sample(rest + rate * STEP, rest, STEP)
     integral, deviations = 40.0 - part, []
     for sample in range(1, 30):
         part, gained = plain.sample(rest + rate * STEP * sample, rest, STEP)
         integral += gained if velocity(form) else 0.0
-        output = law.moved(mode_1=AUTOMATIC)
+        output = law.moved(pump_1_mode=AUTOMATIC)
         deviations.append(abs(output - (part + integral)))
         integral += 0.0 if velocity(form) else gained
     assert max(deviations) <= BUMP
@@ -372,12 +380,12 @@ def test_a_ramp_starts_at_the_measurement_and_moves_at_its_rate(form):
 def test_a_ramp_ends_at_the_setpoint_and_stays_there(form):
     form = replace(form, setpoint_ramp=True)
     law = one_loop(form, values_of(form), rest=3.0, output=40.0, time_step=STEP)
-    law.set(setpoint_ramp_1=0.3)
+    law.set(level_1_setpoint_ramp=0.3)
     for setpoint, way in ((4.0, 1.0), (2.5, -1.0)):
-        start = law.state["working_setpoint_1"]
+        start = law.state["level_1.working_setpoint"]
         for sample in range(1, 20):
-            law.moved(setpoint_1=setpoint)
+            law.moved(level_1_sp=setpoint)
             reached = start + way * 0.3 * STEP * sample
             expected = min(reached, setpoint) if way > 0 else max(reached, setpoint)
-            assert law.state["working_setpoint_1"] == pytest.approx(expected, abs=1e-12)
-        assert law.state["working_setpoint_1"] == setpoint
+            assert law.state["level_1.working_setpoint"] == pytest.approx(expected, abs=1e-12)
+        assert law.state["level_1.working_setpoint"] == setpoint

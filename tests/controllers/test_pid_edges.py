@@ -39,7 +39,7 @@ def level(sample):
 
 def trajectory(law, samples, start=0):
     return [
-        law.moved(setpoint_1=REST + 0.5, measurement_1=level(sample))
+        law.moved(level_1_sp=REST + 0.5, level_1_pv=level(sample))
         for sample in range(start, start + samples)
     ]
 
@@ -51,7 +51,7 @@ def trajectory(law, samples, start=0):
 def test_positive_gain_raises_the_output_when_the_measurement_falls(form, gain, weight):
     """Reverse action for a positive gain, direct action for a negative one, in every part."""
     sign = math.copysign(1.0, gain)
-    for given_inputs in ({"measurement_1": REST - 1.0}, {"setpoint_1": REST + 1.0}):
+    for given_inputs in ({"level_1.pv": REST - 1.0}, {"level_1.sp": REST + 1.0}):
         law = one_loop(form, settings(form, gain=gain, weight=weight), time_step=STEP)
         first = law.moved(**given_inputs)
         assert sign * (first - 50.0) > 0.2
@@ -61,11 +61,11 @@ def test_positive_gain_raises_the_output_when_the_measurement_falls(form, gain, 
             assert sign * (last - 50.0) > abs(gain) * 1.5
         if form.has_derivative:  # a level that falls faster and faster is met with more and more
             law = one_loop(form, settings(form, gain=gain, weight=weight), time_step=STEP)
-            falling = [law.moved(measurement_1=REST - 0.01 * k**2) for k in range(12)]
+            falling = [law.moved(level_1_pv=REST - 0.01 * k**2) for k in range(12)]
             assert all(sign * (after - before) > 0 for before, after in pairwise(falling[1:]))
             without = PidForm("PI" if form.has_integral else "P", form.algorithm)
             law = one_loop(without, settings(without, gain=gain, weight=weight), time_step=STEP)
-            slower = [law.moved(measurement_1=REST - 0.01 * k**2) for k in range(12)]
+            slower = [law.moved(level_1_pv=REST - 0.01 * k**2) for k in range(12)]
             assert sign * (falling[-1] - slower[-1]) > 0.5
 
 
@@ -77,13 +77,13 @@ def test_gap_and_squared_action_have_the_sign_of_the_gain_and_their_shape(
     shape, gain, algorithm, error
 ):
     form = PidForm("PI", algorithm, error=shape)
-    values = settings(form, gain=gain) | {"gap_1": 1.0, "gap_gain_1": 0.2}
+    values = settings(form, gain=gain) | {"level_1.gap": 1.0, "level_1.gap_gain": 0.2}
     for way in (1.0, -1.0):
-        law = one_loop(form, values | {"squared_error_scale_1": 2.0}, time_step=STEP)
+        law = one_loop(form, values | {"level_1.squared_error_scale": 2.0}, time_step=STEP)
         acting = (
             0.2 * error if error <= 1.0 else error - 0.8
         ) if shape == "gap" else error**2 / 2.0  # fmt: skip
-        first = law.moved(measurement_1=REST - way * error)
+        first = law.moved(level_1_pv=REST - way * error)
         assert first - 50.0 == pytest.approx(gain * way * acting, abs=BUMP)
         second = law.moved()
         expected = STEP * gain / 10.0 * way * acting
@@ -96,7 +96,7 @@ def test_the_shortest_integral_time_drives_to_the_limit_and_back(form):
     law = one_loop(form, settings(form, gain=3.0, integral_time=1e-6), time_step=STEP)
     for way, end in ((1.0, HIGH), (-1.0, LOW), (1.0, HIGH)):
         for _ in range(400):
-            output = law.moved(setpoint_1=REST + way)
+            output = law.moved(level_1_sp=REST + way)
             assert LOW <= output <= HIGH
         assert output == end
         assert all(map(math.isfinite, law.state.values()))
@@ -108,7 +108,13 @@ def test_the_longest_integral_time_leaves_its_slope_and_nothing_else(form):
     slow = one_loop(form, settings(form, gain=3.0, integral_time=1e9), time_step=STEP)
     rest = trajectory(slow, samples)
     off = one_loop(form, settings(form, gain=3.0), time_step=STEP)
-    off.set(**{"integral_gain_1" if form.algorithm == "parallel" else "integral_time_1": 0.0})
+    off.set(
+        **{
+            "level_1.integral_gain"
+            if form.algorithm == "parallel"
+            else "level_1.integral_time": 0.0
+        }
+    )
     difference = np.array(rest) - trajectory(off, samples)
     # K/Ti ∫ e: at most 3e-9 · 100 s · 2.
     assert 0 < np.max(np.abs(difference)) < 6e-7
@@ -117,7 +123,7 @@ def test_the_longest_integral_time_leaves_its_slope_and_nothing_else(form):
 @with_integral
 def test_without_integral_time_integral_action_is_off(form):
     """Then it is the form without I, exactly; and it comes back without a bump."""
-    name = "integral_gain_1" if form.algorithm == "parallel" else "integral_time_1"
+    name = "level_1.integral_gain" if form.algorithm == "parallel" else "level_1.integral_time"
     off = (0.0,) if form.algorithm == "parallel" else (0.0, -5.0)
     for value in off:
         law = one_loop(form, settings(form, gain=3.0), time_step=STEP)
@@ -140,14 +146,14 @@ def test_without_integral_time_integral_action_is_off(form):
 
 @with_derivative
 def test_without_derivative_time_it_is_the_form_without_derivative(form):
-    name = "derivative_gain_1" if form.algorithm == "parallel" else "derivative_time_1"
+    name = "level_1.derivative_gain" if form.algorithm == "parallel" else "level_1.derivative_time"
     without = PidForm(form.actions.replace("D", ""), form.algorithm)
     plain = trajectory(one_loop(without, settings(without, gain=3.0), time_step=STEP), 80)
     off = (0.0,) if form.algorithm == "parallel" else (0.0, -1.0)
     for value in off:
         law = one_loop(form, settings(form, gain=3.0), time_step=STEP)
         law.set(**{name: value})
-        law.state |= {f"last_{name}": value}
+        law.state |= {name.replace(".", ".last_"): value}
         found = trajectory(law, 80)
         if value == 0.0:
             assert found == pytest.approx(plain, abs=BUMP)
@@ -176,11 +182,13 @@ def test_without_a_filter_the_derivative_is_the_difference_quotient(algorithm):
     form = PidForm("PD", algorithm)
     law = one_loop(form, settings(form, gain=3.0, derivative_time=2.0), time_step=STEP)
     # An endless ratio of times is no filter.
-    law.set(**{"filter_time_1" if algorithm == "parallel" else "derivative_filter_1": 0.0})
+    law.set(
+        **{"level_1.filter_time" if algorithm == "parallel" else "level_1.derivative_filter": 0.0}
+    )
     if algorithm != "parallel":
-        law.set(derivative_filter_1=1e300)
+        law.set(level_1_derivative_filter=1e300)
     law.moved()
-    found = law.moved(measurement_1=REST - 0.25)
+    found = law.moved(level_1_pv=REST - 0.25)
     assert found - 50.0 == pytest.approx(3.0 * (0.25 + 2.0 * 0.25 / STEP), abs=BUMP)
     assert law.moved() - 50.0 == pytest.approx(3.0 * 0.25, abs=BUMP)
 
@@ -192,9 +200,9 @@ def test_without_a_time_step_everything_is_held_and_told(form, time_step):
     law = one_loop(form, settings(form, gain=3.0), time_step=STEP)
     last = trajectory(law, 20)[-1]
     state = dict(law.state)
-    found = law.scan(measurement_1=REST - 1.0, time_step=time_step)
-    assert found["manipulated_1"] == last
-    assert read_status(int(found["status_1"])) == ("automatic", "invalid_time_step")
+    found = law.scan(level_1_pv=REST - 1.0, time_step=time_step)
+    assert found["pump_1.out"] == last
+    assert read_status(int(found["pump_1.status"])) == ("automatic", "invalid_time_step")
     assert law.state == state
 
 
@@ -206,7 +214,7 @@ def test_a_huge_time_step_leaves_numbers_within_the_limits(form, time_step):
     trajectory(law, 20)
     for given_inputs in ({"time_step": time_step}, {"time_step": STEP}, {}, {}):
         for measured in (REST - 1.0, REST + 2.0):
-            assert LOW <= law.moved(measurement_1=measured, **given_inputs) <= HIGH
+            assert LOW <= law.moved(level_1_pv=measured, **given_inputs) <= HIGH
             assert all(math.isfinite(value) for value in law.state.values())
 
 
@@ -224,11 +232,11 @@ def test_a_parameter_changed_to_nonsense_and_back(form):
             last = trajectory(law, 20)[-1]
             law.set(**{name: value})
             for sample in range(20, 24):
-                output = law.moved(measurement_1=level(sample))
+                output = law.moved(level_1_pv=level(sample))
                 assert math.isfinite(output)
                 if "limit" not in name:
                     assert LOW <= output <= HIGH
-                if name == "proportional_gain_1" and not math.isfinite(value):
+                if name == "level_1.proportional_gain" and not math.isfinite(value):
                     assert output == last
                 assert all(abs(kept) <= 1e300 for kept in law.state.values())
             law.set(**{name: names[name]})
@@ -244,23 +252,23 @@ def test_a_ramp_below_zero_leaves_the_setpoint_where_it_is(rate):
     form = PidForm("PI", setpoint_ramp=True)
     law = one_loop(form, settings(form, gain=3.0), time_step=STEP)
     trajectory(law, 20)
-    before = law.state["working_setpoint_1"]
-    law.set(setpoint_ramp_1=rate)
-    law.moved(setpoint_1=REST + 2.0)
-    assert law.state["working_setpoint_1"] == before
+    before = law.state["level_1.working_setpoint"]
+    law.set(level_1_setpoint_ramp=rate)
+    law.moved(level_1_sp=REST + 2.0)
+    assert law.state["level_1.working_setpoint"] == before
 
 
 anything = st.floats()
 scan = st.fixed_dictionaries(
     {
-        "setpoint_1": anything,
-        "measurement_1": anything,
-        "remote_setpoint_1": anything,
-        "setpoint_source_1": st.sampled_from([0.0, 1.0, 2.0, math.nan]),
-        "sensor_1": st.sampled_from([0.0, 1.0]),
-        "mode_1": st.sampled_from([0.0, 1.0, 1.0, 2.0, 3.0]),
-        "manual_1": anything,
-        "tracking_1": anything,
+        "level_1.sp": anything,
+        "level_1.pv": anything,
+        "level_1.remote_setpoint": anything,
+        "level_1.setpoint_source": st.sampled_from([0.0, 1.0, 2.0, math.nan]),
+        "level_1.good": st.sampled_from([0.0, 1.0]),
+        "pump_1.mode": st.sampled_from([0.0, 1.0, 1.0, 2.0, 3.0]),
+        "pump_1.manual": anything,
+        "pump_1.tracking": anything,
         "time_step": st.one_of(anything, st.sampled_from([0.1, 1.0])),
     }
 )
@@ -287,6 +295,6 @@ def test_outputs_stay_within_limits_and_states_numbers_whatever_comes(
         changed = data.draw(st.sampled_from([name for name in law.values if "limit" not in name]))
         law.set(**{changed: data.draw(anything)})
         outputs = law.scan(**inputs)
-        assert LOW <= outputs["manipulated_1"] <= HIGH
-        assert outputs["status_1"] in range(256)
+        assert LOW <= outputs["pump_1.out"] <= HIGH
+        assert outputs["pump_1.status"] in range(256)
         assert all(abs(value) <= 1e300 for value in law.state.values()), law.state

@@ -33,23 +33,23 @@ def test_the_sign_is_not_reversed_a_tank_comes_to_its_setpoint(form, gain):
     """A tank with a pump that fills or empties it, dh/dt = ±(u − 50)/200: a reversed sign runs
     it full or dry."""
     level, law = 5.0, one_loop(form, settings(form, gain=gain, integral_time=60.0))
-    law.give({"time_step": STEP, "setpoint_1": 7.0})
+    law.give({"time_step": STEP, "level_1.sp": 7.0})
     for _ in range(1500):
-        level += math.copysign(STEP, gain) * (law.moved(measurement_1=level) - 50.0) / 200.0
+        level += math.copysign(STEP, gain) * (law.moved(level_1_pv=level) - 50.0) / 200.0
     assert level == pytest.approx(7.0, abs=1e-5)
 
 
 ZEROS = (
-    {"integral_time_1": 0.0},
-    {"integral_time_1": -0.0, "derivative_time_1": 0.0},
-    {"derivative_time_1": 0.0},
-    {"derivative_filter_1": 0.0},
-    {"filter_time_1": 0.0},
-    {"tracking_time_1": 0.0},
-    {"setpoint_weight_1": 0.0, "proportional_gain_1": 0.0},
-    {"squared_error_scale_1": 0.0},
-    {"gap_1": 0.0, "gap_gain_1": 0.0},
-    {"setpoint_ramp_1": 0.0, "rate_limit_1": 0.0},
+    {"level_1.integral_time": 0.0},
+    {"level_1.integral_time": -0.0, "level_1.derivative_time": 0.0},
+    {"level_1.derivative_time": 0.0},
+    {"level_1.derivative_filter": 0.0},
+    {"level_1.filter_time": 0.0},
+    {"level_1.tracking_time": 0.0},
+    {"level_1.setpoint_weight": 0.0, "level_1.proportional_gain": 0.0},
+    {"level_1.squared_error_scale": 0.0},
+    {"level_1.gap": 0.0, "level_1.gap_gain": 0.0},
+    {"level_1.setpoint_ramp": 0.0, "pump_1.rate_limit": 0.0},
 )
 
 
@@ -68,7 +68,7 @@ def test_nothing_is_divided_by_zero_at_an_integral_time_of_zero(form, monkeypatc
     for zeros in ({}, *ZEROS):
         law.values |= {name: value for name, value in zeros.items() if name in law.values}
         for time_step in (STEP, 0.0):
-            law.give({"time_step": time_step, "measurement_1": 4.0})
+            law.give({"time_step": time_step, "level_1.pv": 4.0})
             values = [*law.state.values(), *law.inputs.values(), *law.values.values()]
             results = evaluate_block(block, values)
             assert all(map(math.isfinite, results))
@@ -84,7 +84,7 @@ def test_the_output_has_limits(form):
     for error in (1e3, -1e3, 1e12, -1e12):
         law = one_loop(form, settings(form, gain=3.0), time_step=STEP)
         for _ in range(20):
-            output = law.moved(setpoint_1=error)
+            output = law.moved(level_1_sp=error)
             assert LOW <= output <= HIGH
         # Increments beyond a limit are lost, so that a velocity form falls back with the kick
         # of a derivative on the error; all others stand at the limit.
@@ -92,5 +92,5 @@ def test_the_output_has_limits(form):
             assert output == (HIGH if error > 0 else LOW)
         # Manual and tracking values too.
         for mode in (0, 2):
-            found = law.moved(mode_1=mode, manual_1=error, tracking_1=error)
+            found = law.moved(pump_1_mode=mode, pump_1_manual=error, pump_1_tracking=error)
             assert found == (HIGH if error > 0 else LOW)

@@ -16,7 +16,7 @@ def values_of(form):
     return settings(
         form, gain=GAIN, integral_time=INTEGRAL_TIME, derivative_time=DERIVATIVE_TIME,
         derivative_filter=FILTER, weight=WEIGHT,
-    ) | {"low_limit_1": -1e6, "high_limit_1": 1e6}  # fmt: skip
+    ) | {"pump_1.low_limit": -1e6, "pump_1.high_limit": 1e6}  # fmt: skip
 
 
 def response(form, time_step, setpoint, measurement):
@@ -24,7 +24,7 @@ def response(form, time_step, setpoint, measurement):
     law = one_loop(form, values_of(form), rest=0.0, output=BIAS, time_step=time_step)
     return np.array(
         [
-            law.moved(setpoint_1=r, measurement_1=y) - BIAS
+            law.moved(level_1_sp=r, level_1_pv=y) - BIAS
             for r, y in zip(setpoint, measurement, strict=True)
         ]
     )
@@ -118,7 +118,7 @@ def frequency_response(form, values, time_step, frequencies):
     law = one_loop(form, values, rest=0.0, output=BIAS, time_step=time_step)
     samples = round(20 * FILTER_TIME / time_step)
     impulse = [-1.0] + [0.0] * (samples - 1)
-    output = np.array([law.moved(measurement_1=y) - BIAS for y in impulse])
+    output = np.array([law.moved(level_1_pv=y) - BIAS for y in impulse])
     differences = np.diff(output, prepend=0.0)
     delay = np.exp(-1j * frequencies * time_step)
     return np.polynomial.polynomial.polyval(delay, differences) / (1 - delay)
@@ -146,7 +146,7 @@ def test_forms_agree_in_frequency_response_when_their_settings_are_converted(fir
     equivalent = settings(
         one, gain=gain, integral_time=time, derivative_time=derivative,
         derivative_filter=derivative / FILTER_TIME,
-    ) | {"low_limit_1": -1e6, "high_limit_1": 1e6}  # fmt: skip
+    ) | {"pump_1.low_limit": -1e6, "pump_1.high_limit": 1e6}  # fmt: skip
     s = 1j * FREQUENCIES
     differentiator = s / (1 + s * FILTER_TIME)
     continuous = gain * (1 + 1 / (time * s) + derivative * differentiator)

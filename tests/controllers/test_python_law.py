@@ -133,21 +133,21 @@ def test_every_kind_of_process_is_moved_as_by_the_compiled_loop(name, pump) -> N
 
 
 _PROPORTIONAL = """
-inputs = ["setpoint_1", "measurement_1"]
-outputs = ["manipulated_1"]
+inputs = ["level_1.sp", "level_1.pv"]
+outputs = ["pump_1.out"]
 parameters = {"gain": 1.0, "bias": 0.0}
 def step(state, inputs, parameters, time_step):
-    error = inputs["setpoint_1"] - inputs["measurement_1"]
-    return {}, {"manipulated_1": parameters["bias"] + parameters["gain"] * error}
+    error = inputs["level_1.sp"] - inputs["level_1.pv"]
+    return {}, {"pump_1.out": parameters["bias"] + parameters["gain"] * error}
 """
 _FAST_PROPORTIONAL = """
 from clepsydra import Signal
 from clepsydra.program.step_law import Equations, step_law
 law = step_law(
-    "proportional", inputs=[Signal("setpoint_1"), Signal("measurement_1")], state=[],
-    parameters=[Signal("gain"), Signal("bias")], outputs=[Signal("manipulated_1")],
+    "proportional", inputs=[Signal("level_1.sp"), Signal("level_1.pv")], state=[],
+    parameters=[Signal("gain"), Signal("bias")], outputs=[Signal("pump_1.out")],
     equations=lambda s: Equations(
-        {}, {"manipulated_1": s["bias"] + s["gain"] * (s["setpoint_1"] - s["measurement_1"])}),
+        {}, {"pump_1.out": s["bias"] + s["gain"] * (s["level_1.sp"] - s["level_1.pv"])}),
 )
 """
 
@@ -162,42 +162,47 @@ def test_the_sensitivity_by_differences_is_that_of_the_expressions(plant) -> Non
 
 def test_modes_limits_and_a_failed_sensor(driven) -> None:
     law = load_law("my_pi.py")
-    values = {"gain": 2.0, "integral_time": 30.0, "low_limit_1": 0.0, "high_limit_1": 10.0}
-    pi = driven(law, values, {"integral": 3.0, "last_output_1": 3.0})
-    usual = {
-        "setpoint_1": 5.0,
-        "measurement_1": 4.0,
-        "sensor_1": 1.0,
-        "mode_1": 1.0,
-        "manual_1": 7.0,
+    values = {
+        "gain": 2.0,
+        "integral_time": 30.0,
+        "pump.low_limit": 0.0,
+        "pump.high_limit": 10.0,
     }
-    usual |= {"tracking_1": 6.0, "time_step": 1.0}
+    pi = driven(law, values, {"integral": 3.0, "pump.last_output": 3.0})
+    usual = {
+        "level.sp": 5.0,
+        "level.pv": 4.0,
+        "level.good": 1.0,
+        "pump.mode": 1.0,
+        "pump.manual": 7.0,
+    }
+    usual |= {"pump.tracking": 6.0, "time_step": 1.0}
     after = 3.0 + 2.0 / 30.0
-    assert pi.scan(**usual) == {"manipulated_1": 2.0 + after, "status_1": 1.0}
+    assert pi.scan(**usual) == {"pump.out": 2.0 + after, "pump.status": 1.0}
     assert pi.state["integral"] == after
-    for fault in ({"sensor_1": 0.0}, {"measurement_1": np.nan}, {"time_step": 0.0}):
+    for fault in ({"level.good": 0.0}, {"level.pv": np.nan}, {"time_step": 0.0}):
         held = pi.scan(**(usual | fault))
-        assert held["manipulated_1"] == 2.0 + after
-        assert int(held["status_1"]) in (1 + 16, 1 + 32, 1 + 64)
+        assert held["pump.out"] == 2.0 + after
+        assert int(held["pump.status"]) in (1 + 16, 1 + 32, 1 + 64)
         assert pi.state["integral"] == after
-    assert pi.scan(**(usual | {"mode_1": 0.0}))["manipulated_1"] == 7.0
-    assert pi.scan(**(usual | {"mode_1": 2.0}))["manipulated_1"] == 6.0
-    assert pi.scan(**(usual | {"setpoint_1": 50.0}))["manipulated_1"] == 10.0
+    assert pi.scan(**(usual | {"pump.mode": 0.0}))["pump.out"] == 7.0
+    assert pi.scan(**(usual | {"pump.mode": 2.0}))["pump.out"] == 6.0
+    assert pi.scan(**(usual | {"level.sp": 50.0}))["pump.out"] == 10.0
 
 
 def test_a_class_keeps_its_tables_and_the_run_can_be_replayed(plant) -> None:
     law = loaded(
         "from clepsydra import Signal\n"
         "class law:\n"
-        "    inputs = [Signal('measurement_1', 'V', high=10.0)]\n"
-        "    outputs = [Signal('manipulated_1', 'V')]\n"
+        "    inputs = [Signal('level_1.pv', 'V', high=10.0)]\n"
+        "    outputs = [Signal('pump_1.out', 'V')]\n"
         "    state = ['samples']\n"
         "    def __init__(self):\n"
         "        self.table = [3.0, 3.5, 2.5]\n"
         "    def step(self, state, inputs, parameters, time_step):\n"
         "        wanted = self.table[int(state['samples']) % 3]\n"
         "        state['samples'] += 1\n"
-        "        return state, {'manipulated_1': wanted}\n"
+        "        return state, {'pump_1.out': wanted}\n"
     )
     controller = cl.design.own(
         plant, law, measurements=["level_1"], setpoints=[], manipulated=["pump_1"]
@@ -219,7 +224,7 @@ def test_what_python_cannot_do_is_refused(plant) -> None:
     assert "FUNCTION_BLOCK" in exported.files[0].read_text(encoding="utf-8")
 
 
-HEAD = "inputs = ['measurement_1']\noutputs = ['manipulated_1']\nstate = ['count']\n"
+HEAD = "inputs = ['level_1.pv']\noutputs = ['pump_1.out']\nstate = ['count']\n"
 STEP = HEAD + "def step(state, inputs, parameters, time_step):\n    count = state['count'] + 1\n"
 
 
@@ -227,32 +232,32 @@ STEP = HEAD + "def step(state, inputs, parameters, time_step):\n    count = stat
     ("end", "expected"),
     [
         (
-            "    return {'count': count}, {'manipulated_1': 3 / (count - 8)}\n",
+            "    return {'count': count}, {'pump_1.out': 3 / (count - 8)}\n",
             "law.py, line 6, step, sample 7 at 7 s: got 'ZeroDivisionError: float division by "
             "zero', expected a step that works for every input; correct it.",
         ),
         (
-            "    return {'count': count}, {'manipulated_1': 3 if count < 4 else float('nan')}\n",
-            "law.py, line 4, step, manipulated_1, sample 3 at 3 s: got 'nan', expected a finite "
+            "    return {'count': count}, {'pump_1.out': 3 if count < 4 else float('nan')}\n",
+            "law.py, line 4, step, pump_1.out, sample 3 at 3 s: got 'nan', expected a finite "
             "number; return one for every input.",
         ),
         (
-            "    return {'count': count}, {'manipulated_1': '3'}\n",
-            "law.py, line 4, step, manipulated_1, sample 0 at 0 s: got \"'3'\", expected a finite",
+            "    return {'count': count}, {'pump_1.out': '3'}\n",
+            "law.py, line 4, step, pump_1.out, sample 0 at 0 s: got \"'3'\", expected a finite",
         ),
         (
-            "    return {'manipulated_1': 3}\n",
-            "law.py, line 4, step, sample 0 at 0 s: got \"{'manipulated_1': 3}\", expected the "
+            "    return {'pump_1.out': 3}\n",
+            "law.py, line 4, step, sample 0 at 0 s: got \"{'pump_1.out': 3}\", expected the "
             "next state and the outputs, two dictionaries; write as in return",
         ),
         (
-            "    return {}, {'manipulated_1': 3}\n",
+            "    return {}, {'pump_1.out': 3}\n",
             "law.py, line 4, step, next state, sample 0 at 0 s: got 'nothing', expected values "
             "for count; return each of them, and no other.",
         ),
         (
-            "    return {'count': count}, {'manipulated_1': 3, 'manipulated_2': 3}\n",
-            "law.py, line 4, step, outputs, sample 0 at 0 s: got 'manipulated_1, manipulated_2'",
+            "    return {'count': count}, {'pump_1.out': 3, 'pump_2.out': 3}\n",
+            "law.py, line 4, step, outputs, sample 0 at 0 s: got 'pump_1.out, pump_2.out'",
         ),
         (
             "    return state['count'] + {}[0]\n",
@@ -278,17 +283,17 @@ def test_a_step_that_fails_names_line_sample_and_time(plant, end, expected, solv
         ("def step(:\n", "law.py, line 1: got 'SyntaxError: invalid syntax'"),
         ("import no_such_library\n", "law.py, line 1: got \"ModuleNotFoundError: No module named"),
         ("raise SystemExit(3)\n", "law.py, line 1: got 'SystemExit: 3', expected Python that runs"),
-        (STEP + "outputs = ['pump_1']\n", "law.py, outputs: got 'pump_1', expected manipulated_1;"),
-        (STEP + "outputs = []\n", "law.py, outputs: got 'none', expected manipulated_1;"),
-        (STEP + "inputs = 'measurement_1'\n", "law.py, inputs: got \"'measurement_1'\", expected"),
+        (STEP + "outputs = ['pump_1']\n", "law.py, outputs: got 'pump_1', expected outputs like"),
+        (STEP + "outputs = []\n", "law.py, outputs: got 'none', expected outputs like pump.out;"),
+        (STEP + "inputs = 'level_1.pv'\n", "law.py, inputs: got \"'level_1.pv'\", expected"),
         (STEP + "parameters = {'gain': 'big'}\n", "law.py, parameters: got \"('gain', 'big')\""),
         (STEP + "parameters = ['count']\n", "law.py: got 'count', expected a name for one input"),
         (STEP + "state = ['a b']\n", "law.py, state: got \"Signal(name='a b'"),
         (
-            _FAST_PROPORTIONAL.replace('outputs=[Signal("manipulated_1")]',
-                                       'outputs=[Signal("manipulated_1"), Signal("status_2")]')
-            .replace("{}, {", "{}, {'status_2': 0, "),
-            "law.py, outputs: got 'manipulated_1', expected manipulated_1 and status_1",
+            _FAST_PROPORTIONAL.replace('outputs=[Signal("pump_1.out")]',
+                                       'outputs=[Signal("pump_1.out"), Signal("pump_2.status")]')
+            .replace("{}, {", "{}, {'pump_2.status': 0, "),
+            "law.py, outputs: got 'pump_1.out, pump_2.status', expected out and status of each",
         ),
         (
             _FAST_PROPORTIONAL.replace('"bias"]', '"no_bias"]'),
@@ -319,17 +324,17 @@ def test_differences_leave_modes_alone() -> None:
 
     def step(state, inputs, parameters, time_step):
         return {"kept": state["kept"]}, {
-            "manipulated_1": inputs["measurement_1"] ** 2 + 100 * inputs["mode_1"]
+            "pump_1.out": inputs["level_1.pv"] ** 2 + 100 * inputs["pump_1.mode"]
         }
 
     law = python_law(
-        "square", step, inputs=[Signal("measurement_1"), Signal("mode_1")],
-        outputs=[Signal("manipulated_1", low=-1e300, high=1e300)], state=[Signal("kept")],
+        "square", step, inputs=[Signal("level_1.pv"), Signal("pump_1.mode")],
+        outputs=[Signal("pump_1.out", low=-1e300, high=1e300)], state=[Signal("kept")],
     )  # fmt: skip
     names = [signal.name for signal in law.inputs]
-    given = {"measurement_1": 3.0, "sensor_1": 1.0, "mode_1": 1.0, "time_step": 1.0}
+    given = {"level_1.pv": 3.0, "level_1.good": 1.0, "pump_1.mode": 1.0, "time_step": 1.0}
     inputs = [given.get(name, 0.0) for name in names]
     by_state, _, _, by_input = law.jacobians([2.0, 0.0], inputs, [-1e300, 1e300])
-    assert by_input[0, names.index("measurement_1")] == pytest.approx(6.0, rel=1e-9)
-    assert by_input[0, names.index("mode_1")] == 0.0
+    assert by_input[0, names.index("level_1.pv")] == pytest.approx(6.0, rel=1e-9)
+    assert by_input[0, names.index("pump_1.mode")] == 0.0
     assert by_state[0, 0] == 1.0  # exactly, as for expressions

@@ -83,7 +83,7 @@ def test_at_rest_nothing_moves(controller):
     law = ScannedLaw(controller, 1.0)
     for _ in range(50):
         outputs = law.scan(**at_rest(controller, controller.plant))
-    assert outputs["manipulated_1"] == pytest.approx(3.0, abs=1e-9)
+    assert outputs["pump_1.out"] == pytest.approx(3.0, abs=1e-9)
     for name, value in controller.initial_state.items():
         # Weights and first gains have six digits each.
         assert law.state[name] == pytest.approx(value, rel=1e-5, abs=1e-9), name
@@ -97,18 +97,18 @@ def test_at_a_frozen_state_the_gains_come_to_those_of_the_stationary_regulator(
 ):
     """By hand the pumps stand at 4 and 1 V; the levels [V] are anything."""
     law = ScannedLaw(controller, period)
-    hand = {"mode_1": 0, "mode_2": 0, "manual_1": 4.0, "manual_2": 1.0}
-    shown = {f"measurement_{k}": value for k, value in enumerate(levels, start=1)}
+    hand = {"pump_1.mode": 0, "pump_2.mode": 0, "pump_1.manual": 4.0, "pump_2.manual": 1.0}
+    shown = {f"level_{k}.pv": value for k, value in enumerate(levels, start=1)}
     for _ in range(2500):
-        law.scan(**hand, **shown, setpoint_1=6.0, setpoint_2=6.0)
+        law.scan(**hand, **shown, level_1_sp=6.0, level_2_sp=6.0)
     at = np.array([levels[controller.measurements.index(f"level_{k}")] for k in range(1, 5)]) / 50
     point = controller.plant.point
     local = Derivatives(point.process).at(at, np.array([4.0, 1.0]), point.disturbances)
     A, B, C = local.rates_by_state, local.rates_by_input, local.measured_by_state[:2]
     errors, moves, horizon = (
-        np.array([controller.values[f"largest_error_{k}"] for k in (1, 2)]),
-        np.array([controller.values[f"largest_move_{k}"] for k in (1, 2)]),
-        controller.values["horizon_1"],
+        np.array([controller.values[f"level_{k}.largest_error"] for k in (1, 2)]),
+        np.array([controller.values[f"pump_{k}.largest_move"] for k in (1, 2)]),
+        controller.values["level_1.horizon"],
     )
     both = np.zeros((6, 6))
     both[:4, :4], both[:4, 4:] = A, B
@@ -124,40 +124,46 @@ def test_at_a_frozen_state_the_gains_come_to_those_of_the_stationary_regulator(
     N = np.vstack([W[:4, 4:], np.zeros((2, 2))])
     P = solve_discrete_are(held, moved, Q, W[4:, 4:], s=N)
     K = np.linalg.solve(W[4:, 4:] + moved.T @ P @ moved, moved.T @ P @ held + N.T)
-    found = np.array([[law.state[f"feedback_{i}_{j}"] for j in range(1, 5)] for i in (1, 2)])
-    summed = np.array([[law.state[f"integral_gain_{i}_{j}"] for j in (1, 2)] for i in (1, 2)])
+    found = np.array(
+        [[law.state[f"pump_{i}.feedback.tank_{j}.level"] for j in range(1, 5)] for i in (1, 2)]
+    )
+    summed = np.array(
+        [[law.state[f"pump_{i}.integral_gain.level_{j}"] for j in (1, 2)] for i in (1, 2)]
+    )
     assert found == pytest.approx(K[:, :4], rel=1e-9, abs=1e-9 * np.abs(K[:, :4]).max())
     assert summed == pytest.approx(K[:, 4:], rel=1e-9, abs=1e-9 * np.abs(K[:, 4:]).max())
     # And they are others than at the operating point.
-    before = np.array([[controller.initial_state[f"feedback_{i}_{j}"] for j in range(1, 5)]
-                       for i in (1, 2)])  # fmt: skip
+    start = controller.initial_state
+    before = np.array(
+        [[start[f"pump_{i}.feedback.tank_{j}.level"] for j in range(1, 5)] for i in (1, 2)]
+    )
     assert np.max(np.abs(found - before)) > 0.02 * np.abs(before).max()
 
 
 def test_gains_that_change_move_no_output(controller):
     """At errors of zero and levels that stand, the gains converge and the pumps stand still."""
     law = ScannedLaw(controller, 1.0)
-    shown = {"measurement_1": 8.0, "measurement_2": 3.0, "measurement_3": 1.0, "measurement_4": 4.0}
-    first = law.scan(**shown, setpoint_1=8.0, setpoint_2=3.0)
+    shown = {"level_1.pv": 8.0, "level_2.pv": 3.0, "level_3.pv": 1.0, "level_4.pv": 4.0}
+    first = law.scan(**shown, level_1_sp=8.0, level_2_sp=3.0)
     gains = []
     for _ in range(300):
         outputs = law.scan(**shown)
-        gains.append(law.state["feedback_1_1"])
+        gains.append(law.state["pump_1.feedback.tank_1.level"])
         for i in (1, 2):
-            assert outputs[f"manipulated_{i}"] == pytest.approx(first[f"manipulated_{i}"], abs=1e-9)
+            assert outputs[f"pump_{i}.out"] == pytest.approx(first[f"pump_{i}.out"], abs=1e-9)
     assert max(gains) - min(gains) > 1e-3 * abs(gains[0])
 
 
 @pytest.mark.parametrize("fault", [
-    {"sensor_3": 0.0}, {"measurement_2": np.nan}, {"setpoint_1": np.inf}, {"time_step": 0.0},
+    {"level_3.good": 0.0}, {"level_2.pv": np.nan}, {"level_1.sp": np.inf}, {"time_step": 0.0},
 ])  # fmt: skip
 def test_a_fault_leaves_gains_and_cost(controller, fault):
     law = ScannedLaw(controller, 1.0)
-    law.scan(**at_rest(controller, controller.plant) | {"measurement_1": 8.0})
+    law.scan(**at_rest(controller, controller.plant) | {"level_1.pv": 8.0})
     before = dict(law.state)
     law.scan(**fault)
     for name, value in before.items():
-        if name.startswith(("cost_", "feedback_", "integral_gain_")):
+        if any(part in name for part in (".cost.", ".feedback.", ".integral_gain.")):
             assert law.state[name] == value
     assert law.named["gains_recomputed"] == 0.0
 
@@ -165,9 +171,10 @@ def test_a_fault_leaves_gains_and_cost(controller, fault):
 def test_lost_definiteness_leaves_gains_and_cost():
     controller = cl.design.recomputed_lqi(cl.load("averaging-tank"))
     law = ScannedLaw(controller, 0.1)
-    law.state |= {name: -1e6 for name in law.state if name in ("cost_1_1", "cost_2_2")}
+    law.state |= {f"{x}.cost.{x}": -1e6 for x in ("tank.level", "tank.impurity")}
+    assert set(law.state) == set(controller.initial_state)
     before = dict(law.state)
     law.scan(**at_rest(controller, controller.plant))
     for name, value in before.items():
-        if name.startswith(("cost_", "feedback_")):
+        if ".cost." in name or ".feedback." in name:
             assert law.state[name] == value

@@ -26,19 +26,23 @@ remote_setpoint = true
 
 
 def law():
-    return multiloop_pid_law(1, PidForm(remote_setpoint=True), measured=[LEVEL], manipulated=[PUMP])
+    return multiloop_pid_law([LEVEL], [PUMP], PidForm(remote_setpoint=True))
 
 
 class Loop:
     def __init__(self, source):
         self.law = law()
         self.state = {s.name: s.initial for s in self.law.state} | {
-            "working_setpoint_1": 5.0, "last_setpoint_source_1": float(source),
+            "level_1.working_setpoint": 5.0, "level_1.last_setpoint_source": float(source),
         }  # fmt: skip
 
     def scan(self, source):
         inputs = {signal.name: signal.initial for signal in self.law.inputs}
-        inputs |= {"setpoint_1": LOCAL, "remote_setpoint_1": REMOTE, "setpoint_source_1": source}
+        inputs |= {
+            "level_1.sp": LOCAL,
+            "level_1.remote_setpoint": REMOTE,
+            "level_1.setpoint_source": source,
+        }
         following, _, _ = self.law.function(
             [self.state[entry.name] for entry in self.law.state],
             [inputs[signal.name] for signal in self.law.inputs],
@@ -46,7 +50,7 @@ class Loop:
         )
         names = [entry.name for entry in self.law.state]
         self.state = dict(zip(names, np.array(following).ravel().tolist(), strict=True))
-        return self.state["working_setpoint_1"], self.state["last_setpoint_source_1"]
+        return self.state["level_1.working_setpoint"], self.state["level_1.last_setpoint_source"]
 
 
 @pytest.mark.parametrize("last", [0, 1])

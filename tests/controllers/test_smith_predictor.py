@@ -27,14 +27,15 @@ def predictor(model, found, process=None, *, kappa=None, **options):
         model.order, len(model.numerator), model.delay, kappa is not None,
     )  # fmt: skip
     total = sum(model.numerator)
-    values = found.values | {"model_gain_1": total, "bias_1": 3.0}
-    values |= {f"model_feedback_1_{j}": a for j, a in enumerate(model.denominator, 1)}
-    values |= {f"model_share_1_{j}": b / total for j, b in enumerate(model.numerator, 1)}
+    values = found.values | {"level.model_gain": total, "pump.bias": 3.0}
+    values |= {f"level.model_feedback.{j}": a for j, a in enumerate(model.denominator, 1)}
+    values |= {f"level.model_share.{j}": b / total for j, b in enumerate(model.numerator, 1)}
     if kappa is not None:
-        values |= {"error_feedback_1": kappa, "reference_measurement_1": 5.0}
+        values |= {"level.error_feedback": kappa, "level.reference": 5.0}
     limits = options.pop("limits", {})
     process = options.pop("measured", True) and (process or model)
-    return Rig(smith_predictor_law([shape]), values | limits, process or None, **options)
+    law = smith_predictor_law(["level"], ["pump"], [shape])
+    return Rig(law, values | limits, process or None, **options)
 
 
 @pytest.mark.parametrize("name", STABLE)
@@ -42,7 +43,7 @@ def test_the_nominal_loop_has_the_poles_of_d(name):
     """With a perfect model y = z^-d B r0 / D w: the delay is out of the loop."""
     model = STABLE[name]
     found = placed(model, (0.5, 0.3), predicted=True)
-    y = predictor(model, found).run(90, setpoint_1=6.0)
+    y = predictor(model, found).run(90, sp=6.0)
     B = np.concatenate([np.zeros(model.delay), model.B])
     assert y == pytest.approx(5.0 + found.feedforward * lfilter(B, found.D, np.ones(90)))
 
@@ -54,7 +55,7 @@ def test_a_load_and_a_wrong_model_leave_no_offset(name):
         tuple(1.1 * b for b in model.numerator), model.denominator, model.delay, 1.0
     )
     found = placed(model, (0.8,), predicted=True)
-    y = predictor(model, found, process, load=0.4).run(400, setpoint_1=5.5)
+    y = predictor(model, found, process, load=0.4).run(400, sp=5.5)
     assert y[-1] == pytest.approx(5.5, abs=1e-6)
 
 
@@ -65,7 +66,7 @@ def test_the_law_is_the_block_diagram():
     rig = predictor(model, found, measured=False)
     random = np.random.default_rng(2)
     y = 5.0 + random.normal(size=60)
-    u = np.array([rig.scan(measurement_1=value, setpoint_1=5.5) for value in y])
+    u = np.array([rig.scan(pv=value, sp=5.5) for value in y])
     deviation = u - 3.0
     ahead = lfilter([0.0, sum(model.B)], model.A, deviation)
     late = np.concatenate([np.zeros(5), lfilter(model.B, model.A, deviation)])[:60]
@@ -98,7 +99,7 @@ def test_error_feedback_takes_the_offset_away_and_changes_nothing_else():
     model = integrating()
     found = placed(model, (0.6,), predicted=True)
     kappa = 0.1
-    nominal = predictor(model, found, kappa=kappa).run(90, setpoint_1=6.0)
+    nominal = predictor(model, found, kappa=kappa).run(90, sp=6.0)
     B = np.concatenate([np.zeros(6), model.B])
     assert nominal == pytest.approx(
         5.0 + found.feedforward * lfilter(B, found.D, np.ones(90)), abs=1e-9
@@ -107,7 +108,7 @@ def test_error_feedback_takes_the_offset_away_and_changes_nothing_else():
     y = loaded.run(800)
     assert y[-1] == pytest.approx(5.0, abs=1e-7)
     # κ e is the load, as it reached the process.
-    assert kappa * loaded.state["model_error_1"] == pytest.approx(0.2, rel=1e-6)
+    assert kappa * loaded.state["level.model_error"] == pytest.approx(0.2, rel=1e-6)
 
 
 @pytest.mark.parametrize("mode", [0.0, 2.0])
@@ -117,10 +118,10 @@ def test_the_model_follows_what_was_moved_by_hand(mode):
     found = placed(model, (0.9,), predicted=True)
     rig = predictor(model, found)
     rig.run(20)
-    rig.run(200, mode_1=mode, manual_1=3.3, tracking_1=3.3)
+    rig.run(200, mode=mode, manual=3.3, tracking=3.3)
     level = rig.y[-1]
     assert level == pytest.approx(5.0 + 0.3 * model.static_gain, abs=1e-9)
-    rig.scan(mode_1=1.0, setpoint_1=level)
+    rig.scan(mode=1.0, sp=level)
     assert rig.u[-1] == pytest.approx(3.3, abs=1e-9)
     assert rig.run(60)[-1] == pytest.approx(level, abs=1e-9)
 
@@ -128,36 +129,36 @@ def test_the_model_follows_what_was_moved_by_hand(mode):
 def test_at_a_limit_the_model_gets_what_was_applied():
     model = STABLE["the document's"]
     found = placed(model, (0.5,), predicted=True)
-    rig = predictor(model, found, limits={"low_limit_1": 2.9, "high_limit_1": 3.1})
-    rig.run(300, setpoint_1=9.0)
+    rig = predictor(model, found, limits={"pump.low_limit": 2.9, "pump.high_limit": 3.1})
+    rig.run(300, sp=9.0)
     assert rig.u[-1] == 3.1
     assert rig.y[-1] == pytest.approx(5.0 + 0.1 * model.static_gain, abs=1e-9)
-    rig.run(6, setpoint_1=4.0)
+    rig.run(6, sp=4.0)
     assert rig.u[-1] < 3.1
 
 
-@pytest.mark.parametrize("fault", [{"measurement_1": math.nan}, {"sensor_1": 0.0}])
+@pytest.mark.parametrize("fault", [{"pv": math.nan}, {"good": 0.0}])
 @pytest.mark.parametrize("kappa", [None, 0.1])
 def test_a_fault_holds_the_output_and_the_model_goes_on(fault, kappa):
     model = integrating() if kappa else STABLE["the document's"]
     found = placed(model, (0.9,), predicted=True)
     rig, twin = (predictor(model, found, kappa=kappa) for _ in range(2))
-    rig.run(8, setpoint_1=5.4), twin.run(8, setpoint_1=5.4)
+    rig.run(8, sp=5.4), twin.run(8, sp=5.4)
     held = rig.u[-1]
     process, rig.model = rig.model, None
     for _ in range(5):
         rig.model = process
         seen = 5.0 + rig.deviation()
         rig.model = None
-        assert rig.scan(**{"measurement_1": seen, **fault}) == held
+        assert rig.scan(**{"pv": seen, **fault}) == held
         rig.y[-1] = seen
-        assert rig.status & (16 if "sensor_1" in fault else 32)
+        assert rig.status & (16 if "good" in fault else 32)
     rig.model = process
     # The model was moved like the process: its error after the fault is none.
-    rig.scan(sensor_1=1.0)
+    rig.scan(good=1.0)
     assert all(math.isfinite(value) for value in rig.state.values())
     if kappa:
-        assert abs(rig.state["model_error_1"]) < 1e-12
+        assert abs(rig.state["level.model_error"]) < 1e-12
     assert rig.run(300)[-1] == pytest.approx(5.4, abs=1e-6)
 
 
@@ -166,7 +167,7 @@ def test_a_scan_that_is_no_sample_moves_model_and_ring_alike():
     model = STABLE["first order"]
     found = placed(model, (0.8,), predicted=True)
     rig = predictor(model, found)
-    rig.run(10, setpoint_1=5.5)
+    rig.run(10, sp=5.5)
     for _ in range(4):
         rig.scan(time_step=0.0)
     assert rig.status & 64
@@ -177,9 +178,9 @@ def test_a_scan_that_is_no_sample_moves_model_and_ring_alike():
 def test_model_parameters_that_run_over_leave_numbers():
     model = STABLE["first order"]
     found = placed(model, (0.5,), predicted=True)
-    rig = predictor(model, found, limits={"low_limit_1": 0.0, "high_limit_1": 10.0})
-    rig.values["model_feedback_1_1"] = -1e200
-    rig.run(20, setpoint_1=6.0)
+    rig = predictor(model, found, limits={"pump.low_limit": 0.0, "pump.high_limit": 10.0})
+    rig.values["level.model_feedback.1"] = -1e200
+    rig.run(20, sp=6.0)
     assert all(math.isfinite(value) for value in rig.state.values())
     assert 0.0 <= rig.u[-1] <= 10.0
 

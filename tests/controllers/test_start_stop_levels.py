@@ -14,28 +14,27 @@ ON, OFF = 8.0, 1.0
 def station(driven, pumps, sign=1.0, **values):
     """Pumps that start at 2, 3, 4, … m and stop at 1, 2, 3, … m, or mirrored at zero."""
     law = start_stop_law(
-        pumps,
-        measured=Signal("level", "m", low=0.0, high=9.0),
-        manipulated=[Signal(f"pump_{i}", "V", low=0.0, high=10.0) for i in range(1, pumps + 1)],
+        [Signal("level", "m", low=0.0, high=9.0)],
+        [Signal(f"pump_{i}", "V", low=0.0, high=10.0) for i in range(1, pumps + 1)],
     )
     given = {parameter.name: parameter.initial for parameter in law.parameters}
     for j in range(1, pumps + 1):
-        given |= {f"start_level_{j}": sign * (1.0 + j), f"stop_level_{j}": sign * j}
-        given |= {f"running_value_{j}": ON, f"stopped_value_{j}": OFF}
+        given |= {f"stage.{j}.start_level": sign * (1.0 + j), f"stage.{j}.stop_level": sign * j}
+        given |= {f"pump_{j}.running_value": ON, f"pump_{j}.stopped_value": OFF}
     assert not set(values) - set(given)
     state = {signal.name: signal.initial for signal in law.state}
-    state |= {f"last_output_{i}": OFF for i in range(1, pumps + 1)}
+    state |= {f"pump_{i}.last_output": OFF for i in range(1, pumps + 1)}
     return driven(law, given | values, state)
 
 
-def scan(law, level, **inputs):
+def scan(law, level, inputs=None):
     """One sample; return which pumps run."""
-    pumps = sum(s.name.startswith("manipulated_") for s in law.law.outputs)
-    given = {"measurement_1": level, "sensor_1": 1.0, "time_step": 1.0}
+    pumps = sum(s.part == "out" for s in law.law.outputs)
+    given = {"level.pv": level, "level.good": 1.0, "time_step": 1.0}
     for i in range(1, pumps + 1):
-        given |= {f"mode_{i}": 1.0, f"manual_{i}": OFF, f"tracking_{i}": OFF}
-    law.outputs = law.scan(**(given | inputs))
-    return [i for i in range(1, pumps + 1) if law.outputs[f"manipulated_{i}"] != OFF]
+        given |= {f"pump_{i}.mode": 1.0, f"pump_{i}.manual": OFF, f"pump_{i}.tracking": OFF}
+    law.outputs = law.scan(**(given | (inputs or {})))
+    return [i for i in range(1, pumps + 1) if law.outputs[f"pump_{i}.out"] != OFF]
 
 
 class Foreman:
@@ -94,11 +93,11 @@ def test_against_a_state_machine_written_another_way(driven, pumps, alternation,
             modes[i], manual[i] = int(random.choice([0, 1, 1])), random.choice([OFF, 5.0, ON])
             service[i] = int(random.random() < 0.8)
         shown = level if number else np.nan
-        inputs = {f"mode_{i}": float(modes[i]) for i in numbers}
-        inputs |= {f"manual_{i}": manual[i] for i in numbers}
-        law.values |= {f"in_service_{i}": float(service[i]) for i in numbers}
-        scan(law, shown, sensor_1=float(sound), **inputs)
-        found = {i: law.outputs[f"manipulated_{i}"] for i in numbers}
+        inputs = {f"pump_{i}.mode": float(modes[i]) for i in numbers}
+        inputs |= {f"pump_{i}.manual": manual[i] for i in numbers}
+        law.values |= {f"pump_{i}.in_service": float(service[i]) for i in numbers}
+        scan(law, shown, {"level.good": float(sound), **inputs})
+        found = {i: law.outputs[f"pump_{i}.out"] for i in numbers}
         assert found == foreman.decide(shown, sound, modes, manual, service)
         assert law.state["duty"] == foreman.duty
         patterns.add(tuple(found.values()))
@@ -131,33 +130,33 @@ def test_without_alternation_the_duty_pump_stays(driven):
 
 def test_alternation_passes_over_a_pump_that_an_operator_has_and_stays_even(driven):
     law = station(driven, 3)
-    hand = {"mode_1": 0.0}
-    starts = [scan(law, level, **hand) for level in (2.0, 1.0) * 6]
+    hand = {"pump_1.mode": 0.0}
+    starts = [scan(law, level, hand) for level in (2.0, 1.0) * 6]
     assert [run for run in starts if run] == [[2], [3]] * 3
 
 
-@pytest.mark.parametrize("taken", [{"mode_1": 0.0}, {"mode_1": 2.0}])
+@pytest.mark.parametrize("taken", [{"pump_1.mode": 0.0}, {"pump_1.mode": 2.0}])
 def test_standby_takes_the_place_of_a_pump_that_an_operator_stops(driven, taken):
     law = station(driven, 2)
     assert scan(law, 2.5) == [1]
-    assert scan(law, 2.5, **taken) == [2]
+    assert scan(law, 2.5, taken) == [2]
     # When it comes back, what runs goes on.
     assert scan(law, 2.5) == [2]
     # By hand it may run beside the other one, and is not counted.
-    assert scan(law, 2.5, mode_1=0.0, manual_1=5.0) == [1, 2]
-    assert law.outputs["manipulated_1"] == 5.0
+    assert scan(law, 2.5, {"pump_1.mode": 0.0, "pump_1.manual": 5.0}) == [1, 2]
+    assert law.outputs["pump_1.out"] == 5.0
     # Back in automatic one of them is one too many: the one whose turn it is goes on.
     assert scan(law, 2.5) == [1]
-    assert law.outputs["manipulated_1"] == ON
+    assert law.outputs["pump_1.out"] == ON
 
 
 def test_standby_takes_the_place_of_a_pump_out_of_service(driven):
     law = station(driven, 2)
     assert scan(law, 2.5) == [1]
-    law.values["in_service_1"] = 0.0
+    law.values["pump_1.in_service"] = 0.0
     assert scan(law, 2.5) == [2]
     assert scan(law, 3.5) == [2]
-    law.values["in_service_1"] = 1.0
+    law.values["pump_1.in_service"] = 1.0
     assert scan(law, 3.5) == [1, 2]
 
 
@@ -172,32 +171,41 @@ def test_a_failed_sensor_leaves_the_pumps_and_the_operator_can_stop_them(driven)
     law = station(driven, 2)
     assert scan(law, 2.5) == [1]
     for level, sound in ((0.5, 0.0), (np.nan, 1.0), (9.0, 0.0)):
-        assert scan(law, level, sensor_1=sound) == [1]
-        assert int(law.outputs["status_1"]) & (16 if not sound else 32)
-    assert scan(law, 0.5, sensor_1=0.0, mode_1=0.0) == []
+        assert scan(law, level, {"level.good": sound}) == [1]
+        assert int(law.outputs["pump_1.status"]) & (16 if not sound else 32)
+    assert scan(law, 0.5, {"level.good": 0.0, "pump_1.mode": 0.0}) == []
     assert scan(law, 2.5) == [1]
-    assert scan(law, 0.5, time_step=0.0) == [1]
-    assert int(law.outputs["status_1"]) & 64
+    assert scan(law, 0.5, {"time_step": 0.0}) == [1]
+    assert int(law.outputs["pump_1.status"]) & 64
 
 
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"start_level_1": 0.4}, None),
+        ({"stage.1.start_level": 0.4}, None),
         (
-            {"start_level_2": 0.9, "stop_level_2": 0.6},
-            "start_level_2: got 0.9, expected a level beyond start_level_1",
+            {"stage.2.start_level": 0.9, "stage.2.stop_level": 0.6},
+            "stage.2.start_level: got 0.9, expected a level beyond stage.1.start_level",
         ),
-        ({"stop_level_2": 2.5}, "start_level_2: got 2.0, expected a level above stop_level_2, 2.5"),
-        ({"stop_level_1": 1.0}, "start_level_1: got 1.0, expected a level above stop_level_1, 1;"),
-        ({"stop_level_1": 1.2}, "start_level_2: got 2.0, expected a level below stop_level_2, 1.5"),
+        (
+            {"stage.2.stop_level": 2.5},
+            "stage.2.start_level: got 2.0, expected a level above stage.2.stop_level, 2.5",
+        ),
+        (
+            {"stage.1.stop_level": 1.0},
+            "stage.1.start_level: got 1.0, expected a level above stage.1.stop_level, 1;",
+        ),
+        (
+            {"stage.1.stop_level": 1.2},
+            "stage.2.start_level: got 2.0, expected a level below stage.2.stop_level, 1.5",
+        ),
     ],
 )
 def test_levels_follow_each_other(changed, words):
-    values = {"start_level_1": 1.0, "stop_level_1": 0.5}
-    values |= {"start_level_2": 2.0, "stop_level_2": 1.5}
+    values = {"stage.1.start_level": 1.0, "stage.1.stop_level": 0.5}
+    values |= {"stage.2.start_level": 2.0, "stage.2.stop_level": 1.5}
     if words is None:  # the first stage would fill, the second empty
-        words = "start_level_2: got 2.0, expected a level below stop_level_2"
+        words = "stage.2.start_level: got 2.0, expected a level below stage.2.stop_level"
     check_levels(values, 2, "well")
     with pytest.raises(InputError, match=words):
         check_levels(values | changed, 2, "well")
@@ -255,8 +263,8 @@ def test_the_worst_cycle_has_the_length_of_the_formula(station_plants, way, star
     # V = 0.9 Q/z in 10 m² of well, from 20 or 80 % of its height.
     way_up = 0.9 * 40.0 / starts_per_hour / 10.0
     stop = 1.0 if way == "destination" else 4.0
-    assert values["stop_level_1"] == pytest.approx(stop, rel=1e-12)
-    assert abs(values["start_level_1"] - stop) == pytest.approx(way_up, rel=1e-12)
+    assert values["stage.1.stop_level"] == pytest.approx(stop, rel=1e-12)
+    assert abs(values["stage.1.start_level"] - stop) == pytest.approx(way_up, rel=1e-12)
     cycle = {}
     for inflow in (8e-3, 20e-3, 30e-3):
         load = cl.disturbance("inflow", to=f"{inflow} m^3/s", at=0)
@@ -280,9 +288,9 @@ def test_the_stages_share_the_room(tmp_path):
     values = cl.design.start_stop_levels(plant, starts_per_hour=12.0).values
     assert check_levels(values, 2, "station") is None
     # From 1 to 4 m there is room for 0.3 m of each stage; half of the rest is 1.35 m.
-    assert values["start_level_1"] == pytest.approx(1.3, rel=1e-12)
-    assert values["stop_level_2"] == pytest.approx(2.35, rel=1e-12)
-    assert values["start_level_2"] == pytest.approx(2.65, rel=1e-12)
+    assert values["stage.1.start_level"] == pytest.approx(1.3, rel=1e-12)
+    assert values["stage.2.stop_level"] == pytest.approx(2.35, rel=1e-12)
+    assert values["stage.2.start_level"] == pytest.approx(2.65, rel=1e-12)
 
 
 @pytest.mark.parametrize(

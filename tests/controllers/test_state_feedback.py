@@ -18,6 +18,7 @@ MOVED = np.array([[0.2, 0.0], [0.1, 0.3], [0.0, 0.4]])
 SHOWN = np.array([[2.0, 0.0, 0.0], [0.0, 0.0, 3.0]])
 CORRECTION = rng.normal(size=(3, 2)) * 0.1
 FEEDBACK, AHEAD = rng.normal(size=(2, 3)), rng.normal(size=(2, 1))
+LEVELS, PUMPS = ["level_1", "level_2"], ["pump_1", "pump_2"]
 REFERENCE, BIAS = np.array([5.0, 6.0]), np.array([4.0, 5.0])
 STEP, FADING = 0.5, 20.0
 STRUCTURE = ObserverStructure(
@@ -28,60 +29,71 @@ STRUCTURE = ObserverStructure(
     CORRECTION != 0.0,
 )
 REST = {
-    "integral_1": 0.0, "integral_2": 0.0, "last_output_1": 4.0, "last_output_2": 5.0,
-    "estimate_1": 0.0, "estimate_2": 0.0, "estimate_3": 0.0,
+    "pump_1.integral": 0.0, "pump_2.integral": 0.0,
+    "pump_1.last_output": 4.0, "pump_2.last_output": 5.0,
+    "tank_1.level.estimate": 0.0, "tank_2.level.estimate": 0.0, "tank_3.level.estimate": 0.0,
 }  # fmt: skip
 
 
+def signals(names):
+    return [Signal(name) for name in names]
+
+
 def values():
-    numbers = observer_values(STRUCTURE, HELD, MOVED, SHOWN, CORRECTION)
-    numbers |= {f"reference_measurement_{j + 1}": REFERENCE[j] for j in range(2)}
+    numbers = observer_values(
+        STRUCTURE, *map(signals, (LEVELS, PUMPS)), HELD, MOVED, SHOWN, CORRECTION
+    )
+    numbers |= {f"level_{j + 1}.reference": REFERENCE[j] for j in range(2)}
     for i in range(2):
-        numbers |= {f"feedback_{i + 1}_{j + 1}": FEEDBACK[i, j] for j in range(3)}
+        numbers |= {f"pump_{i + 1}.feedback.tank_{j + 1}.level": FEEDBACK[i, j] for j in range(3)}
         numbers |= {
-            f"precompensator_{i + 1}_1": AHEAD[i, 0],
-            f"bias_{i + 1}": BIAS[i],
-            f"fading_time_{i + 1}": FADING,
-            f"low_limit_{i + 1}": 0.0,
-            f"high_limit_{i + 1}": 10.0,
+            f"pump_{i + 1}.precompensator.level_2": AHEAD[i, 0],
+            f"pump_{i + 1}.bias": BIAS[i],
+            f"pump_{i + 1}.fading_time": FADING,
+            f"pump_{i + 1}.low_limit": 0.0,
+            f"pump_{i + 1}.high_limit": 10.0,
         }
     return numbers
 
 
 def inputs(measurements, setpoint, **changed):
-    numbers = {"time_step": STEP, "setpoint_1": setpoint}
+    numbers = {"time_step": STEP, "level_2.sp": setpoint}
     for j in range(2):
-        numbers |= {f"measurement_{j + 1}": measurements[j], f"sensor_{j + 1}": 1.0}
+        numbers |= {f"level_{j + 1}.pv": measurements[j], f"level_{j + 1}.good": 1.0}
     for i in (1, 2):
-        numbers |= {f"mode_{i}": 1, f"manual_{i}": 0.0, f"tracking_{i}": 0.0}
+        numbers |= {f"pump_{i}.mode": 1, f"pump_{i}.manual": 0.0, f"pump_{i}.tracking": 0.0}
     return numbers | changed
 
 
 @pytest.fixture
 def law(driven):
-    return driven(state_feedback_law(2, 2, [2], observer=STRUCTURE), values(), REST)
+    return driven(
+        state_feedback_law(LEVELS, PUMPS, ["level_2"], observer=STRUCTURE), values(), REST
+    )
 
 
 def estimate(law):
-    return np.array([law.state[f"estimate_{j}"] for j in (1, 2, 3)])
+    return np.array([law.state[f"tank_{j}.level.estimate"] for j in (1, 2, 3)])
 
 
 def outputs(found):
-    return np.array([found["manipulated_1"], found["manipulated_2"]])
+    return np.array([found["pump_1.out"], found["pump_2.out"]])
 
 
 def test_zeros_of_the_matrices_are_no_parameters():
-    names = [signal.name for signal in state_feedback_law(2, 2, [2], observer=STRUCTURE).parameters]
-    assert [name for name in names if name.startswith("transition")] == [
-        "transition_1_1", "transition_1_2", "transition_2_2", "transition_2_3", "transition_3_3",
-    ]  # fmt: skip
-    assert "observation_1_2" not in names
-    assert "input_effect_3_1" not in names
+    law = state_feedback_law(LEVELS, PUMPS, ["level_2"], observer=STRUCTURE)
+    names = [signal.name for signal in law.parameters]
+    assert [signal.name for signal in law.parameters if signal.matrix == "transition"] == [
+        f"tank_{j}.level.transition.tank_{k}.level"
+        for j, k in ((1, 1), (1, 2), (2, 2), (2, 3), (3, 3))
+    ]
+    assert "level_1.observation.tank_2.level" not in names
+    assert "tank_3.level.input_effect.pump_1" not in names
 
 
 def test_equals_the_matrix_equations(law):
     expected, fading, saturated = np.zeros(3), np.array([0.7, -0.4]), 0
-    law.state |= {"integral_1": 0.7, "integral_2": -0.4}
+    law.state |= {"pump_1.integral": 0.7, "pump_2.integral": -0.4}
     for _ in range(300):
         y, r = REFERENCE + rng.normal(size=2) * 9.0, 6.0 + 4.0 * rng.normal()
         corrected = expected + CORRECTION @ (y - REFERENCE - SHOWN @ expected)
@@ -98,16 +110,15 @@ def test_equals_the_matrix_equations(law):
 
 
 def test_without_an_observer_the_measurements_are_the_state(driven):
-    numbers = {
-        name: value
-        for name, value in values().items()
-        if not name.startswith(("transition", "input_effect", "observation", "correction"))
+    numbers = {name: value for name, value in values().items() if "tank" not in name}
+    numbers |= {
+        f"pump_{i}.feedback.level_{j}": FEEDBACK[i - 1, j - 1] for i in (1, 2) for j in (1, 2, 3)
     }
-    numbers |= {"reference_measurement_3": 7.0}
-    rest = {name: value for name, value in REST.items() if not name.startswith("estimate")}
-    law = driven(state_feedback_law(3, 2, [2]), numbers, rest)
+    numbers |= {"level_3.reference": 7.0}
+    rest = {name: value for name, value in REST.items() if not name.endswith(".estimate")}
+    law = driven(state_feedback_law([*LEVELS, "level_3"], PUMPS, ["level_2"]), numbers, rest)
     y = np.array([5.1, 6.2, 6.7])
-    given = inputs(y[:2], 6.5) | {"measurement_3": y[2], "sensor_3": 1.0}
+    given = inputs(y[:2], 6.5) | {"level_3.pv": y[2], "level_3.good": 1.0}
     expected = BIAS - FEEDBACK @ (y - [5.0, 6.0, 7.0]) + AHEAD[:, 0] * 0.5
     assert outputs(law.scan(**given)) == pytest.approx(expected, abs=1e-13)
 
@@ -115,21 +126,26 @@ def test_without_an_observer_the_measurements_are_the_state(driven):
 @pytest.mark.parametrize("name", ["state feedback", "LQI"])
 def test_hand_and_saturation_do_not_mislead_the_observer(driven, name):
     """The error of the estimate follows (I − M C) Φ whatever is done to the inputs."""
-    numbers = values() | {f"integral_gain_{i}_1": 0.5 for i in (1, 2)}
+    numbers = values() | {f"pump_{i}.integral_gain.level_2": 0.5 for i in (1, 2)}
     kind = state_feedback_law if name == "state feedback" else lqi_law
     options = () if name == "state feedback" else ("conditional_integration",)
-    law = driven(kind(2, 2, [2], *options, observer=STRUCTURE), numbers, REST)
+    law = driven(kind(LEVELS, PUMPS, ["level_2"], *options, observer=STRUCTURE), numbers, REST)
     x = np.array([3.0, -2.0, 1.0])
     error = x.copy()
     modes = []
     for k in range(120):
         given = inputs(REFERENCE + SHOWN @ x, 6.0 + 5.0 * np.sin(0.2 * k))
         if 20 <= k < 40:
-            given |= {"mode_1": 0, "manual_1": 20.0 * np.sin(k)}
+            given |= {"pump_1.mode": 0, "pump_1.manual": 20.0 * np.sin(k)}
         if 40 <= k < 60:
-            given |= {"mode_1": 2, "tracking_1": 7.0, "mode_2": 0, "manual_2": 1.0}
+            given |= {
+                "pump_1.mode": 2,
+                "pump_1.tracking": 7.0,
+                "pump_2.mode": 0,
+                "pump_2.manual": 1.0,
+            }
         if 60 <= k < 80:
-            given |= {"mode_2": 5}  # held
+            given |= {"pump_2.mode": 5}  # held
         u = outputs(law.scan(**given))
         modes.append(np.any((u == 0.0) | (u == 10.0)))
         x = HELD @ x + MOVED @ (u - BIAS)
@@ -143,32 +159,34 @@ def test_from_hand_to_automatic_there_is_no_bump_and_the_bias_fades(law):
     y, r = REFERENCE + [0.3, -0.2], 6.4
     # At rest under the operator's hand, so that the estimate does not move any more.
     for _ in range(400):
-        law.scan(**inputs(y, r, mode_1=0, manual_1=4.5, mode_2=2, tracking_2=4.0))
+        law.scan(
+            **inputs(y, r, pump_1_mode=0, pump_1_manual=4.5, pump_2_mode=2, pump_2_tracking=4.0)
+        )
     first = outputs(law.scan(**inputs(y, r)))
     assert first == pytest.approx([4.5, 4.0], abs=1e-9)
-    before = law.state["integral_1"]
+    before = law.state["pump_1.integral"]
     law.scan(**inputs(y, r))
-    assert law.state["integral_1"] == pytest.approx(before * (1 - STEP / FADING), rel=1e-12)
+    assert law.state["pump_1.integral"] == pytest.approx(before * (1 - STEP / FADING), rel=1e-12)
     for _ in range(3000):
         law.scan(**inputs(y, r))
-    assert abs(law.state["integral_1"]) < 1e-12
+    assert abs(law.state["pump_1.integral"]) < 1e-12
 
 
 def test_a_bias_does_not_fade_into_saturation(law):
-    law.values |= {"bias_1": 12.0}
-    law.state |= {"integral_1": -1.0}
+    law.values |= {"pump_1.bias": 12.0}
+    law.state |= {"pump_1.integral": -1.0}
     law.scan(**inputs(REFERENCE, REFERENCE[1]))
-    assert law.state["integral_1"] == -1.0
+    assert law.state["pump_1.integral"] == -1.0
 
 
-@pytest.mark.parametrize("fault", [{"sensor_2": 0.0}, {"measurement_1": math.nan}])
+@pytest.mark.parametrize("fault", [{"level_2.good": 0.0}, {"level_1.pv": math.nan}])
 def test_a_fault_holds_the_outputs_while_the_observer_goes_on(law, fault):
-    law.state |= {"estimate_1": 1.0, "estimate_3": -0.5}
+    law.state |= {"tank_1.level.estimate": 1.0, "tank_3.level.estimate": -0.5}
     found = law.scan(**inputs(REFERENCE + 1.0, 6.0, **fault))
     assert outputs(found) == pytest.approx([4.0, 5.0], abs=0)
     assert estimate(law) == pytest.approx(HELD @ [1.0, 0.0, -0.5], abs=1e-14)
     # An operator can still move an output, and the observer hears of it.
-    found = law.scan(**inputs(REFERENCE + 1.0, 6.0, **fault, mode_1=0, manual_1=9.0))
+    found = law.scan(**inputs(REFERENCE + 1.0, 6.0, **fault, pump_1_mode=0, pump_1_manual=9.0))
     assert outputs(found) == pytest.approx([9.0, 5.0], abs=0)
     expected = HELD @ HELD @ [1.0, 0.0, -0.5] + MOVED @ [5.0, 0.0]
     assert estimate(law) == pytest.approx(expected, abs=1e-14)
@@ -182,28 +200,28 @@ def test_a_setpoint_that_is_no_number_leaves_the_correction(law):
 
 @pytest.mark.parametrize("time_step", [0.0, -1.0, math.nan])
 def test_the_estimate_stays_where_the_time_step_is_unusable(law, time_step):
-    law.state |= {"estimate_1": 1.0}
+    law.state |= {"tank_1.level.estimate": 1.0}
     found = law.scan(**inputs(REFERENCE, 6.0, time_step=time_step))
     assert estimate(law) == pytest.approx([1.0, 0.0, 0.0], abs=0)
-    assert int(found["status_1"]) & 64
+    assert int(found["pump_1.status"]) & 64
 
 
 def test_numbers_that_run_over_do_not_get_into_the_estimate(law):
-    law.values |= {name: 1e9 for name in law.values if name.startswith("correction")}
+    law.values |= {name: 1e9 for name in law.values if ".correction." in name}
     law.scan(**inputs([1e300, -1e300], 6.0))
     assert np.all(np.isfinite(estimate(law)))
 
 
 def test_an_observer_of_other_signals_is_refused():
     with refused(expected="3 measurements and 2 inputs"):
-        state_feedback_law(3, 2, [2], observer=STRUCTURE)
-    with refused(expected="from 1 to 2"):
-        state_feedback_law(2, 2, [3], observer=STRUCTURE)
+        state_feedback_law([*LEVELS, "level_3"], PUMPS, ["level_2"], observer=STRUCTURE)
+    with refused(expected="level_1, level_2"):
+        state_feedback_law(LEVELS, PUMPS, ["level_3"], observer=STRUCTURE)
 
 
 def test_an_observer_that_nobody_can_check_is_refused():
-    yes, signals = np.ones((41, 41), bool), tuple(Signal(f"x_{j}") for j in range(41))
+    yes, states = np.ones((41, 41), bool), tuple(Signal(f"x_{j}") for j in range(41))
     with refused(expected="1 to 40"):
-        ObserverStructure(signals, yes, yes[:, :1], yes[:1], yes[:, :1])
+        ObserverStructure(states, yes, yes[:, :1], yes[:1], yes[:, :1])
     with refused(place="observer, shown", value=(1, 2)):
-        ObserverStructure(signals[:1], yes[:1, :1], yes[:1, :1], yes[:1, :2], yes[:1, :1])
+        ObserverStructure(states[:1], yes[:1, :1], yes[:1, :1], yes[:1, :2], yes[:1, :1])

@@ -10,20 +10,23 @@ from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 
 
-def loop(name, number=1, setpoint=1, form=None):
-    return PidBlock(name, number, form or PidForm(), LEVEL, 1, PUMP, setpoint, None)
+def loop(name, form=None, outer=None):
+    setpoint = outer or "level.sp"
+    return PidBlock(
+        name, name, form or PidForm(), LEVEL, PUMP, setpoint, inner=outer is not None, direct=False
+    )
 
 
 def refused(*blocks):
     with pytest.raises(InputError) as caught:
-        structure_law("scheme", blocks, controlled=[LEVEL], measured=[LEVEL, FLOW])
+        structure_law("scheme", blocks, setpoints={"level": LEVEL}, measured=[LEVEL, FLOW])
     return caught.value
 
 
 def test_loops_that_give_each_other_their_setpoints_run_in_a_circle():
     error = refused(
-        loop("first", 1, "second"), loop("second", 2, "first"), loop("third", 3),
-        OutputBlock(1, PUMP, "third"),
+        loop("first", outer="second"), loop("second", outer="first"), loop("third"),
+        OutputBlock(PUMP, "third"),
     )  # fmt: skip
     assert error.place == "control scheme scheme"
     assert "first" in str(error.value) and "second" in str(error.value)
@@ -32,28 +35,28 @@ def test_loops_that_give_each_other_their_setpoints_run_in_a_circle():
 
 
 def test_a_port_is_taken_once():
-    error = refused(loop("level_loop"), OutputBlock(1, PUMP, "level_loop"),
-                    OutputBlock(2, VALVE, "level_loop"))  # fmt: skip
+    error = refused(loop("level_loop"), OutputBlock(PUMP, "level_loop"),
+                    OutputBlock(VALVE, "level_loop"))  # fmt: skip
     assert error.place == "control scheme scheme, level_loop"
     assert "pump" in str(error.value) and "valve" in str(error.value)
     assert "one block" in error.expected and "split the range" in error.remedy
 
 
 def test_a_loop_that_moves_nothing():
-    error = refused(loop("level_loop"), loop("idle", 2), OutputBlock(1, PUMP, "level_loop"))
+    error = refused(loop("level_loop"), loop("idle"), OutputBlock(PUMP, "level_loop"))
     assert error.place == "control scheme scheme, idle"
     assert error.remedy == "connect it, or leave it out"
 
 
 def test_a_source_that_is_not_there():
-    error = refused(loop("level_loop"), OutputBlock(1, PUMP, "level_loop"),
-                    OutputBlock(2, VALVE, "levle_loop"))  # fmt: skip
+    error = refused(loop("level_loop"), OutputBlock(PUMP, "level_loop"),
+                    OutputBlock(VALVE, "levle_loop"))  # fmt: skip
     assert error.place == "control scheme scheme, valve"
     assert error.value == "levle_loop" and "level_loop" in error.expected
 
 
 def test_two_blocks_of_one_name():
-    error = refused(loop("level_loop"), loop("level_loop", 2), OutputBlock(1, PUMP, "level_loop"))
+    error = refused(loop("level_loop"), loop("level_loop"), OutputBlock(PUMP, "level_loop"))
     assert error.value == "level_loop" and error.remedy == "rename one"
 
 
@@ -65,9 +68,9 @@ def test_an_override_without_tracking(selection, anti_windup, algorithm, waiting
     bad = PidForm("PI", algorithm, anti_windup=anti_windup)
     names = ["level_loop", "flow_loop"]
     error = refused(
-        *(loop(name, i + 1, 1, bad if i == waiting else None) for i, name in enumerate(names)),
+        *(loop(name, bad if i == waiting else None) for i, name in enumerate(names)),
         SelectorBlock("selected", tuple(names), selection),
-        OutputBlock(1, PUMP, "selected"),
+        OutputBlock(PUMP, "selected"),
     )
     assert error.place == f"control scheme scheme, {names[waiting]}"
     assert error.value == anti_windup
@@ -78,9 +81,9 @@ def test_an_override_without_tracking(selection, anti_windup, algorithm, waiting
 def test_an_override_behind_another_one_needs_tracking_too():
     bad = PidForm(anti_windup="none")
     error = refused(
-        loop("a", 1), loop("b", 2, 1, bad), loop("c", 3),
+        loop("a"), loop("b", bad), loop("c"),
         SelectorBlock("inner", ("a", "b"), "low"), SelectorBlock("outer", ("inner", "c"), "high"),
-        OutputBlock(1, PUMP, "outer"),
+        OutputBlock(PUMP, "outer"),
     )  # fmt: skip
     assert error.place == "control scheme scheme, b"
 
@@ -94,10 +97,10 @@ def test_an_override_of_what_cannot_wind_up_is_accepted(form):
     structure_law(
         "scheme",
         [
-            loop("a", 1, 1, form), loop("b", 2, 1, form),
-            SelectorBlock("selected", ("a", "b"), "low"), OutputBlock(1, PUMP, "selected"),
+            loop("a", form), loop("b", form),
+            SelectorBlock("selected", ("a", "b"), "low"), OutputBlock(PUMP, "selected"),
         ],
-        controlled=[LEVEL], measured=[LEVEL, FLOW],
+        setpoints={"level": LEVEL}, measured=[LEVEL, FLOW],
     )  # fmt: skip
 
 

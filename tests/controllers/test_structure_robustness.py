@@ -8,30 +8,31 @@ from hypothesis import strategies as st
 from pid_rig import Scans
 from scheme_rig import SCHEMES
 
+from clepsydra.controllers.signals import owners
+
 anything = st.floats()
 plausible = st.floats(0.0, 10.0)
 
 
 def value_of(signal):
     """What arrives at an input: mostly plausible, at times anything."""
-    name = signal.name
-    if name.startswith("mode"):
+    part = signal.part
+    if part == "mode":
         return st.sampled_from([0.0, 1.0, 1.0, 1.0, 2.0, 3.0])
-    if name.startswith("sensor"):
+    if part == "good":
         return st.sampled_from([0.0, 1.0, 1.0, 1.0])
-    if name.startswith("setpoint_source"):
+    if part == "setpoint_source":
         return st.sampled_from([0.0, 1.0, 2.0])
-    if name == "time_step":
+    if part == "time_step":
         return st.one_of(st.sampled_from([0.5, 1.0]), anything)
     return st.one_of(plausible, plausible, anything)
 
 
 def check(scheme, outputs):
-    for number in (1, 2):
-        if f"manipulated_{number}" in outputs:
-            low, high = (scheme.values[f"{end}_limit_{number}"] for end in ("low", "high"))
-            assert low <= outputs[f"manipulated_{number}"] <= high
-            assert outputs[f"status_{number}"] in range(256)
+    for output in owners(scheme.law.outputs, "out"):
+        low, high = (scheme.values[f"{output}.{end}_limit"] for end in ("low", "high"))
+        assert low <= outputs[f"{output}.out"] <= high
+        assert outputs[f"{output}.status"] in range(256)
     assert all(abs(value) <= 1e300 for value in scheme.state.values()), scheme.state
 
 
@@ -55,12 +56,9 @@ def test_outputs_within_limits_and_states_numbers_whatever_comes(name, data):
 def test_after_every_signal_failed_once_it_controls_again(name):
     """A fault of each input, one after the other, leaves nothing behind that stops control."""
     law = SCHEMES[name]
-    rest = {signal.name: 5.0 for signal in law.inputs if signal.name.startswith(
-        ("setpoint_", "measurement_", "local_", "tracking_", "manual_")
-    ) and "source" not in signal.name}  # fmt: skip
-    modes = {
-        signal.name: 1.0 for signal in law.inputs if signal.name.startswith(("mode", "sensor"))
-    }
+    parts = ("sp", "pv", "local_setpoint", "tracking", "manual")
+    rest = {signal.name: 5.0 for signal in law.inputs if signal.part in parts}
+    modes = {signal.name: 1.0 for signal in law.inputs if signal.part in ("mode", "good")}
     scheme = Scans(law, {}, **rest, **modes, time_step=0.5)
     untouched = scheme.twin()
     for signal in law.inputs:
@@ -69,7 +67,7 @@ def test_after_every_signal_failed_once_it_controls_again(name):
             for _ in range(3):
                 check(scheme, scheme.scan(**{signal.name: wrong}))
             check(scheme, scheme.scan(**{signal.name: before}))
-    moved = [name for name in ("measurement_1", "measurement_2") if name in scheme.inputs]
+    moved = [signal.name for signal in law.inputs if signal.part == "pv"]
     for instance in (scheme, untouched):
         instance.give(dict.fromkeys(moved, 4.5))
     found, expected = (instance.scan() for instance in (scheme, untouched))

@@ -10,6 +10,7 @@ from plants import designed
 from random_programs import IMPORTS, Written, modest, numbers
 
 from clepsydra import PidForm, Signal, StepLaw
+from clepsydra.base.signal import path
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.law import structure_law
@@ -152,15 +153,18 @@ def own_laws(draw) -> Written:
 
     States, rings, inputs that nobody reads, outputs that are inputs, and no state at all.
     """
-    measured = draw(process_signals("measurement", draw(st.integers(1, 2))))
-    setpoints = draw(process_signals("setpoint", draw(st.integers(0, 2))))
-    moved = draw(process_signals("manipulated", draw(st.integers(1, 2))))
+    measured, setpoints, moved = (
+        [replace(s, name=path(s, part)) for s in draw(process_signals(name, draw(count)))]
+        for name, part, count in (
+            ("measured", "pv", st.integers(1, 2)),
+            ("followed", "sp", st.integers(0, 2)),
+            ("moved", "out", st.integers(1, 2)),
+        )
+    )
     inputs = [*setpoints, *measured]
     if draw(st.booleans()):
         inputs.append(Signal("time_step", "s", low=0.0, initial=1.0))
-    inputs += [
-        Signal(f"last_output_{k}", s.unit) for k, s in enumerate(moved, 1) if draw(st.booleans())
-    ]
+    inputs += [Signal(path(s.owner, "last_output"), s.unit) for s in moved if draw(st.booleans())]
     gains = [Signal(f"gain_{k}", initial=draw(modest)) for k in range(draw(st.integers(0, 3)))]
     if draw(st.booleans()):
         gains.append(Signal("chosen", low=0.0, high=1.0, initial=1.0, kind="boolean"))
@@ -182,8 +186,9 @@ def own_laws(draw) -> Written:
         f"inner_{k}": draw(st.sampled_from(text.known)) for k in range(draw(st.integers(0, 2)))
     }
     limits = {}
-    for number, signal in enumerate(moved, start=1):
-        limits |= {f"low_limit_{number}": signal.low, f"high_limit_{number}": signal.high}
+    for signal in moved:
+        ends = (path(signal.owner, f"{end}_limit") for end in ("low", "high"))
+        limits |= dict(zip(ends, (signal.low, signal.high), strict=True))
     law = "\n".join(
         [
             'law = law_of(r"""',
@@ -248,9 +253,8 @@ def _shelled(
     bare = draw(st.integers(0, 4)) == 4
     lines = [
         # Remote setpoints and their choice.
-        'wired = "setpoint_", "measurement_", "sensor_", "mode_", "manual_", "tracking_", "time_"',
-        "free = {s.name: s.initial for s in law.inputs",
-        '        if not s.name.startswith(wired) or s.name.startswith("setpoint_source_")}',
+        'wired = "sp", "pv", "good", "mode", "manual", "tracking", "time_step"',
+        "free = {s.name: s.initial for s in law.inputs if s.part not in wired}",
         f"values = {{p.name: p.initial for p in law.parameters}} | {values!r}",
         "start = {e.name: getattr(e, 'signal', e).initial for e in law.state}",
         f"names = {tuple(map(tuple, names))!r}",
@@ -268,14 +272,16 @@ def _values_of(draw, law: StepLaw) -> dict[str, float]:
     """A value for every parameter: mostly reasonable, at times at the end of its range or zero."""
     found = {}
     for parameter in law.parameters:
-        name = parameter.name
-        if name.startswith(("low_limit", "split_", "lowest", "highest", "high_limit")):
-            continue
-        if parameter.kind != "real":
+        ends = ("low_limit", "high_limit", "lowest_ratio", "highest_ratio")
+        if (
+            parameter.part in ends
+            or parameter.owner.startswith("split.")
+            or parameter.kind != "real"
+        ):
             continue
         choices = [1.0, 0.3, -0.7, 31.0, 1 / 3, 1e-6, 0.0, -0.0, 1e9, 1e-300, 123.456789]
         fitting = [x for x in choices if parameter.low <= x <= parameter.high]
-        found[name] = draw(st.sampled_from(fitting))
+        found[parameter.name] = draw(st.sampled_from(fitting))
     return found
 
 
@@ -311,12 +317,12 @@ def pid_controllers(draw) -> Written:
         "rate_limited": draw(st.booleans()),
         "decoupling": draw(st.sampled_from([None, "static", "dynamic"])) if loops > 1 else None,
     }
-    law = multiloop_pid_law(loops, form, measured=measured, manipulated=moved, **options)
+    law = multiloop_pid_law(measured, moved, form, **options)
     written = ", ".join(f"{name}={value!r}" for name, value in options.items())
     text = (
         f"measured = {_listed(measured)}\nmoved = {_listed(moved)}\n"
         f"form = {form!r}\n"
-        f"law = multiloop_pid_law({loops}, form, measured=measured, manipulated=moved, {written})"
+        f"law = multiloop_pid_law(measured, moved, form, {written})"
     )
     clamps = form.anti_windup == "clamping"
     return draw(_shelled(text, (loops, loops, loops), draw(_values_of(law)), clamps))
@@ -332,7 +338,7 @@ class _Scheme:
         self.draw = draw
         self.blocks: list = []
         self.measured: list[Signal] = []
-        self.controlled: list[Signal] = []
+        self.setpoints: dict[str, Signal] = {}
         self._count = 0
 
     def outputs(self) -> None:
@@ -344,32 +350,34 @@ class _Scheme:
             gap = self.draw(st.sampled_from([0.0, 20.0]))
             parts = ((0.0, middle), (middle + gap, 100.0))
             legs = tuple(
-                Leg(k, pump, *part, *self.draw(st.sampled_from([(pump.low, pump.high),
-                                                                (pump.high, pump.low)])))
-                for k, (pump, part) in enumerate(zip(pumps, parts, strict=True), start=1)
+                Leg(f"split.{pump.name}", pump, *part, *self.draw(st.sampled_from(
+                    [(pump.low, pump.high), (pump.high, pump.low)]
+                )))
+                for pump, part in zip(pumps, parts, strict=True)
             )  # fmt: skip
             self.blocks.append(SplitRangeBlock("split", source, legs))
             for leg in legs:
-                self.blocks.append(OutputBlock(leg.number, leg.moved, leg.port("split"),
-                                               self.draw(st.booleans())))  # fmt: skip
+                self.blocks.append(
+                    OutputBlock(leg.moved, leg.port("split"), self.draw(st.booleans()))
+                )
             self.moved = pumps
             return
         self.moved = self.draw(process_signals("moved", self.draw(st.integers(1, 2))))
-        for number, signal in enumerate(self.moved, start=1):
-            source = self.giver(signal, 2, selected=False, output=number)
-            self.blocks.append(OutputBlock(number, signal, source, self.draw(st.booleans())))
+        for signal in self.moved:
+            source = self.giver(signal, 2, selected=False, direct=True)
+            self.blocks.append(OutputBlock(signal, source, self.draw(st.booleans())))
 
     def _name(self) -> str:
         self._count += 1
         return f"block {self._count}"
 
-    def _measurement(self) -> tuple[Signal, int]:
+    def _measurement(self) -> Signal:
         (signal,) = self.draw(process_signals("seen", 1))
         signal = replace(signal, name=f"seen_{len(self.measured) + 1}")
         self.measured.append(signal)
-        return signal, len(self.measured)
+        return signal
 
-    def giver(self, moved: Signal, depth: int, *, selected: bool, output: int | None = None) -> str:
+    def giver(self, moved: Signal, depth: int, *, selected: bool, direct: bool = False) -> str:
         """Append a block that moves a signal, and return its name."""
         kinds = ["pid", "pid"] + (["selector", "feedforward", "ratio", "trimmed"] if depth else [])
         kind, name = self.draw(st.sampled_from(kinds)), self._name()
@@ -382,34 +390,30 @@ class _Scheme:
             source = self.giver(moved, depth - 1, selected=selected)
             terms = []
             for k in range(self.draw(st.integers(1, 2))):
-                signal, number = self._measurement()
-                taken = f"measurement_{number}"
-                terms.append(FeedforwardTerm(f"{own}_{k}", signal, taken, self.draw(st.booleans())))
+                owner, signal, dynamic = f"ahead_{own}.{k}", self._measurement(), st.booleans()
+                terms.append(FeedforwardTerm(owner, moved, signal, True, self.draw(dynamic)))
             block = FeedforwardBlock(name, source, moved, tuple(terms))
         elif kind in ("ratio", "trimmed"):
-            wild, number = self._measurement()
+            wild = self._measurement()
             share = Signal("share", low=0.0, high=10.0)
             source = None
             if kind == "trimmed":
                 source = self.giver(share, depth - 1, selected=selected)
-            block = RatioBlock(name, own, wild, number, moved, source)
+            block = RatioBlock(name, f"ratio_{own}", wild, moved, source)
         else:
-            block = self._pid(name, moved, depth, selected, output)
+            block = self._pid(name, moved, depth, selected, direct)
         self.blocks.append(block)
         return name
 
-    def _pid(
-        self, name: str, moved: Signal, depth: int, selected: bool, output: int | None
-    ) -> PidBlock:
-        number = self._count
-        signal, place = self._measurement()
+    def _pid(self, name: str, moved: Signal, depth: int, selected: bool, direct: bool) -> PidBlock:
+        owner, signal = f"loop_{self._count}", self._measurement()
         form = self.draw(forms(selected))
-        if depth and self.draw(st.integers(0, 2)) == 2:
-            setpoint: int | str = self.giver(signal, depth - 1, selected=selected)
+        inner = bool(depth and self.draw(st.integers(0, 2)) == 2)
+        if inner:
+            setpoint = self.giver(signal, depth - 1, selected=selected)
         else:
-            self.controlled.append(signal)
-            setpoint = len(self.controlled)
-        return PidBlock(name, number, form, signal, place, moved, setpoint, output)
+            self.setpoints[signal.name], setpoint = signal, f"{signal.name}.sp"
+        return PidBlock(name, owner, form, signal, moved, setpoint, inner, direct)
 
 
 @st.composite
@@ -418,18 +422,18 @@ def schemes(draw) -> Written:
     scheme = _Scheme(draw)
     scheme.outputs()
     law = structure_law(
-        "scheme", scheme.blocks, controlled=scheme.controlled, measured=scheme.measured
+        "scheme", scheme.blocks, setpoints=scheme.setpoints, measured=scheme.measured
     )
     blocks = "".join(f"\n    {block!r}," for block in scheme.blocks)
     text = (
-        f"blocks = [{blocks}\n]\ncontrolled = {_listed(scheme.controlled)}\n"
+        f"blocks = [{blocks}\n]\nsetpoints = {scheme.setpoints!r}\n"
         f"measured = {_listed(scheme.measured)}\n"
-        'law = structure_law("scheme", blocks, controlled=controlled, measured=measured)'
+        'law = structure_law("scheme", blocks, setpoints=setpoints, measured=measured)'
     )
     values = draw(_values_of(law))
     loops = [block for block in scheme.blocks if isinstance(block, PidBlock)]
     clamps = any(block.form.anti_windup == "clamping" for block in loops)
-    counts = len(scheme.measured), len(scheme.controlled), len(scheme.moved)
+    counts = len(scheme.measured), len(scheme.setpoints), len(scheme.moved)
     return draw(_shelled(text, counts, values, clamps))
 
 

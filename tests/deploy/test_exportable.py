@@ -14,6 +14,7 @@ from clepsydra.deploy.export import export_structured_text
 from clepsydra.deploy.exportable import exportable, exportable_name
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
+from clepsydra.program.entries import signal_of
 from clepsydra.studies.designs import DESIGNS
 
 NUMBERS = {"true": "1", "false": "0"}
@@ -41,22 +42,22 @@ def test_a_block_that_nobody_wired_stands_in_manual_at_fail_safe_and_without_sen
     values = {signal.name: signal.initial for signal in ready.program.parameters}
     at = ready.point.as_dict()
     assert inputs["time_step"] == 0.0
-    for number in range(1, len(ready.controller.manipulated) + 1):
-        assert inputs[f"mode_{number}"] == 0.0
-        safe = values[f"fail_safe_{number}"]
-        assert inputs[f"manual_{number}"] == inputs[f"tracking_{number}"] == safe
-    for number in range(1, len(ready.controller.measurements) + 1):
-        low, high = (values[f"range_{end}_{number}"] for end in ("low", "high"))
-        current = 4.0 + 16.0 * (inputs[f"measurement_{number}"] - low) / (high - low)
-        assert current < 3.6 and inputs[f"sensor_{number}"] == 0.0
-    for number, name in enumerate(ready.controller.setpoints, start=1):
-        assert inputs[f"setpoint_{number}"] == at[name]
+    for name in ready.controller.manipulated:
+        assert inputs[f"{name}.mode"] == 0.0
+        safe = values[f"{name}.fail_safe"]
+        assert inputs[f"{name}.manual"] == inputs[f"{name}.tracking"] == safe
+    for name in ready.controller.measurements:
+        low, high = (values[f"{name}.range_{end}"] for end in ("low", "high"))
+        current = 4.0 + 16.0 * (inputs[f"{name}.pv"] - low) / (high - low)
+        assert current < 3.6 and inputs[f"{name}.good"] == 0.0
+    for name in ready.controller.setpoints:
+        assert inputs[f"{name}.sp"] == at[name]
 
 
 def test_every_printer_declares_the_inputs_alike():
     """What stands in the texts, read by plain patterns, is what the signals say."""
     ready = made_ready("quadruple-tank", "PI, SIMC")
-    expected = {signal.name: signal.initial for signal in ready.program.inputs}
+    expected = {signal.identifier: signal.initial for signal in ready.program.inputs}
     found = {}
     for dialect in DIALECT_NAMES:
         exported = export_structured_text(ready, dialect=dialect).files
@@ -75,7 +76,10 @@ def test_every_printer_declares_the_inputs_alike():
     source = print_c(ready.program).source
     found["C"] = dict(re.findall(r"^  inputs->(\w+) = ([-\w.]+);", source, re.MULTILINE))
     model = controller_model(ready.program, ready.origin)
-    found["FMU"] = {name: str(model.variable(name).signal.initial) for name in expected}
+    found["FMU"] = {
+        signal.identifier: str(model.variable(signal.name).signal.initial)
+        for signal in ready.program.inputs
+    }
     for printer, texts in found.items():
         values = {name: NUMBERS.get(texts[name].lower(), texts[name]) for name in expected}
         assert {name: float(value) for name, value in values.items()} == expected, printer
@@ -108,16 +112,15 @@ AT_REST = {
 @pytest.mark.parametrize(("process", "name"), CASES)
 def test_setpoints_and_outputs_begin_where_the_plant_rests(process, name):
     program = made_ready(process, name).program
-    begin = {signal.name: signal.initial for signal in (*program.inputs, *program.outputs)}
-    begin |= {e.name: e.initial for e in program.state if e.name.startswith("last_output")}
+    signals = [*program.inputs, *program.outputs, *map(signal_of, program.state)]
 
-    def numbered(stem):
-        return [value for key, value in begin.items() if re.fullmatch(rf"{stem}_\d+", key)]
+    def begin(part):
+        return [signal.initial for signal in signals if signal.part == part]
 
     setpoints, outputs = AT_REST[process]
-    assert numbered("setpoint") == pytest.approx(setpoints, rel=1e-5)
-    for stem in ("manipulated", "last_output"):
-        assert numbered(stem) == pytest.approx(outputs, rel=1e-12)
+    assert begin("sp") == pytest.approx(setpoints, rel=1e-5)
+    for part in ("out", "last_output"):
+        assert begin(part) == pytest.approx(outputs, rel=1e-12)
 
 
 def test_every_number_says_its_source():
@@ -126,15 +129,16 @@ def test_every_number_says_its_source():
     found = {name: ready.origin.source_of(entry) for name, entry in entries.items()}
     designed = ("proportional_gain", "integral_time", "setpoint_weight", "tracking_time")
     expected = {
-        **{f"{name}_{k}": "PI, SIMC" for name in designed for k in (1, 2)},
-        **{f"{name}_{k}": f"range of pump_{k} in the process file"
+        **{f"level_{k}.{name}": "PI, SIMC" for name in designed for k in (1, 2)},
+        **{f"pump_{k}.{name}": f"range of pump_{k} in the process file"
            for name in ("low_limit", "high_limit") for k in (1, 2)},
-        **{f"{name}_{k}": f"range of level_{k} in the process file"
+        **{f"level_{k}.{name}": f"range of level_{k} in the process file"
            for name in ("range_low", "range_high") for k in (1, 2)},
-        **{f"{name}_{k}": "at the operating point"
-           for name in ("integral", "last_output", "last_proportional_gain") for k in (1, 2)},
-        **{f"fail_safe_{k}": f"default: low limit of pump_{k}" for k in (1, 2)},
-        **{f"good_measurement_{k}": "at a cold start" for k in (1, 2)},
+        **{f"level_{k}.{name}": "at the operating point"
+           for name in ("integral", "last_proportional_gain") for k in (1, 2)},
+        **{f"pump_{k}.last_output": "at the operating point" for k in (1, 2)},
+        **{f"pump_{k}.fail_safe": f"default: low limit of pump_{k}" for k in (1, 2)},
+        **{f"level_{k}.good_measurement": "at a cold start" for k in (1, 2)},
         "sampling_period": "sampling period that the controller runs with",
     }  # fmt: skip
     assert {name: found[name] for name in expected} == expected

@@ -13,14 +13,14 @@ from clepsydra.program.program import Block, Program
 NOTHING = Program("law", (), (), (), (), Block(0, (), ()))
 ORIGIN = Origin(
     "PI, SIMC", "Two tanks (two-tanks.toml)", "SIMC rules with a closed-loop time of 20 s.", 0.1,
-    {"low_limit_1": "range of pump_1", "late": "at the operating point"}, "SIMC rules",
+    {"pump_1.low_limit": "range of pump_1", "late": "at the operating point"}, "SIMC rules",
 )  # fmt: skip
 
 
 def test_a_number_s_source_goes_before_the_default():
-    assert ORIGIN.source_of(Signal("low_limit_1")) == "range of pump_1"
+    assert ORIGIN.source_of(Signal("pump_1.low_limit")) == "range of pump_1"
     assert ORIGIN.source_of(DelayRing(Signal("late"), 3)) == "at the operating point"
-    assert ORIGIN.source_of(Signal("high_limit_1")) == "SIMC rules"
+    assert ORIGIN.source_of(Signal("pump_1.high_limit")) == "SIMC rules"
     assert Origin("a", "b", "", 1.0).source_of(Signal("k")) == ""
 
 

@@ -33,15 +33,14 @@ def scans(program, period, seed):
     random = np.random.default_rng(seed)
     found = {}
     for signal in program.inputs:
-        name, stem = signal.name, signal.name.rpartition("_")[0]
-        low, span = signal.low, signal.span
-        if stem == "mode":
+        name, low, span = signal.name, signal.low, signal.span
+        if signal.part == "mode":
             column = held(random, [0.0, 1.0, 2.0, 3.0], [0.1, 0.77, 0.1, 0.03])
-        elif stem == "sensor":
+        elif signal.part == "good":
             column = held(random, [0.0, 1.0], [0.1, 0.9])
             single = random.random(SCANS) < 0.01
             column[single] = 1.0 - column[single]
-        elif stem == "measurement":
+        elif signal.part == "pv":
             # From 3 to 21.6 mA now and then, else within the range.
             wide = low + span * np.repeat(random.uniform(-0.06, 1.11, SCANS // HELD), HELD)
             noise = span * random.normal(scale=0.01, size=SCANS)
@@ -103,7 +102,7 @@ def test_engine_c_and_structured_text_are_equal_in_every_bit(name, process, tmp_
     assert np.array_equal(all_bits(engine), all_bits(in_c))
     assert np.array_equal(all_bits(engine), all_bits(in_text))
     for column, signal in enumerate(program.outputs):
-        if signal.name.startswith("status"):
+        if signal.part == "status":
             word = engine[:, column].astype(int)
             assert signal.high == sum(STATUS_BITS)
             for bit in STATUS_BITS:
@@ -114,11 +113,8 @@ def test_engine_c_and_structured_text_are_equal_in_every_bit(name, process, tmp_
 
 def in_operation(program, samples):
     """Inputs in automatic with good sensors."""
-    inputs = {signal.name: np.full(samples, signal.initial) for signal in program.inputs}
-    for name, values in inputs.items():
-        if name.startswith(("mode_", "sensor_")) or name == "time_step":
-            values[:] = 1.0
-    return inputs
+    on = ("mode", "good", "time_step")
+    return {s.name: np.full(samples, 1.0 if s.part in on else s.initial) for s in program.inputs}
 
 
 @pytest.fixture(scope="module")
@@ -138,15 +134,15 @@ def test_a_fault_of_3_9_s_rides_through_and_one_of_4_1_s_fails_safe(faulty, fail
     samples = before + faulty + after
     at = controller.plant.point.as_dict()
     inputs = in_operation(program, samples)
-    for k, name in enumerate(controller.measurements, start=1):
-        inputs[f"measurement_{k}"][:] = at[name]
-    for j, name in enumerate(controller.setpoints, start=1):
-        inputs[f"setpoint_{j}"][:] = at[name] + 0.4
+    for name in controller.measurements:
+        inputs[f"{name}.pv"][:] = at[name]
+    for name in controller.setpoints:
+        inputs[f"{name}.sp"][:] = at[name] + 0.4
     inputs["time_step"][:] = 0.1
-    inputs["sensor_1"][before : before + faulty] = 0.0
-    places = [[s.name for s in program.outputs].index(n) for n in ("manipulated_1", "status_1")]
+    inputs["level_1.good"][before : before + faulty] = 0.0
+    places = [[s.name for s in program.outputs].index(n) for n in ("pump_1.out", "pump_1.status")]
     run = Kernel(program).run(samples, inputs=inputs)
-    columns = [[run.output(n)[0] for n in ("manipulated_1", "status_1")]]
+    columns = [[run.output(n)[0] for n in ("pump_1.out", "pump_1.status")]]
     for instance in (CompiledC(program, tmp_path), InterpretedText(program)):
         rows = [instance({n: float(c[k]) for n, c in inputs.items()}) for k in range(samples)]
         columns.append([np.array([row[place] for row in rows]) for place in places])
@@ -177,14 +173,14 @@ def test_buttons_that_are_held_do_not_keep_a_dead_sensor_from_failing_safe(start
     program = with_plant_shell(controller, 1.0, settings).program()
     at, samples, before = plant("quadruple-tank").point.as_dict(), 30, 10
     inputs = in_operation(program, samples)
-    for k, name in enumerate(controller.measurements, start=1):
-        inputs[f"measurement_{k}"][:] = inputs[f"setpoint_{k}"][:] = at[name]
+    for name in controller.measurements:
+        inputs[f"{name}.pv"][:] = inputs[f"{name}.sp"][:] = at[name]
     inputs["start"][1:], inputs["acknowledge"][1:] = start, 1.0
-    inputs["setpoint_1"][5:] += 0.4
-    inputs["sensor_1"][before : before + 8] = 0.0
-    places = [[s.name for s in program.outputs].index(n) for n in ("manipulated_1", "status_1")]
+    inputs["level_1.sp"][5:] += 0.4
+    inputs["level_1.good"][before : before + 8] = 0.0
+    places = [[s.name for s in program.outputs].index(n) for n in ("pump_1.out", "pump_1.status")]
     run = Kernel(program).run(samples, inputs=inputs)
-    columns = [[run.output(n)[0] for n in ("manipulated_1", "status_1")]]
+    columns = [[run.output(n)[0] for n in ("pump_1.out", "pump_1.status")]]
     for instance in (CompiledC(program, tmp_path), InterpretedText(program)):
         rows = [instance({n: float(c[k]) for n, c in inputs.items()}) for k in range(samples)]
         columns.append([np.array([row[place] for row in rows]) for place in places])

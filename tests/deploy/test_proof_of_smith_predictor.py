@@ -10,6 +10,7 @@ from test_proof_of_structures import scans
 from clepsydra.designs.polynomial.sampled_model import SampledModel
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.entries import signal_of
 
 LAG = SampledModel((0.1,), (-0.9,), 0, 1.0)
 LONG = SampledModel((0.1, 0.05), (-1.2, 0.3), 3, 1.0)
@@ -33,25 +34,23 @@ LAWS = {
 pytestmark = pytest.mark.thorough
 
 
+#: Stable models and lively gains, and what has one value.
+RANGES = {
+    "model_feedback": (-0.45, -0.2), "model_gain": (0.05, 0.7), "model_share": (0.05, 0.7),
+    "error_feedback": (0.05, 0.7), "reference_gain": (0.05, 0.3), "measurement_gain": (-0.5, 0.5),
+    "increment_gain": (-0.5, 0.5), "setpoint_gain": (-0.5, 0.5),
+}  # fmt: skip
+FIXED = {"bias": 4.7, "reference": 4.7, "low_limit": -2.0, "high_limit": 11.0}
+
+
 def settings(program, seed):
-    """Stable models and lively gains, none with a short binary form."""
+    """Settings none of which has a short binary form, but for the fixed ones."""
     random = np.random.default_rng(seed)
-    values = {}
-    for parameter in program.parameters:
-        name = parameter.name
-        if name.startswith("model_feedback"):
-            values[name] = float(random.uniform(-0.45, -0.2))
-        elif name.startswith(("model_gain", "model_share", "error_feedback")):
-            values[name] = float(random.uniform(0.05, 0.7))
-        elif name.startswith(("bias", "reference")):
-            values[name] = 4.7
-        elif name.startswith("reference_gain"):
-            values[name] = float(random.uniform(0.05, 0.3))
-        elif "_gain_" in name:
-            values[name] = float(random.uniform(-0.5, 0.5))
-        else:
-            values[name] = -2.0 if name.startswith("low") else 11.0
-    return values
+    kinds = {parameter.name: parameter.name.split(".")[1] for parameter in program.parameters}
+    return {
+        name: FIXED[kind] if kind in FIXED else float(random.uniform(*RANGES[kind]))
+        for name, kind in kinds.items()
+    }
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -71,12 +70,10 @@ def test_engine_c_and_structured_text_are_equal_in_every_bit(name, tmp_path):
     assert np.array_equal(all_bits(engine), all_bits(in_c))
     assert np.array_equal(all_bits(engine), all_bits(in_text))
     # Nothing lay idle: every output and state moved, and every status bit but that of rates.
-    names = [signal.name for signal in program.outputs]
-    for column, output in enumerate(names):
-        if output.startswith("status"):
+    for column, signal in enumerate((*program.outputs, *map(signal_of, program.state))):
+        if signal.part == "status":
             word = engine[:, column].astype(int)
             for bit in (1, 2, 4, 8, 16, 32, 64):
-                assert np.any(word & bit) and not np.all(word & bit), (output, bit)
-    for column in range(engine.shape[1]):
-        if column >= len(names) or not names[column].startswith("status"):
-            assert len(np.unique(engine[:, column])) > 50
+                assert np.any(word & bit) and not np.all(word & bit), (signal.name, bit)
+        else:
+            assert len(np.unique(engine[:, column])) > 50, signal.name

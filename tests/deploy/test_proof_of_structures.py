@@ -23,6 +23,7 @@ from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.controllers.structure.split_range_block import Leg, SplitRangeBlock
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.program.defaults import with_defaults
+from clepsydra.program.entries import signal_of
 
 SCANS = 2_000
 HELD = 20
@@ -54,32 +55,56 @@ def scheme_of_all_blocks():
     trims the ratio of the dose to the feed."""
     selected = PidForm("PID", "isa")
     blocks = [
-        PidBlock("level_loop", 1, selected, LEVEL, 1, FLOW, 1, None),
-        PidBlock("strength_loop", 2, PidForm("PI", "velocity"), STRENGTH, 4, FLOW, 2, None),
+        PidBlock("level_loop", "level", selected, LEVEL, FLOW, "level.sp", direct=False),
+        PidBlock(
+            "strength_loop",
+            "strength",
+            PidForm("PI", "velocity"),
+            STRENGTH,
+            FLOW,
+            "strength.sp",
+            direct=False,
+        ),
         SelectorBlock("selected", ("level_loop", "strength_loop"), "low"),
         FeedforwardBlock(
             "sum",
             "selected",
             FLOW,
             (
-                FeedforwardTerm("1", FEED, "measurement_3", True),
-                FeedforwardTerm("2", DOSE, "last_output_3", False),
+                FeedforwardTerm("feed_ahead", FLOW, FEED, measured=True, dynamic=True),
+                FeedforwardTerm("dose_ahead", FLOW, DOSE, measured=False, dynamic=False),
             ),
         ),
-        PidBlock("flow_loop", 3, PidForm("PI", "series"), FLOW, 2, RANGE, "sum", None),
-        SplitRangeBlock(
-            "split", "flow_loop", (Leg(1, PUMP, 0, 45, 10, 90), Leg(2, VALVE, 55, 100, 0, 100))
+        PidBlock(
+            "flow_loop",
+            "flow",
+            PidForm("PI", "series"),
+            FLOW,
+            RANGE,
+            "sum",
+            inner=True,
+            direct=False,
         ),
-        OutputBlock(1, PUMP, "split, pump", True),
-        OutputBlock(2, VALVE, "split, valve"),
-        PidBlock("trim", 4, PidForm("PID", "parallel"), STRENGTH, 4, SHARE, 3, None),
-        RatioBlock("proportion", 1, FEED, 3, DOSE, "trim"),
-        OutputBlock(3, DOSE, "proportion"),
+        SplitRangeBlock(
+            "split",
+            "flow_loop",
+            (
+                Leg("split.pump", PUMP, 0, 45, 10, 90),
+                Leg("split.valve", VALVE, 55, 100, 0, 100),
+            ),
+        ),
+        OutputBlock(PUMP, "split, pump", True),
+        OutputBlock(VALVE, "split, valve"),
+        PidBlock(
+            "trim", "trim", PidForm("PID", "parallel"), STRENGTH, SHARE, "trim.sp", direct=False
+        ),
+        RatioBlock("proportion", "proportion", FEED, DOSE, "trim"),
+        OutputBlock(DOSE, "proportion"),
     ]
     return structure_law(
         "all_blocks",
         blocks,
-        controlled=[LEVEL, STRENGTH, STRENGTH],
+        setpoints={"level": LEVEL, "strength": STRENGTH, "trim": STRENGTH},
         measured=[LEVEL, FLOW, FEED, STRENGTH],
     )
 
@@ -88,18 +113,18 @@ def scans(program, seed):
     """A plant that goes wrong in every way that the inputs can express."""
     random = np.random.default_rng(seed)
     choices = {
-        "mode_": ([0.0, 1.0, 2.0, 3.0], [0.1, 0.75, 0.1, 0.05]),
-        "setpoint_source_": ([0.0, 1.0, 2.0], [0.45, 0.5, 0.05]),
+        "mode": ([0.0, 1.0, 2.0, 3.0], [0.1, 0.75, 0.1, 0.05]),
+        "setpoint_source": ([0.0, 1.0, 2.0], [0.45, 0.5, 0.05]),
     }
     inputs = {}
     for signal in program.inputs:
         name = signal.name
-        picked = next((way for start, way in choices.items() if name.startswith(start)), None)
-        if picked:
-            inputs[name] = np.repeat(random.choice(picked[0], SCANS // HELD, p=picked[1]), HELD)
-        elif name.startswith("sensor"):
+        if signal.part in choices:
+            values, chance = choices[signal.part]
+            inputs[name] = np.repeat(random.choice(values, SCANS // HELD, p=chance), HELD)
+        elif signal.part == "good":
             inputs[name] = (random.random(SCANS) < 0.96).astype(float)
-        elif name.startswith("measurement"):
+        elif signal.part == "pv":
             walk = np.cumsum(random.normal(scale=0.2, size=SCANS))
             inputs[name] = spoilt(random, 5.0 + 4.0 * np.sin(walk), 0.02)
         elif name == "time_step":
@@ -120,23 +145,25 @@ def uneven(program, seed):
         "proportional_gain": (0.5, 3.0), "integral_gain": (0.02, 0.2), "integral_time": (5, 50),
         "derivative_gain": (0.5, 2.0), "derivative_time": (0.5, 3.0), "filter_time": (0.1, 0.5),
         "derivative_filter": (2.0, 9.0), "setpoint_weight": (0.2, 0.9), "tracking_time": (1, 30),
-        "setpoint_ramp": (0.1, 0.9), "rate_limit": (5.0, 20.0), "feedforward_": (0.1, 2.0),
-        "gap": (0.1, 0.9), "squared_error_scale": (0.5, 3.0), "highest_ratio": (4.0, 5.0),
+        "setpoint_ramp": (0.1, 0.9), "rate_limit": (5.0, 20.0), "gap": (0.1, 0.9),
+        "gap_gain": (0.1, 0.9), "squared_error_scale": (0.5, 3.0), "highest_ratio": (4.0, 5.0),
+        **dict.fromkeys(("gain", "reference", "lead", "lag"), (0.1, 2.0)),  # of feedforward
     }  # fmt: skip
-    values = {}
-    for signal in (*program.parameters, *program.state):
-        for start, (low, high) in ranges.items():
-            if signal.name.removeprefix("last_").startswith(start):
-                values[signal.name] = float(random.uniform(low, high))
-    return values
+    return {
+        signal.name: float(random.uniform(*ranges[part]))
+        for signal in (*program.parameters, *map(signal_of, program.state))
+        if (part := signal.part.removeprefix("last_")) in ranges
+    }
 
 
 def program_under_test(name):
     law = scheme_of_all_blocks() if name == "scheme" else None
     if law is None:
-        law = multiloop_pid_law(1, FORMS[name], rate_limited=name in ("isa", "parallel"))
+        law = multiloop_pid_law(
+            ["level_1"], ["pump_1"], FORMS[name], rate_limited=name in ("isa", "parallel")
+        )
     program = program_of(law)
-    limits = {"low_limit_1": -2.0, "high_limit_1": 11.0} if name != "scheme" else {}
+    limits = {"pump_1.low_limit": -2.0, "pump_1.high_limit": 11.0} if name != "scheme" else {}
     return with_defaults(program, uneven(program, len(name)) | limits)
 
 
@@ -151,17 +178,16 @@ def test_engine_c_and_structured_text_are_equal_in_every_bit(name, tmp_path):
     assert np.array_equal(all_bits(engine), all_bits(in_c))
     assert np.array_equal(all_bits(engine), all_bits(in_text))
     # Each status bit was set and clear, and each state moved: no part of the law lay idle.
-    names = [signal.name for signal in program.outputs]
-    for column, output in enumerate(names):
-        if output.startswith("status"):
+    for column, output in enumerate(program.outputs):
+        if output.part == "status":
             word = engine[:, column].astype(int)
             # At a limit of a dose that is not reached, or of a leg, some bits stay.
             for bit in (1, 2, 16, 32, 64):
                 assert np.any(word & bit) and not np.all(word & bit), (output, bit)
         else:
             assert len(np.unique(engine[:, column])) > 100, output
-    for column, entry in enumerate(program.state, start=len(names)):
-        if not entry.name.startswith("last_") or entry.name.startswith("last_output"):
+    for column, entry in enumerate(program.state, start=len(program.outputs)):
+        if not entry.part.startswith("last_") or entry.part == "last_output":
             assert len(np.unique(engine[:, column])) > 50, entry.name
 
 
@@ -212,15 +238,14 @@ def test_the_c_divides_by_zero_nowhere(name, tmp_path):
     printed = print_c(program)
     (tmp_path / printed.header_name).write_text(printed.header, encoding="utf-8")
     settings = [f"&parameters.{signal.identifier}" for signal in program.parameters]
-    measured = [f"&inputs.{signal.name}" for signal in program.inputs
-                if signal.name.startswith("measurement_")]  # fmt: skip
-    steady = [f"inputs.{signal.name} = 1;" for signal in program.inputs
-              if signal.name.startswith(("mode_", "sensor_", "setpoint_", "remote_"))]  # fmt: skip
+    measured = [f"&inputs.{signal.identifier}" for signal in program.inputs if signal.part == "pv"]
+    steady = ("sp", "good", "mode", "setpoint_source", "remote_setpoint")
+    ones = [f"inputs.{s.identifier} = 1;" for s in program.inputs if s.part in steady]
     main = MAIN.format(
         name=program.name,
         settings=", ".join(settings),
         measured=", ".join(measured),
-        steady=" ".join(steady),
+        steady=" ".join(ones),
     )
 
     def run(statement=""):
@@ -240,5 +265,6 @@ def test_the_c_divides_by_zero_nowhere(name, tmp_path):
     assert found.returncode == 0, found.stderr
     assert found.stdout == str(len(program.parameters))
     # The check does see one.
-    seen = run("{ volatile double nothing = 0.0; outputs.manipulated_1 = 1.0 / nothing; }")
+    moved = program.outputs[0].identifier
+    seen = run(f"{{ volatile double nothing = 0.0; outputs.{moved} = 1.0 / nothing; }}")
     assert seen.returncode != 0 and "division by zero" in seen.stderr

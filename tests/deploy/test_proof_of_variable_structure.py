@@ -25,7 +25,7 @@ pytestmark = pytest.mark.thorough
 def test_every_form(name, tmp_path):
     program = designed("variable_structure_pid", "three-tanks", form=FORMS[name]).program()
     values = uneven(program, 7) | {
-        "low_limit_1": 0.0, "high_limit_1": 9.0, "saturation_rate_1": 0.37,
+        "feed.low_limit": 0.0, "feed.high_limit": 9.0, "level_3.saturation_rate": 0.37,
     }  # fmt: skip
     program = with_defaults(program, values)
     inputs = scans(program, seed=8)
@@ -38,5 +38,5 @@ def test_every_form(name, tmp_path):
     for bit in (1, 2, 4, 8, 16, 32, 64):
         assert np.any(word & bit) and not np.all(word & bit), bit
     names = [entry.name for entry in program.state]
-    integral = engine[:, len(program.outputs) + names.index("integral_1")]
+    integral = engine[:, len(program.outputs) + names.index("level_3.integral")]
     assert len(np.unique(integral)) > 100

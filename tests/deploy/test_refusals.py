@@ -83,7 +83,10 @@ def test_fused_operations_are_refused():
 
 @pytest.mark.parametrize("printer", [print_c, print_structured_text])
 def test_what_is_no_program_is_refused_with_the_way_to_one(printer):
-    for value in (None, multiloop_pid_law(1, PidForm(anti_windup="conditional_integration"))):
+    for value in (
+        None,
+        multiloop_pid_law(["level_1"], ["pump_1"], PidForm(anti_windup="conditional_integration")),
+    ):
         with refused(expected="a Program", remedy="give controller.program(), or"):
             printer(value)
 
@@ -127,26 +130,40 @@ def test_infinite_defaults_are_for_c_only():
 
 
 def test_default_values():
-    program = program_of(multiloop_pid_law(1, PidForm(anti_windup="conditional_integration")))
-    designed = with_defaults(program, {"proportional_gain_1": 0.1, "last_output_1": 3.0})
-    assert "parameters->proportional_gain_1 = 0.1;" in print_c(designed).source
-    assert "state->last_output_1 = 3.0;" in print_c(designed).source
+    program = program_of(
+        multiloop_pid_law(["level_1"], ["pump_1"], PidForm(anti_windup="conditional_integration"))
+    )
+    designed = with_defaults(program, {"level_1.proportional_gain": 0.1, "pump_1.last_output": 3.0})
+    assert "parameters->level_1_proportional_gain = 0.1;" in print_c(designed).source
+    assert "state->pump_1_last_output = 3.0;" in print_c(designed).source
     text = print_structured_text(designed)
-    assert "  proportional_gain_1 : LREAL := 0.1;" in text
-    assert "  last_output_1 : LREAL := 3.0;" in text
+    assert "  level_1_proportional_gain : LREAL := 0.1;" in text
+    assert "  pump_1_last_output : LREAL := 3.0;" in text
     with refused(place="multiloop_pi, gain_1", value=1.0, expected="a value for"):
         with_defaults(program, {"gain_1": 1.0})
 
 
 def test_the_digest_tells_programs_apart():
-    program = program_of(multiloop_pid_law(1, PidForm(anti_windup="conditional_integration")))
+    program = program_of(
+        multiloop_pid_law(["level_1"], ["pump_1"], PidForm(anti_windup="conditional_integration"))
+    )
     assert digest(program) == digest(
-        program_of(multiloop_pid_law(1, PidForm(anti_windup="conditional_integration")))
+        program_of(
+            multiloop_pid_law(
+                ["level_1"], ["pump_1"], PidForm(anti_windup="conditional_integration")
+            )
+        )
     )
     others = [
-        program_of(multiloop_pid_law(1)),
-        program_of(multiloop_pid_law(2, PidForm(anti_windup="conditional_integration"))),
-        with_defaults(program, {"proportional_gain_1": 1.0000000000000002}),
+        program_of(multiloop_pid_law(["level_1"], ["pump_1"])),
+        program_of(
+            multiloop_pid_law(
+                ["level_1", "level_2"],
+                ["pump_1", "pump_2"],
+                PidForm(anti_windup="conditional_integration"),
+            )
+        ),
+        with_defaults(program, {"level_1.proportional_gain": 1.0000000000000002}),
     ]
     assert len({digest(program), *map(digest, others)}) == 4
     for text in (print_c(program).header, print_c(program).source, print_structured_text(program)):
@@ -155,8 +172,10 @@ def test_the_digest_tells_programs_apart():
 
 def test_the_digest_covers_names_and_groups():
     """Equal digests mean equal text, so whatever shows in the text is part of it."""
-    program = program_of(multiloop_pid_law(1, PidForm(anti_windup="conditional_integration")))
-    value = next(value for value, name in program.names.items() if name == "unlimited_1")
+    program = program_of(
+        multiloop_pid_law(["level_1"], ["pump_1"], PidForm(anti_windup="conditional_integration"))
+    )
+    value = next(value for value, name in program.names.items() if name == "level_1.unlimited")
     renamed = dataclasses.replace(program, names=program.names | {value: "wanted_1"})
     *inputs, last = program.inputs
     moved = dataclasses.replace(
@@ -174,11 +193,13 @@ def test_the_digest_covers_names_and_groups():
 
 
 def test_the_law_keeps_its_own_names():
-    program = program_of(multiloop_pid_law(1, PidForm(anti_windup="conditional_integration")))
+    program = program_of(
+        multiloop_pid_law(["level_1"], ["pump_1"], PidForm(anti_windup="conditional_integration"))
+    )
     for text in (print_c(program).source, print_structured_text(program)):
-        for name in ("error_1", "unlimited_1", "manipulated_1"):
+        for name in ("level_1_error", "level_1_unlimited", "pump_1_out"):
             assert f"{name} =" in text or f"{name} :=" in text or f"{name} =\n" in text
-        assert "sensor_1" in text and "<> 0.0" not in text and "!= 0.0" not in text
+        assert "level_1_good" in text and "<> 0.0" not in text and "!= 0.0" not in text
     assert max(map(len, print_c(program).source.splitlines())) <= 100
     assert max(map(len, print_structured_text(program).splitlines())) <= 100
 
@@ -244,7 +265,13 @@ def test_the_header_serves_cpp(tmp_path):
     if subprocess.run([*check, str(empty)], capture_output=True).returncode != 0:
         pytest.skip("the C compiler has no C++")
     compile_strictly(
-        program_of(multiloop_pid_law(2, PidForm(anti_windup="conditional_integration"))),
+        program_of(
+            multiloop_pid_law(
+                ["level_1", "level_2"],
+                ["pump_1", "pump_2"],
+                PidForm(anti_windup="conditional_integration"),
+            )
+        ),
         tmp_path,
         "-std=c11",
     )

@@ -20,14 +20,14 @@ def test_the_engine_c_and_structured_text_agree_in_every_bit(tmp_path):
     random = np.random.default_rng(3)
     level = 0.004 + np.cumsum(random.normal(0.0, 4e-4, SCANS)) % 0.016
     given = {
-        "measurement_1": spoilt(random, level),
-        "sensor_1": (random.random(SCANS) > 0.03).astype(float),
+        "level.pv": spoilt(random, level),
+        "level.good": (random.random(SCANS) > 0.03).astype(float),
         "time_step": spoilt(random, np.full(SCANS, 2.0)),
     }
-    for i in (1, 2):
-        given[f"mode_{i}"] = random.choice([0.0, 1.0, 1.0, 1.0, 2.0], SCANS)
-        given[f"manual_{i}"] = spoilt(random, random.choice([0.0, 0.5, 1.0], SCANS))
-        given[f"tracking_{i}"] = spoilt(random, random.random(SCANS))
+    for pump in ("duty", "standby"):
+        given[f"{pump}.mode"] = random.choice([0.0, 1.0, 1.0, 1.0, 2.0], SCANS)
+        given[f"{pump}.manual"] = spoilt(random, random.choice([0.0, 0.5, 1.0], SCANS))
+        given[f"{pump}.tracking"] = spoilt(random, random.random(SCANS))
     inputs = {signal.name: given[signal.name] for signal in program.inputs}
     run = Kernel(program).run(SCANS, inputs=inputs)
     engine = np.column_stack([run.output(signal.name)[0] for signal in program.outputs])

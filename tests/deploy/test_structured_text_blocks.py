@@ -113,17 +113,19 @@ def test_a_port_may_be_a_word_of_the_system():
     np.testing.assert_array_equal(found, InterpretedText(program_of(law)).run(inputs))
 
 
-def test_an_instance_may_have_the_name_of_a_signal():
+@pytest.mark.parametrize(("instance", "name"), [("total", "total"), ("sum_total", "sum.total")])
+def test_an_instance_may_have_the_name_of_a_signal(instance, name):
     """As in a block whose integral is computed by another block, called integral."""
     need_grammar()
 
     def equations(s):
-        found = FILTER("total", {"x": s["u"], "share": 0.5, "most": 3.0}, s)
-        return Equations(found.next_state, {"total": found.outputs["y"]})
+        found = FILTER(instance, {"x": s["u"], "share": 0.5, "most": 3.0}, s)
+        total = found.outputs["y"]
+        return Equations(found.next_state, {"y": total * total + total}, {name: total})
 
     law = step_law(
         "adder", inputs=[Signal("u")], parameters=[], state=FILTER.state,
-        outputs=[Signal("total")], equations=equations,
+        outputs=[Signal("y")], equations=equations,
     )  # fmt: skip
     inputs = {"u": scans()["u"]}
     found = InterpretedText(structured_program_of(law), dialect="scl").run(inputs)

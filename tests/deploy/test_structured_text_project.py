@@ -54,7 +54,7 @@ def project(dialect="matiec", precision="double", period=1.0):
 def run_in_text(text: str, step: dict[str, float]) -> dict[str, np.ndarray]:
     """Run the program; after a third of the scans an engineer sets what `step` says."""
     program = StructuredText(text).instance("tank_pi_test")
-    seen = ("level_1", "level_2", "manipulated_1", "manipulated_2", "status_1", "watchdog")
+    seen = ("level_1", "level_2", "pump_1_out", "pump_2_out", "pump_1_status", "watchdog")
     rows = []
     for scan in range(SCANS):
         if scan == SCANS // 3:
@@ -68,7 +68,7 @@ def test_it_moves_as_the_loop_of_the_engine():
     need("tree_sitter_iec61131_3_st")
     analysis, controller, text = project()
     at = analysis.operating_point.as_dict()
-    found = run_in_text(text, {"setpoint_1": FACTOR * at["level_1"], "inflow_2": 2e-6})
+    found = run_in_text(text, {"level_1_sp": FACTOR * at["level_1"], "inflow_2": 2e-6})
     process, late = analysis.operating_point.process, slice(SCANS // 3, None)
     setpoints = np.tile([at["level_1"], at["level_2"]], (SCANS, 1))
     disturbances = np.tile([at[signal.name] for signal in process.disturbances], (SCANS, 1))
@@ -81,9 +81,9 @@ def test_it_moves_as_the_loop_of_the_engine():
         expected = run.values[f"pump_{number}"]
         assert np.ptp(expected) > 0.1
         # The engine fuses multiplications into additions of the process, the text cannot.
-        assert found[f"manipulated_{number}"] == pytest.approx(expected, abs=1e-9)
+        assert found[f"pump_{number}_out"] == pytest.approx(expected, abs=1e-9)
     assert found["level_1"][:-1] == pytest.approx(run.true_measurement("level_1")[1:], abs=1e-9)
-    assert set(found["status_1"]) == {1.0} and found["watchdog"][-1] == SCANS
+    assert set(found["pump_1_status"]) == {1.0} and found["watchdog"][-1] == SCANS
 
 
 @pytest.mark.parametrize(
@@ -93,12 +93,12 @@ def test_all_dialects_run_the_same(precision):
     need("tree_sitter_iec61131_3_st")
     texts = {name: project(name, precision)[2] for name in ("matiec", "codesys", "scl")}
     texts["scl"] = standard_text(texts["scl"])
-    step = {"mode_1": 0, "manual_1": np.float32(2.5) if precision == "single" else 2.5}
+    step = {"pump_1_mode": 0, "pump_1_manual": np.float32(2.5) if precision == "single" else 2.5}
     tables = {name: run_in_text(text, step) for name, text in texts.items()}
     for name in tables["matiec"]:
         for other in ("codesys", "scl"):
             assert np.array_equal(tables["matiec"][name], tables[other][name])
-    assert tables["matiec"]["manipulated_1"][-1] == 2.5
+    assert tables["matiec"]["pump_1_out"][-1] == 2.5
 
 
 def test_each_system_gets_its_own_frame():
@@ -123,8 +123,8 @@ def test_what_an_engineer_sets_starts_at_rest():
     analysis, _, text = project()
     at = analysis.operating_point.as_dict()
     program = text[text.index("PROGRAM tank_pi_test") :]
-    for name, value in (("setpoint_1", at["level_1"]), ("manual_2", at["pump_2"]),
-                        ("tracking_1", at["pump_1"]), ("time_step", 1.0)):  # fmt: skip
+    for name, value in (("level_1_sp", at["level_1"]), ("pump_2_manual", at["pump_2"]),
+                        ("pump_1_tracking", at["pump_1"]), ("time_step", 1.0)):  # fmt: skip
         found = re.search(rf"^  {name} : LREAL := ([-\d.E]+);", program, re.MULTILINE)
         assert found is not None and float(found[1]) == value
 
@@ -152,25 +152,25 @@ def test_milliseconds_are_exact():
 
 
 def test_wires_that_do_not_fit():
-    law = Program("law", (), (Signal("measurement_1"),), (), (Signal("manipulated_1"),),
+    law = Program("law", (), (Signal("level_1.pv"),), (), (Signal("pump_1.out"),),
                   Block(1, (), (0,)))  # fmt: skip
     tank = Program("tank", (), (Signal("pump_1"),), (), (Signal("level_1"),), Block(1, (), (0,)))
-    good = {"measurement_1": "level_1", "manipulated_1": "pump_1"}
-    assert wired(law, tank, good, 1.0).measured == {"measurement_1": "level_1"}
+    good = {"level_1.pv": "level_1", "pump_1.out": "pump_1"}
+    assert wired(law, tank, good, 1.0).measured == {"level_1.pv": "level_1"}
     for name, wire, what in (
-        ("measurement_1", "level_2", "an output of the process: level_1"),
-        ("manipulated_1", "valve_1", "an input of the process: pump_1"),
+        ("level_1.pv", "level_2", "an output of the process: level_1"),
+        ("pump_1.out", "valve_1", "an input of the process: pump_1"),
     ):
         with pytest.raises(InputError, match=f"law, {name}: got '{wire}', expected {what}"):
             print_test_project(law, tank, good | {name: wire}, 1.0)
     with refused(value="no wire"):
-        print_test_project(law, tank, {"manipulated_1": "pump_1"}, 1.0)
+        print_test_project(law, tank, {"pump_1.out": "pump_1"}, 1.0)
     with refused(value="LAW", expected="a name that differs"):
         print_test_project(law, dataclasses.replace(tank, name="LAW"), good, 1.0)
 
 
-#: Types of inputs that are not real, by their stem.
-KINDS = {"mode": "DINT", "start": "DINT", "sensor": "BOOL", "acknowledge": "BOOL"}
+#: Types of inputs that are not real, by the end of their names.
+KINDS = {"mode": "DINT", "start": "DINT", "good": "BOOL", "acknowledge": "BOOL"}
 PAGE = Path(__file__).parents[2] / "docs" / "plc.md"
 
 
@@ -188,7 +188,7 @@ def test_the_table_of_the_page_holds():
     table = PAGE.read_text(encoding="utf-8").split("<!-- numbers: begin -->\n")[1]
     rows = table.split("<!-- numbers: end -->")[0].splitlines()
     assert len(rows) == 11
-    seen = ("level_1", "level_2", "manipulated_1", "manipulated_2", "status_1")
+    seen = ("level_1", "level_2", "pump_1_out", "pump_2_out", "pump_1_status")
     scans = 0
     for line in rows:
         what, after, *expected = (cell.strip() for cell in line.split("|")[1:-1])
@@ -201,7 +201,7 @@ def test_the_table_of_the_page_holds():
             program.run()
         scans = int(after)
         found = [f"{float(program.state[name]):.4f}" for name in seen[:4]]
-        assert [*found, str(program.state["status_1"])] == expected, (what, after)
+        assert [*found, str(program.state["pump_1_status"])] == expected, (what, after)
 
 
 def test_the_wiring_of_the_page_runs():
@@ -213,7 +213,7 @@ def test_the_wiring_of_the_page_runs():
     # The grammar takes inputs in the call only; CODESYS and TwinCAT take assignments as well.
     assigned = re.findall(r"^ *control\.(\w+) := (.*);$", wiring, re.MULTILINE)
     names = list(dict.fromkeys(name for name, _ in assigned))
-    declared = "".join(f"  {name}_in : {KINDS.get(name.rpartition('_')[0] or name, 'LREAL')};\n"
+    declared = "".join(f"  {name}_in : {KINDS.get(name.rpartition('_')[2], 'LREAL')};\n"
                        for name in names)  # fmt: skip
     # The clock of the PLC, in ms.
     wiring = (
@@ -236,11 +236,11 @@ def test_the_wiring_of_the_page_runs():
 
     steps: list[float] = []
 
-    assert run(raw_level_1=round(0.6 * 27648), operator_manual_1=4.0) == 4.0
-    assert program.state["raw_pump_1"] == round(0.4 * 27648)
-    assert 4.0 < run(operator_mode_1=1, operator_setpoint_1=7.0) < 10.0
-    assert run(local_control_1=True, position_1=5.5) == 5.5
-    assert run(5, local_control_1=False, raw_level_1=-4864) == 0.0
+    assert run(level_1_raw=round(0.6 * 27648), operator_pump_1_manual=4.0) == 4.0
+    assert program.state["pump_1_raw"] == round(0.4 * 27648)
+    assert 4.0 < run(operator_pump_1_mode=1, operator_level_1_sp=7.0) < 10.0
+    assert run(pump_1_local=True, pump_1_position=5.5) == 5.5
+    assert run(5, pump_1_local=False, level_1_raw=-4864) == 0.0
     assert steps == [1.0] + 7 * [1.003]
 
 
@@ -253,5 +253,5 @@ def test_an_unwired_block_shows_what_the_page_says():
     for scan in range(10):
         instance.run()
         for number in (1, 2):
-            assert instance.state[f"status_{number}"] == int(first if scan < 4 else later)
-            assert instance.state[f"manipulated_{number}"] == 0.0
+            assert instance.state[f"pump_{number}_status"] == int(first if scan < 4 else later)
+            assert instance.state[f"pump_{number}_out"] == 0.0

@@ -4,12 +4,12 @@ import casadi as ca
 import numpy as np
 import pytest
 from deployed import CompiledC, all_bits
+from test_needed import IDLE
 
 from clepsydra import Signal, program_of
 from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.program.counted_loop import counted_loop
-from clepsydra.program.needed import needed_part
-from clepsydra.program.program import Block, Conditional, Loop, Operation, Program
+from clepsydra.program.program import Program
 from clepsydra.program.step_law import Equations, step_law
 
 
@@ -46,33 +46,6 @@ def test_a_law_hands_a_loop_more_than_it_reads(body, tmp_path):
     proved(program_of(law), tmp_path)
 
 
-def test_a_carried_value_that_only_feeds_itself_and_others_like_it(tmp_path):
-    """The second and third values of a turn make one another, and nobody reads either."""
-    turn = Block(
-        3,
-        (Operation(3, "add", (0, 0)), Operation(4, "add", (1, 2)), Operation(5, "negate", (1,))),
-        (3, 4, 5),
-    )
-    statements = (
-        Operation(1, "floor", (0,)),
-        Loop((2, 3, 4), 2, turn, (), (0, 1, 1), (), "turns"),
-    )
-    program = Program("law", (), (Signal("x"),), (), (Signal("y"),), Block(1, statements, (2,)))
-    kept, read = needed_part(program.block)
-    assert [type(statement).__name__ for statement in kept.statements] == ["Loop"]
-    assert read[0] == 1 and read[1] == 0
-    proved(program, tmp_path)
-
-
-def test_the_condition_of_a_body_that_hands_on_what_it_gets(tmp_path):
-    statements = (
-        Operation(2, "constant", (), 0.1),
-        Operation(3, "less", (1, 2)),
-        Conditional((4,), 3, Block(1, (), (0,)), (0,), (), "nothing"),
-        Operation(5, "add", (4, 4)),
-    )
-    block = Block(2, statements, (5,), frozenset({3}))
-    program = Program("law", (), (Signal("x"), Signal("y")), (), (Signal("z"),), block)
-    kept, _ = needed_part(block)
-    assert [getattr(s, "code", "conditional") for s in kept.statements] == ["conditional", "add"]
-    proved(program, tmp_path)
+@pytest.mark.parametrize("name", IDLE)
+def test_what_nobody_reads_in_a_loop_or_a_conditional(name, tmp_path):
+    proved(IDLE[name], tmp_path)

@@ -166,11 +166,11 @@ def derivatives_at_rest(controller, point):
     law, at = controller.law, point.as_dict()
     inputs = {signal.name: 1.0 for signal in law.inputs}  # automatic, and every sensor is sound
     inputs["time_step"] = point.process.sampling_period
-    inputs |= {f"setpoint_{j}": at[name] for j, name in enumerate(controller.setpoints, 1)}
-    inputs |= {f"measurement_{j}": at[name] for j, name in enumerate(controller.measurements, 1)}
+    inputs |= {f"{name}.sp": at[name] for name in controller.setpoints}
+    inputs |= {f"{name}.pv": at[name] for name in controller.measurements}
     x, w, p = (ca.SX.sym(name, law.function.numel_in(k)) for k, name in enumerate("xwp"))
     after, outputs, _ = law.function(x, w, p)
-    moved = [k for k, signal in enumerate(law.outputs) if signal.name.startswith("manipulated_")]
+    moved = [k for k, signal in enumerate(law.outputs) if signal.part == "out"]
     results = [ca.jacobian(y, v) for y in (after, outputs[moved]) for v in (x, w)]
     A, B, C, D = (
         np.array(matrix)
@@ -181,8 +181,8 @@ def derivatives_at_rest(controller, point):
         )
     )
     names = [signal.name for signal in law.inputs]
-    wanted = [f"setpoint_{j}" for j in range(1, len(controller.setpoints) + 1)]
-    wanted += [f"measurement_{j}" for j in range(1, len(controller.measurements) + 1)]
+    wanted = [f"{name}.sp" for name in controller.setpoints]
+    wanted += [f"{name}.pv" for name in controller.measurements]
     columns = [names.index(name) for name in wanted]
     B, D = B[:, columns], D[:, columns]
     moves = np.any(np.hstack([A - np.eye(len(A)), B]) != 0.0, axis=1)

@@ -125,14 +125,16 @@ def test_controller_acts_on_measurements_with_the_feedback_of_the_states(phase, 
     gains = lqi_gains(tank.model, np.ones(2), np.full(2, voltage), horizon, 1.0)
     assert controller.measurements == ("level_1", "level_2", "level_3", "level_4")
     for i in (1, 2):
-        row = [values[f"feedback_{i}_{j}"] for j in range(1, 5)]
+        row = [values[f"pump_{i}.feedback.level_{j}"] for j in range(1, 5)]
         assert row == pytest.approx(gains.feedback[i - 1] / 50.0, rel=1e-7)
-        assert values[f"integral_gain_{i}_1"] == pytest.approx(gains.integral[i - 1, 0], rel=1e-7)
-        assert values[f"bias_{i}"] == voltage
-        assert values[f"tracking_time_{i}"] == pytest.approx(
+        assert values[f"pump_{i}.integral_gain.level_1"] == pytest.approx(
+            gains.integral[i - 1, 0], rel=1e-7
+        )
+        assert values[f"pump_{i}.bias"] == voltage
+        assert values[f"pump_{i}.tracking_time"] == pytest.approx(
             math.hypot(*row[:2]) / math.hypot(*gains.integral[i - 1]), rel=1e-7
         )
-    assert [values[f"reference_measurement_{j}"] for j in range(1, 5)] == [
+    assert [values[f"level_{j}.reference"] for j in range(1, 5)] == [
         at[f"level_{j}"] for j in range(1, 5)
     ]
 
@@ -142,7 +144,7 @@ def test_smaller_errors_and_larger_moves_make_it_faster(minimum_phase, sampled_a
     model = sampled_at(minimum_phase.model, 0.01)
 
     def gain(**options):
-        return design_lqi(model, **options).values["integral_gain_1_1"]
+        return design_lqi(model, **options).values["pump_1.integral_gain.level_1"]
 
     usual = gain()
     assert gain(maximum_errors={"level_1": 0.5, "level_2": 0.5}) == pytest.approx(

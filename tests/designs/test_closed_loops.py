@@ -34,10 +34,10 @@ def run(tank, controller, steps):
         zip([s.name for s in process.measurements], ca.vertsplit(50.0 * x), strict=True)
     )
     inputs = {s.name: ca.SX(1.0) for s in law.inputs}
-    for j, name in enumerate(controller.measurements, start=1):
-        inputs[f"measurement_{j}"] = measured[name]
-    for j, name in enumerate(controller.setpoints, start=1):
-        inputs[f"setpoint_{j}"] = r[("level_1", "level_2").index(name)]
+    for name in controller.measurements:
+        inputs[f"{name}.pv"] = measured[name]
+    for name in controller.setpoints:
+        inputs[f"{name}.sp"] = r[("level_1", "level_2").index(name)]
     values = [controller.values[s.name] for s in law.parameters]
     kept, outputs, _ = law.function(
         memory, ca.vertcat(*(inputs[s.name] for s in law.inputs)), values
@@ -87,7 +87,7 @@ def test_a_setpoint_out_of_reach_leaves_no_windup_behind(name, anti_windup, mini
         else {"form": PidForm(anti_windup=anti_windup)}
     )
     controller = DESIGNS[name](tank.model, PAIRINGS["minimum_phase"], **option)
-    weak_pumps = {f"high_limit_{i}": 4.0 for i in (1, 2)}
+    weak_pumps = {f"pump_{i}.high_limit": 4.0 for i in (1, 2)}
     controller = dataclasses.replace(controller, values=controller.values | weak_pumps)
     at = tank.model.point.as_dict()
     rest = {"level_1": at["level_1"], "level_2": at["level_2"]}

@@ -54,15 +54,17 @@ def test_simc_takes_dead_time_and_half_the_smaller_lag_for_delay(tmp_path):
     theta, tau = 30.0 + 1.0 + times[0] / 2, times[1] + times[0] / 2
     slope = abs(analysis.static_gain[0, 0]) / tau
     chosen = design_simc(analysis.model, analysis.pairing, closed_loop_time_constant=theta)
-    assert chosen.values["proportional_gain_1"] == pytest.approx(1 / (slope * 2 * theta), rel=1e-9)
-    assert chosen.values["integral_time_1"] == pytest.approx(min(tau, 8 * theta), rel=1e-9)
+    assert chosen.values["level_2.proportional_gain"] == pytest.approx(
+        1 / (slope * 2 * theta), rel=1e-9
+    )
+    assert chosen.values["level_2.integral_time"] == pytest.approx(min(tau, 8 * theta), rel=1e-9)
 
 
 def test_phase_margin_is_exact_with_dead_time(tmp_path):
     analysis = analyse(process_with(tmp_path, 20.0))
     omega = 0.008
     made = design_phase_margin(analysis.model, analysis.pairing, crossover=omega)
-    gain, time = made.values["proportional_gain_1"], made.values["integral_time_1"]
+    gain, time = made.values["level_2.proportional_gain"], made.values["level_2.integral_time"]
     s = 1j * omega
     fast, slow = -analysis.poles.real[::-1]
     plant = analysis.static_gain[0, 0] * fast * slow / ((s + fast) * (s + slow))
@@ -77,7 +79,7 @@ def test_the_sensitivity_peak_is_that_of_a_sweep(tmp_path, delay):
     analysis = analyse(process)
     model = linearise(analysis.operating_point)
     made = design_simc(analysis.model, analysis.pairing)
-    gain, time = made.values["proportional_gain_1"], made.values["integral_time_1"]
+    gain, time = made.values["level_2.proportional_gain"], made.values["level_2.integral_time"]
     # The held process by partial fractions of its step response, shifted by the dead time.
     fast, slow = -analysis.poles.real[::-1]
     static = analysis.static_gain[0, 0]
@@ -102,7 +104,7 @@ def test_too_high_a_gain_for_the_dead_time_is_unstable(tmp_path):
     process = process_with(tmp_path, 37.3)
     analysis = analyse(process)
     made = design_simc(analysis.model, analysis.pairing)
-    wild = replace(made, values={**made.values, "proportional_gain_1": 0.02})
+    wild = replace(made, values={**made.values, "level_2.proportional_gain": 0.02})
     assert sampled_loop(wild, linearise(analysis.operating_point)).maximum_sensitivity == np.inf
 
 

@@ -90,7 +90,7 @@ def test_with_an_observer_the_output_follows_too(name):
     model = analyse(process).model
     measurements = ["level_1", "level_2"] if name == "quadruple-tank" else None
     observed = design_feedback_linearisation(model, measurements=measurements)
-    assert any(state.startswith("estimate_") for state in observed.initial_state)
+    assert any(state.endswith(".estimate") for state in observed.initial_state)
     size = 0.02 * process.signal(process.controlled[0]).span
     found = stepped(observed, model, 0, size, 600)[process.controlled[0]]
     assert found[-1] == pytest.approx(size, rel=1e-3)
@@ -187,24 +187,22 @@ def test_alpha_on_the_input_counts_by_the_effect_of_the_input():
     of_input = design_feedback_linearisation(model, settings=PLAIN, alpha_on="input")
     # Johansson's γ k/A on sensors of 0.5 V/cm.
     for j, effect in ((1, 0.5 * 0.7 * 3.33 / 28), (2, 0.5 * 0.6 * 3.35 / 32)):
-        rate = of_virtual.values[f"saturation_rate_{j}"]
-        assert of_input.values[f"saturation_feedback_{j}"] == pytest.approx(rate * effect)
+        rate = of_virtual.values[f"level_{j}.saturation_rate"]
+        assert of_input.values[f"level_{j}.saturation_feedback"] == pytest.approx(rate * effect)
     # Where each input moves its own output alone, an excess dies away alike in both.
     left = []
     for controller in (of_virtual, of_input):
-        given = {"time_step": 1.0, "setpoint_1": 10.0, "setpoint_2": 10.0}
-        given |= {f"measurement_{k}": 5.0 for k in range(1, 5)}
-        given |= {f"{what}_{k}": 1.0 for what in ("sensor", "mode") for k in range(1, 5)}
-        state = dict(controller.initial_state)
-        state |= {f"virtual_integral_{j}": 2.0 for j in (1, 2)}
+        given = {"time_step": 1.0, "sp": 10.0, "pv": 5.0, "good": 1.0, "mode": 1.0}
+        integrals = [f"level_{j}.virtual_integral" for j in (1, 2)]
+        state = controller.initial_state | dict.fromkeys(integrals, 2.0)
         law = controller.law
         following, _, _ = law.function(
             [state[entry.name] for entry in law.state],
-            [given.get(signal.name, 0.0) for signal in law.inputs],
+            [given.get(signal.part, 0.0) for signal in law.inputs],
             [controller.values[parameter.name] for parameter in law.parameters],
         )
         names = [entry.name for entry in law.state]
-        left.append([float(following[names.index(f"virtual_integral_{j}")]) for j in (1, 2)])
+        left.append([float(following[names.index(name)]) for name in integrals])
     assert left[1] == pytest.approx(left[0], rel=1e-9)
     assert 1.0 < max(left[0]) < 1.9
 
@@ -220,7 +218,7 @@ def test_an_alpha_that_is_no_rate_is_refused_in_words(alpha, alpha_on):
 def test_an_alpha_on_the_input_is_taken_in_its_own_unit():
     model = analysed("quadruple-tank").model
     usual = design_feedback_linearisation(model, settings=PLAIN, alpha_on="input")
-    given = [usual.values[f"saturation_feedback_{j}"] for j in (1, 2)]
+    given = [usual.values[f"level_{j}.saturation_feedback"] for j in (1, 2)]
     again = design_feedback_linearisation(model, settings=PLAIN, alpha_on="input", alpha=given)
     assert again.values == pytest.approx(usual.values)
 

@@ -47,24 +47,24 @@ def test_the_rule_for_two_sets_is_their_sum():
 def surface():
     """Return f(errors, changes) as shares, read off the law of one loop: du/dt = g f."""
     controller = design_fuzzy_pi(analysed("three-tanks").model)
-    law = controller.law
-    values = controller.values | {"low_limit_1": -1e6, "high_limit_1": 1e6}
+    law, (y,), (u,) = controller.law, controller.measurements, controller.manipulated
+    values = controller.values | {f"{u}.low_limit": -1e6, f"{u}.high_limit": 1e6}
     parameters = [values[parameter.name] for parameter in law.parameters]
 
     def found(errors, changes):
         level = {  # of zero, which was another a second ago
-            "mode_1": 1.0,
-            "sensor_1": 1.0,
+            "mode": 1.0,
+            "good": 1.0,
             "time_step": 1.0,
-            "setpoint_1": errors / values["input_gain_1"],
-            "filtered_2": -changes / values["input_gain_2"],
+            "sp": errors / values[f"{y}.error.gain"],
+            "filtered": -changes / values[f"{y}.change.gain"],
         }
         state, inputs = (
-            np.stack([np.broadcast_to(level.get(s.name, 0.0), errors.shape) for s in signals])
+            np.stack([np.broadcast_to(level.get(s.part, 0.0), errors.shape) for s in signals])
             for signals in (law.state, law.inputs)
         )
         _, outputs, _ = law.function(state, inputs, np.array(parameters))
-        return np.array(outputs)[0] / values["output_gain_1"]
+        return np.array(outputs)[0] / values[f"{u}.output_gain"]
 
     return found
 
@@ -95,10 +95,10 @@ def test_at_rest_it_is_the_linear_controller():
     s_e, s_c = slopes_at_rest()
     v, w = fuzzy.values, linear.values
     for i in (1, 2):
-        proportional = -v[f"output_gain_{i}"] * s_c * v[f"input_gain_{2 * i}"]
-        integral = v[f"output_gain_{i}"] * s_e * v[f"input_gain_{2 * i - 1}"]
-        assert proportional == pytest.approx(w[f"proportional_gain_{i}"])
-        assert integral == pytest.approx(w[f"proportional_gain_{i}"] / w[f"integral_time_{i}"])
+        gain, time = w[f"level_{i}.proportional_gain"], w[f"level_{i}.integral_time"]
+        output_gain = v[f"pump_{i}.output_gain"]
+        assert -output_gain * s_c * v[f"level_{i}.change.gain"] == pytest.approx(gain)
+        assert output_gain * s_e * v[f"level_{i}.error.gain"] == pytest.approx(gain / time)
     peaks = [sampled_loop(c, analysis.model).maximum_sensitivity for c in (fuzzy, linear)]
     assert peaks[0] == pytest.approx(peaks[1], rel=0.05)
 

@@ -12,6 +12,7 @@ from scipy.signal import cont2discrete
 
 import clepsydra as cl
 from clepsydra import NotApplicable, PidForm, Signal, python_law
+from clepsydra.base.signal import effect, elements, path
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.glover_mcfarlane import REDUCTION_COST, design_glover_mcfarlane
 from clepsydra.designs.loop_shaping.coprime_factors import coprime_factors
@@ -305,7 +306,7 @@ def test_it_is_robust_on_every_process_of_the_catalogue(name):
     # The order is the lowest that keeps the norm within two per cent of what full order keeps.
     plant = shaped(name)
     full = coprime_factors(plant.system)
-    order = sum(s.startswith("memory_") for s in controller.initial_state) - len(
+    order = sum(s.startswith("memory.") for s in controller.initial_state) - len(
         plant.precompensator.system.A
     )
     limit = 1.1 * full.smallest_gamma * REDUCTION_COST
@@ -330,29 +331,23 @@ def out_of_reach(loop, size, samples, back):
                     np.zeros((samples, len(loop.process.measurements))), (), 1)  # fmt: skip
 
 
-def matrix_of(controller, prefix, rows, columns):
-    """Return the numbers that a controller holds as prefix_i_j, zero where there is none."""
-    values = controller.values
-    return np.array(
-        [
-            [values.get(f"{prefix}_{i + 1}_{j + 1}", 0.0) for j in range(columns)]
-            for i in range(rows)
-        ]
-    )
-
-
 def matrices(controller):
     """Return A, B, M, C and D of z⁺ = A z + B e + M u, u = C z + D e."""
-    n = sum(name.startswith("memory_") for name in controller.initial_state)
-    m, p = len(controller.manipulated), len(controller.measurements)
-    shapes = {
-        "transition": (n, n),
-        "error_effect": (n, p),
-        "output_effect": (n, m),
-        "memory_gain": (m, n),
-        "error_gain": (m, p),
+    z = [name for name in controller.initial_state if name.startswith("memory.")]
+    u, y = controller.manipulated, controller.measurements
+    ends = {
+        "transition": (z, z),
+        "error_effect": (z, y),
+        "output_effect": (z, u),
+        "memory_gain": (u, z),
+        "error_gain": (u, y),
     }
-    return {prefix: matrix_of(controller, prefix, *shape) for prefix, shape in shapes.items()}
+    return {
+        name: np.array(
+            [[controller.values.get(effect(i, name, j), 0.0) for j in columns] for i in rows]
+        )
+        for name, (rows, columns) in ends.items()
+    }
 
 
 def untold(controller):
@@ -365,44 +360,41 @@ def without_conditioning(controller, model):
     """Return it as a law of its own, within the same limits, of which it does not hear."""
     A, B, C, D = untold(controller)
 
-    def names(what, count):
-        return [f"{what}_{i + 1}" for i in range(count)]
-
-    def named(what, values):
-        return dict(zip(names(what, len(values)), values, strict=True))
+    memory = elements("memory", len(A))
+    pv, sp = ([f"{y}.{part}" for y in controller.measurements] for part in ("pv", "sp"))
+    bias, out = ([f"{u}.{part}" for u in controller.manipulated] for part in ("bias", "out"))
 
     def step(state, inputs, parameters, time_step):
-        x, y, r, bias = (
-            np.array([given[name] for name in names(what, count)])
-            for given, what, count in (
-                (state, "memory", len(A)),
-                (inputs, "measurement", B.shape[1]),
-                (inputs, "setpoint", B.shape[1]),
-                (parameters, "bias", len(C)),
-            )
+        x, y, r, u = (
+            np.array([given[name] for name in names])
+            for given, names in ((state, memory), (inputs, pv), (inputs, sp), (parameters, bias))
         )
         e = y - r
-        return named("memory", A @ x + B @ e), named("manipulated", bias + C @ x + D @ e)
+        return (
+            dict(zip(memory, A @ x + B @ e, strict=True)),
+            dict(zip(out, u + C @ x + D @ e, strict=True)),
+        )
 
-    def signals(what, count):
-        return [Signal(name) for name in names(what, count)]
+    def signals(names):
+        return [Signal(name) for name in names]
 
     law = python_law(
         "untold",
         step,
-        inputs=signals("setpoint", B.shape[1]) + signals("measurement", B.shape[1]),
-        parameters=signals("bias", len(C)),
-        state=signals("memory", len(A)),
-        outputs=signals("manipulated", len(C)),
+        inputs=signals(sp + pv),
+        parameters=signals(bias),
+        state=signals(memory),
+        outputs=signals(out),
     )
-    kept = ("bias_", "low_limit_", "high_limit_")
+    kept = ("bias", "low_limit", "high_limit")
+    values = {path(u, part) for u in controller.manipulated for part in kept}
     return own_controller(
         model,
         law,
         measurements=controller.measurements,
         setpoints=controller.setpoints,
         manipulated=controller.manipulated,
-        values={k: v for k, v in controller.values.items() if k.startswith(kept)},
+        values={name: controller.values[name] for name in values},
     )
 
 
@@ -410,7 +402,7 @@ def test_saturation_does_not_wind_it_up():
     """Pumps that may give 3.3 V of 10 V cannot reach the setpoint in five minutes."""
     analysis = analysed("quadruple-tank")
     told = design_glover_mcfarlane(analysis.model, analysis.pairing)
-    told = replace(told, values=told.values | {"high_limit_1": 3.3, "high_limit_2": 3.3})
+    told = replace(told, values=told.values | {"pump_1.high_limit": 3.3, "pump_2.high_limit": 3.3})
     outcome = {}
     deaf = without_conditioning(told, analysis.model)
     for key, controller in (("told", told), ("untold", deaf)):
@@ -442,8 +434,8 @@ def test_a_number_out_of_range_is_refused(option, value):
 def weighted(model, pairing):
     """Return PI control that answers to setpoint and measurement differently."""
     simc = design_simc(model, pairing)
-    halved = {"setpoint_weight_1": 0.5}
-    remembered = {"last_setpoint_weight_1": 0.5}
+    halved = {"level_1.setpoint_weight": 0.5}
+    remembered = {"level_1.last_setpoint_weight": 0.5}
     return replace(simc, values=simc.values | halved, initial_state=simc.initial_state | remembered)
 
 
@@ -485,7 +477,7 @@ def test_a_precompensator_that_cannot_be_inverted_is_told_by_its_own_observer():
     model, pairing = analysis.model, analysis.pairing
     period = analysis.operating_point.process.sampling_period
     simc = design_simc(model, pairing)
-    rate = simc.values["proportional_gain_1"] / simc.values["integral_time_1"]
+    rate = simc.values["level_3.proportional_gain"] / simc.values["level_3.integral_time"]
     one = np.eye(1)
     system = SampledSystem(one, period * rate * one, one, 0.0 * one)
     shaping = Precompensator("I", system, simc.setpoints, simc.manipulated)

@@ -94,26 +94,26 @@ def test_lambda_of_an_integrator_places_a_double_pole():
 def test_lambda_of_an_integrating_level_uses_the_room_of_its_input(single_tank):
     values = design_lambda(single_tank([[0.0]], [0.02], [1.0]), PAIR).values
     # 5 V of room for a step of 1 V, if that is slower than three delays of 0.5 s.
-    gain, Ti = values["proportional_gain_1"], values["integral_time_1"]
+    gain, Ti = values["level.proportional_gain"], values["level.integral_time"]
     assert gain == pytest.approx(5.0, rel=1e-9)
     time = (Ti - 0.5) / 2
     assert gain == pytest.approx((2 * time + 0.5) / (0.02 * (time + 0.5) ** 2), rel=1e-9)
     slow = single_tank([[0.0]], [2.0], [1.0], period=6.0)
-    Ti = design_lambda(slow, PAIR).values["integral_time_1"]
+    Ti = design_lambda(slow, PAIR).values["level.integral_time"]
     assert Ti == pytest.approx(2 * 9.0 + 3.0, rel=1e-9)
 
 
 def test_lambda_of_a_lag_is_no_faster_than_the_lag(single_tank):
     values = design_lambda(single_tank([[-0.02]], [0.04], [1.0]), PAIR).values
-    assert values["integral_time_1"] == pytest.approx(50.0, rel=1e-9)
-    assert values["proportional_gain_1"] == pytest.approx(50.0 / (2.0 * 50.5), rel=1e-9)
+    assert values["level.integral_time"] == pytest.approx(50.0, rel=1e-9)
+    assert values["level.proportional_gain"] == pytest.approx(50.0 / (2.0 * 50.5), rel=1e-9)
 
 
 def test_a_lag_much_longer_than_lambda_is_taken_as_an_integrator(single_tank):
     # 1 V/V per 5000 s and 5 V of room: λ ≈ 2/(k' K) = 40 s with k' = 0.01.
     slow = design_lambda(single_tank([[-0.0002]], [0.01], [1.0]), PAIR)
     pure = design_lambda(single_tank([[0.0]], [0.01], [1.0]), PAIR)
-    for name in ("proportional_gain_1", "integral_time_1"):
+    for name in ("level.proportional_gain", "level.integral_time"):
         assert slow.values[name] == pytest.approx(pure.values[name], rel=1e-9)
     assert "taken as integrating" in slow.notes[0]
     assert "taken as integrating" not in pure.notes[0]
@@ -121,7 +121,7 @@ def test_a_lag_much_longer_than_lambda_is_taken_as_an_integrator(single_tank):
     given = design_lambda(
         single_tank([[-0.0002]], [0.01], [1.0]), PAIR, closed_loop_time_constant=1000.0
     )
-    assert given.values["integral_time_1"] == pytest.approx(5000.0, rel=1e-9)
+    assert given.values["level.integral_time"] == pytest.approx(5000.0, rel=1e-9)
 
 
 # The basin of the catalogue: 1000 m², 5 m deep as 0 to 1, half full, load 0.12 m³/s.
@@ -143,15 +143,15 @@ def test_the_basin_lets_its_load_use_the_room(basin):
     # span = e · 0.4/r, λ² + (2θ − span) λ + θ² = 0 with θ half of a minute
     span, delay = math.e * 0.4 / load.rate, 30.0
     arrest = max(np.roots([1.0, 2 * delay - span, delay**2]))
-    assert controller.values["integral_time_1"] == pytest.approx(2 * arrest + delay, rel=1e-9)
+    assert controller.values["level.integral_time"] == pytest.approx(2 * arrest + delay, rel=1e-9)
     # The pump draws: it must run faster when the level rises.
-    assert controller.values["proportional_gain_1"] < 0.0
+    assert controller.values["level.proportional_gain"] < 0.0
     assert "a load step of inflow by 0.12 m^3/s" in controller.notes[0]
 
 
 def test_half_the_deviation_is_half_the_arrest_time(basin):
     times = [
-        design_arrest_time(basin.model, basin.pairing, deviation=d).values["integral_time_1"]
+        design_arrest_time(basin.model, basin.pairing, deviation=d).values["level.integral_time"]
         for d in (0.4, 0.2)
     ]
     # Up to the delay of half a minute in hours.
@@ -160,7 +160,7 @@ def test_half_the_deviation_is_half_the_arrest_time(basin):
 
 def test_a_given_arrest_time_is_used(basin):
     values = design_arrest_time(basin.model, basin.pairing, arrest_time=3600.0).values
-    assert values["integral_time_1"] == pytest.approx(7230.0, rel=1e-9)
+    assert values["level.integral_time"] == pytest.approx(7230.0, rel=1e-9)
 
 
 def test_switches_of_pumps_limit_the_room():

@@ -40,8 +40,10 @@ def analysed(name):
 
 def settings_of(controller):
     return [
-        (controller.values[f"proportional_gain_{i}"], controller.values[f"integral_time_{i}"])
-        for i in range(1, len(controller.manipulated) + 1)
+        tuple(
+            controller.values[f"{level}.{name}"] for name in ("proportional_gain", "integral_time")
+        )
+        for level in controller.setpoints
     ]
 
 
@@ -75,9 +77,9 @@ def test_simc_on_minimum_phase_tanks_is_the_closed_form(minimum_phase):
         assert gain == pytest.approx(3.0, rel=1e-9)
         slope = tank.direct_gains[i] / tank.T[i]
         assert integral_time == pytest.approx(4.0 / (slope * 3.0), rel=1e-9)
-        assert controller.values[f"tracking_time_{i + 1}"] == integral_time
-        assert controller.values[f"low_limit_{i + 1}"] == 0.0
-        assert controller.values[f"high_limit_{i + 1}"] == 10.0
+        assert controller.values[f"level_{i + 1}.tracking_time"] == integral_time
+        assert controller.values[f"pump_{i + 1}.low_limit"] == 0.0
+        assert controller.values[f"pump_{i + 1}.high_limit"] == 10.0
     assert sampled_peak(tank.model, DIRECT, controller) < 1.2
     assert "K = 3 %/%" in controller.design
 
@@ -224,9 +226,9 @@ def test_a_crossover_beyond_pi_gets_a_pid_where_no_form_is_asked_for(minimum_pha
     for i in (0, 1):
         values = controller.values
         setting = PidSettings(
-            values[f"proportional_gain_{i + 1}"],
-            values[f"integral_time_{i + 1}"],
-            values[f"derivative_time_{i + 1}"],
+            values[f"level_{i + 1}.proportional_gain"],
+            values[f"level_{i + 1}.integral_time"],
+            values[f"level_{i + 1}.derivative_time"],
         )
         element = TransferElement(tank.direct_gains[i], (-1.0 / tank.T[i],), (), 0)
         size, margin = found_margin(element, 0.5, setting, 1.2)
@@ -242,8 +244,8 @@ def test_every_algorithm_is_one_sampled_loop(nonminimum_phase, design, algorithm
     other = design(model, CROSS, form=PidForm("PI", algorithm))
     assert other.design == one.design
     if algorithm == "parallel":
-        ratio = other.values["proportional_gain_1"] / other.values["integral_gain_1"]
-        assert ratio == pytest.approx(one.values["integral_time_1"], rel=1e-6)
+        ratio = other.values["level_1.proportional_gain"] / other.values["level_1.integral_gain"]
+        assert ratio == pytest.approx(one.values["level_1.integral_time"], rel=1e-6)
 
 
 def test_a_velocity_form_counts_the_error_of_this_sample_at_once(nonminimum_phase):
@@ -270,13 +272,19 @@ def test_a_simc_pid_is_the_same_controller_in_every_algorithm(nonminimum_phase, 
     ):
         values = controller.values
         if algorithm == "series":
-            assert values[f"derivative_time_{number}"] == pytest.approx(short, rel=1e-9)
+            assert values[f"level_{number}.derivative_time"] == pytest.approx(short, rel=1e-9)
         elif algorithm == "parallel":
-            Td = values[f"derivative_gain_{number}"] / values[f"proportional_gain_{number}"]
-            assert values[f"filter_time_{number}"] == pytest.approx(Td / 10.0, rel=1e-9)
+            Td = (
+                values[f"level_{number}.derivative_gain"]
+                / values[f"level_{number}.proportional_gain"]
+            )
+            assert values[f"level_{number}.filter_time"] == pytest.approx(Td / 10.0, rel=1e-9)
             assert Td < short
         else:
-            Ti, Td = values[f"integral_time_{number}"], values[f"derivative_time_{number}"]
+            Ti, Td = (
+                values[f"level_{number}.integral_time"],
+                values[f"level_{number}.derivative_time"],
+            )
             # Ti Td of the ISA form is that of the series form, and Ti' = τ1 or less.
             assert Ti * Td <= long * short * (1 + 1e-9)
             assert Td < short
@@ -343,8 +351,8 @@ def test_initial_state_is_rest_at_the_operating_point(minimum_phase):
             given = {"time_step": 1.0}
             for i in (1, 2):
                 level = at[f"level_{i}"]
-                given |= {f"setpoint_{i}": level, f"measurement_{i}": level}
-                given |= {f"sensor_{i}": 1.0, f"mode_{i}": 1.0}
+                given |= {f"level_{i}.sp": level, f"level_{i}.pv": level}
+                given |= {f"level_{i}.good": 1.0, f"pump_{i}.mode": 1.0}
             state = [controller.initial_state[s.name] for s in law.state]
             after, outputs, _ = law.function(
                 state,
@@ -353,9 +361,8 @@ def test_initial_state_is_rest_at_the_operating_point(minimum_phase):
             )
             assert np.array(after).ravel().tolist() == state
             kept = {s.name: value for s, value in zip(law.state, state, strict=True)}
-            assert [kept[f"{n}_{i}"] for n in ("integral", "last_output") for i in (1, 2)] == (
-                [3.0] * 4
-            )
+            for i in (1, 2):
+                assert kept[f"level_{i}.integral"] == kept[f"pump_{i}.last_output"] == 3.0
             assert [float(outputs[0]), float(outputs[2])] == [3.0, 3.0]
 
 
@@ -453,9 +460,17 @@ def test_wrong_requests_are_refused(minimum_phase, design, pairing, options, pla
     ("matrices", "period", "reason"),
     [
         # k' = 1e-9/s and τc + θ = 1 ms: K = 1e12.
-        (([[-1.0]], [1e-9], [1.0]), 1e-3, r"proportional_gain_1 would be 1e\+12, and a controller"),
+        (
+            ([[-1.0]], [1e-9], [1.0]),
+            1e-3,
+            r"level.proportional_gain would be 1e\+12, and a controller",
+        ),
         # A time constant of 1 ns.
-        (([[-1e9]], [1e9], [1.0]), 1e-9, "integral_time_1 would be .*e-0.*from 1e-06 to 1e.09 s"),
+        (
+            ([[-1e9]], [1e9], [1.0]),
+            1e-9,
+            "level.integral_time would be .*e-0.*from 1e-06 to 1e.09 s",
+        ),
     ],
 )
 def test_settings_that_no_controller_takes_are_not_applicable(

@@ -11,6 +11,7 @@ from scipy.optimize import linear_sum_assignment
 
 import clepsydra as cl
 from clepsydra import InputError, NotApplicable
+from clepsydra.base.signal import effect
 from clepsydra.designs.bryson import design_lqi
 from clepsydra.designs.linear_quadratic_regulator import design_lqr
 from clepsydra.designs.lqi_by_weights import design_lqi_by_weights
@@ -43,26 +44,22 @@ def observed(name, measurements, design):
     return OBSERVED[design](model_of(name), measurements=list(measurements))
 
 
-def matrix(controller, prefix, rows, columns):
-    """Return the matrix of parameters prefix_i_j, zero where there is none."""
-    return np.array(
-        [
-            [controller.values.get(f"{prefix}_{i}_{j}", 0.0) for j in range(1, columns + 1)]
-            for i in range(1, rows + 1)
-        ]
-    )
+def matrix(controller, name, rows, columns):
+    """Return a matrix from the names of its rows and columns, zero where there is no number."""
+    numbers = [controller.values.get(effect(i, name, j), 0.0) for i in rows for j in columns]
+    return np.reshape(numbers, (len(rows), len(columns)))
 
 
 def observer_of(controller):
     """Return Φ, Γ, C, M and F of a controller with an observer, from its parameters."""
-    N = sum(name.startswith("estimate_") for name in controller.initial_state)
-    m, p = len(controller.manipulated), len(controller.measurements)
+    x = [s.owner for s in controller.law.state if s.part == "estimate"]
+    u, y = controller.manipulated, controller.measurements
     return (
-        matrix(controller, "transition", N, N),
-        matrix(controller, "input_effect", N, m),
-        matrix(controller, "observation", p, N),
-        matrix(controller, "correction", N, p),
-        matrix(controller, "feedback", m, N),
+        matrix(controller, "transition", x, x),
+        matrix(controller, "input_effect", x, u),
+        matrix(controller, "observation", y, x),
+        matrix(controller, "correction", x, y),
+        matrix(controller, "feedback", u, x),
     )
 
 
@@ -102,8 +99,8 @@ def test_the_loop_has_the_poles_of_regulator_and_observer(name, measurements, de
     process = load_process(name)
     if design == "LQI":
         rows = [controller.measurements.index(name) for name in controller.setpoints]
-        q, m = len(rows), moved.shape[1]
-        integral = matrix(controller, "integral_gain", m, q)
+        m = moved.shape[1]
+        integral = matrix(controller, "integral_gain", controller.manipulated, controller.setpoints)
         # The integral behind its gain: I⁺ = I − Δt G C x.
         regulated = np.block(
             [
@@ -116,8 +113,8 @@ def test_the_loop_has_the_poles_of_regulator_and_observer(name, measurements, de
         n = len(held) - moved.shape[1]
         regulated = held[:n, :n] - moved[:n] @ feedback[:, :n]
         fading = [
-            1.0 - process.sampling_period / controller.values[f"fading_time_{i}"]
-            for i in range(1, moved.shape[1] + 1)
+            1.0 - process.sampling_period / controller.values[f"{u}.fading_time"]
+            for u in controller.manipulated
         ]
         wanted = [*errors, *np.linalg.eigvals(regulated), *fading]
     # States that act on no output have poles of their own.
@@ -208,7 +205,7 @@ def test_the_sensitivity_is_that_of_a_sweep():
     held, moved, shown, correction, feedback = observer_of(controller)
     process = sampled_process(model, 1.0)
     one, C = np.eye(3), model.C
-    gain = controller.values["integral_gain_1_1"]
+    gain = controller.values["feed.integral_gain.level_3"]
     z = np.exp(1j * np.geomspace(1e-5, np.pi, 20001))[:, None, None]
     plant = (C @ np.linalg.solve(z * one - process.held, process.moved))[:, 0, 0]
     # x̂c = (1 − M C) x̂ + M y, z x̂ = Φ x̂c + Γ u, u = −F x̂c − Δt G y/(z − 1).
@@ -294,8 +291,8 @@ def test_dead_time_is_estimated_by_what_is_on_its_way():
     names = [signal.name for signal in seen.estimated]
     # 5 s in samples of 2 s: tank 1 was one second ago what leaves the channel in part.
     assert names[:2] == ["tank_1.level", "tank_2.level"]
-    assert {name for name in names if name.startswith("tank_1.level ")} == {
-        f"tank_1.level {age} s before" for age in (1, 3, 5)
+    assert {name for name in names if name.startswith("tank_1.level.")} == {
+        f"tank_1.level.{age}_s_before" for age in (1, 3, 5)
     }
     assert seen.estimated[2].unit == "m"
 

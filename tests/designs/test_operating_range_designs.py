@@ -102,9 +102,9 @@ def test_every_peak_that_is_told_is_that_of_the_loop(quadruple):
     for k, (point, words) in enumerate(zip(points, told, strict=True), start=1):
         there = model_at(model, {"level_1": point})
         values = {
-            name.removesuffix(f"_at_{k}"): value
+            name.removesuffix(f".at.{k}"): value
             for name, value in controller.values.items()
-            if name.endswith(f"_at_{k}")
+            if name.endswith(f".at.{k}")
         }
         frozen = dataclasses.replace(plain, values={**plain.values, **values})
         peak = sampled_loop(frozen, with_outputs(there, plain.measurements)).maximum_sensitivity
@@ -118,8 +118,7 @@ def test_a_scheduled_pi_has_the_time_constant_asked_at_every_volume():
     controller = design_gain_scheduled_pid(
         analysis.model, analysis.pairing, over="volume", points=[0.5, 1.0, 2.0, 4.0]
     )
-    loop = controller.setpoints.index("concentration") + 1
-    gains = [controller.values[f"proportional_gain_{loop}_at_{k}"] for k in (1, 2, 3, 4)]
+    gains = [controller.values[f"concentration.proportional_gain.at.{k}"] for k in (1, 2, 3, 4)]
     assert np.array(gains) / gains[2] == pytest.approx(np.array([0.25, 0.5, 1.0, 2.0]), rel=1e-6)
 
 
@@ -135,9 +134,9 @@ def test_the_linear_model_of_a_slow_process_changes_by_the_same_share():
 def test_recomputed_lqi_starts_with_the_gains_of_lqi(name):
     model = analysed(name).model
     plain, recomputed = design_lqi(model), design_recomputed_lqi(model)
-    for i in range(1, len(model.inputs) + 1):
-        for j in range(1, len(model.outputs) + 1):
-            gain = f"integral_gain_{i}_{j}"
+    for u in model.inputs:
+        for y in model.outputs:
+            gain = f"{u}.integral_gain.{y}"
             found = recomputed.initial_state[gain]
             assert found == pytest.approx(plain.values[gain], rel=1e-8, abs=1e-12), gain
 

@@ -282,7 +282,7 @@ def test_designs_keep_the_rule_when_asked_and_a_peak_of_two_else(single_tank, na
     published = DESIGNS[name](model, PAIR, form=form, as_published=True)
     safe = DESIGNS[name](model, PAIR, form=form)
     peaks = [float(c.design.rpartition("together ")[2][:-1]) for c in (published, safe)]
-    ratio = published.values["proportional_gain_1"] / safe.values["proportional_gain_1"]
+    ratio = published.values["level.proportional_gain"] / safe.values["level.proportional_gain"]
     if peaks[0] > 2.0:
         assert peaks[1] == 2.0
         assert ratio > 1.0
@@ -299,11 +299,11 @@ def test_ziegler_nichols_in_the_sampled_loop_is_the_rule(single_tank):
     # Integrator 0.02/s sampled each 4 s: θ = 2 s, Ku = π/(2 · 0.02 · 2), Tu = 8 s.
     model = single_tank([[0.0]], [0.02], [1.0], period=4.0)
     values = design_ziegler_nichols(model, PAIR, as_published=True).values
-    assert values["proportional_gain_1"] == pytest.approx(0.45 * math.pi / 0.08, rel=1e-9)
-    assert values["integral_time_1"] == pytest.approx(8.0 / 1.2, rel=1e-9)
-    found = PidSettings(values["proportional_gain_1"], values["integral_time_1"])
+    assert values["level.proportional_gain"] == pytest.approx(0.45 * math.pi / 0.08, rel=1e-9)
+    assert values["level.integral_time"] == pytest.approx(8.0 / 1.2, rel=1e-9)
+    found = PidSettings(values["level.proportional_gain"], values["level.integral_time"])
     by_step = design_ziegler_nichols(model, PAIR, experiment="step_response", as_published=True)
-    assert by_step.values["proportional_gain_1"] == pytest.approx(0.9 / 0.04, rel=1e-9)
+    assert by_step.values["level.proportional_gain"] == pytest.approx(0.9 / 0.04, rel=1e-9)
     assert found.gain > 0.0
     # 5 V of room: K = 17.7 uses it up at a step of 0.28 V in 10 V.
     notes = design_ziegler_nichols(model, PAIR, as_published=True).notes

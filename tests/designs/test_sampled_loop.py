@@ -30,10 +30,10 @@ def tank_rates() -> tuple[float, float]:
 
 def with_settings(controller: Controller, gain: float, integral_time: float) -> Controller:
     values = dict(controller.values)
-    for i in range(1, len(controller.manipulated) + 1):
-        values[f"proportional_gain_{i}"] = gain
-        values[f"integral_time_{i}"] = integral_time
-        values[f"tracking_time_{i}"] = integral_time
+    for y in controller.measurements:
+        values[f"{y}.proportional_gain"] = gain
+        values[f"{y}.integral_time"] = integral_time
+        values[f"{y}.tracking_time"] = integral_time
     return replace(controller, values=values)
 
 
@@ -185,9 +185,9 @@ def test_two_coupled_loops_against_a_sweep_of_singular_values():
         term = term @ A * period / k
     moved = integral @ B
     gains, wires = [], np.zeros((2, 2))
-    for i, (y, u) in enumerate(zip(controller.measurements, controller.manipulated, strict=True)):
+    for y, u in zip(controller.measurements, controller.manipulated, strict=True):
         wires[model.inputs.index(u), process.controlled.index(y)] = 1
-        gains.append((u, *(controller.values[f"{n}_{i + 1}"] for n in
+        gains.append((u, *(controller.values[f"{y}.{n}"] for n in
                            ("proportional_gain", "integral_time"))))  # fmt: skip
     of_input = {u: (K, Ti) for u, K, Ti in gains}
 

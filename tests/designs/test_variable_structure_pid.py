@@ -34,11 +34,11 @@ def test_it_has_a_controller_for_every_process(name):
     plain = design_simc(analysis.model, analysis.pairing, form=PidForm("PI", anti_windup="none"))
     assert controller.initial_state == plain.initial_state
     settled = settling_times(plain, analysis.model)
-    for number, output in enumerate(controller.setpoints, start=1):
-        rate = controller.values[f"saturation_rate_{number}"]
+    for output in controller.setpoints:
+        rate = controller.values[f"{output}.saturation_rate"]
         assert times_faster(rate, settled[output]) == pytest.approx(3.0)
         for what in ("proportional_gain", "integral_time"):
-            key = f"{what}_{number}"
+            key = f"{output}.{what}"
             assert controller.values[key] == plain.values[key]
 
 
@@ -76,7 +76,7 @@ def test_alpha_of_the_user_is_taken_within_the_rule_and_refused_outside():
     analysis = analysed("quadruple-tank")
     given = analysis.model, analysis.pairing
     controller = design_variable_structure_pid(*given, settings=JOHANSSON, alpha=[0.2, 0.15])
-    assert controller.values["saturation_rate_2"] == 0.15
+    assert controller.values["level_2.saturation_rate"] == 0.15
     for alpha in (0.01, 4.0):
         with refused(remedy="choose α within"):
             design_variable_structure_pid(*given, settings=JOHANSSON, alpha=alpha)
@@ -101,7 +101,7 @@ def test_direct_action_needs_a_negative_gain():
     analysis = analysed("equalisation-tank")
     given = analysis.model, analysis.pairing
     controller = design_variable_structure_pid(*given, settings=[PidSettings(-3.0, 9000.0)])
-    assert controller.values["proportional_gain_1"] == -3.0
+    assert controller.values["level.proportional_gain"] == -3.0
     with refused(expected="a number below zero"):
         design_variable_structure_pid(*given, settings=[PidSettings(3.0, 9000.0)])
 

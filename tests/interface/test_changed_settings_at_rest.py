@@ -26,7 +26,7 @@ def test_nothing_moves_before_the_setpoint_does(plant, name):
             signal.name: f"{factor * given.values[signal.name]!r} {signal.unit}".removesuffix(" 1")
             for signal in given.law.parameters
             for word, factor in (("weight", 0.6), ("gain", 1.1), ("feedback", 1.1))
-            if word in signal.name and not signal.name.startswith("model_")
+            if word in signal.name and not signal.name.startswith("model.")
         }
     assert values
     changed = given.with_values(values)

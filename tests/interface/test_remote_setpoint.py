@@ -28,5 +28,5 @@ def test_until_it_is_in_force_the_loops_are_the_usual_ones(plant, remote):
 def test_the_exported_block_takes_it(plant, remote, tmp_path):
     written = cl.export(remote, plant, tmp_path, to="st")
     text = next(path for path in written.files if not path.stem.endswith("test")).read_text()
-    for name in ("remote_setpoint_1", "setpoint_source_2"):
+    for name in ("level_1_remote_setpoint", "level_2_setpoint_source"):
         assert f"{name} :" in text.split("FUNCTION_BLOCK ")[-1].partition("END_VAR")[0]

@@ -39,7 +39,7 @@ def test_relative_gains_are_labelled_and_add_up_to_one(plant):
 def test_margins_are_those_of_the_loop_with_its_gain_raised(plant, pi):
     """A gain raised by its margin brings the loop to the edge: twice as far is unstable."""
     margin = cl.margins(pi, plant).loc["level_1", "gain margin"]
-    gain = pi.values["proportional_gain_1"]
+    gain = pi.values["level_1.proportional_gain"]
     step = [cl.step("level_1", "1 mV", at=5)]
     for factor, swings in ((0.9, False), (1.1, True)):
         raised = pi.with_values({"level_1": {"K": gain * margin * factor}})
@@ -121,7 +121,7 @@ def test_an_export_writes_what_it_says(plant, pi, tmp_path):
     written = cl.export(bold, plant, tmp_path / "plc", to="st", fail_safe={"pump_1": 2.0})
     assert [path.parent for path in written.files] == [tmp_path / "plc"] * len(written.files)
     block = (tmp_path / "plc" / "quadruple_tank_bold.st").read_text("utf-8")
-    assert "proportional_gain_1 : LREAL := 6.0" in block and "bold" in block
+    assert "level_1.proportional_gain : LREAL := 6.0" in block and "bold" in block
     assert "fail_safe_1 : LREAL := 2.0" in block
     assert str(written.files[0]) in repr(written) and written.facts["digest"] in block
     tuning = cl.export(pi, plant, tmp_path, to="tuning")

@@ -23,10 +23,10 @@ def test_a_slow_tank_gets_the_settings_of_simc(tmp_path):
     plant = cl.load("quadruple-tank")
     pi = cl.design.simc(plant).with_values({"level_1": model.settings})
     found = model.for_control.settings
-    assert pi.values["integral_time_1"] == pytest.approx(40.0, rel=0.01)
+    assert pi.values["level_1.integral_time"] == pytest.approx(40.0, rel=0.01)
     closed_loop = found.closed_loop_time_constant + found.delay
     gain = 40.0 / (2.0 * closed_loop)  # K = τ / (k (τc + θ))  [V/V]
-    assert pi.values["proportional_gain_1"] == pytest.approx(gain, rel=0.01)
+    assert pi.values["level_1.proportional_gain"] == pytest.approx(gain, rel=0.01)
     assert repr(model.best).startswith("FOPDT: static gain 2")
     assert len(repr(model.best)) < 100
 

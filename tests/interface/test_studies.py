@@ -94,8 +94,8 @@ def test_a_tuning_lowers_its_goal_and_keeps_its_limits(plant):
     assert after.scores["overshoot[level_1]"] < 5.0 + 0.1
     assert cl.margins(tuned, plant)["max|S|"].max() < 1.5 + 1e-3
     assert tuned.tuning.start_objective == pytest.approx(1.0)
-    assert tuned.values["proportional_gain_2"] == start.values["proportional_gain_2"]
-    assert 0.1 <= tuned.values["proportional_gain_1"] <= 3.0
+    assert tuned.values["level_2.proportional_gain"] == start.values["level_2.proportional_gain"]
+    assert 0.1 <= tuned.values["level_1.proportional_gain"] <= 3.0
     assert "tuned" in tuned.name and "simulations" in repr(tuned)
 
 

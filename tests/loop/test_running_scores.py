@@ -195,7 +195,7 @@ def test_every_lane_has_the_scores_of_its_own_run(loop):
     program = closed_loop(loop.process, loop.controller, substeps=loop.substeps, scores=scores)
     kernel = Kernel(program, record=False)
     given = loop.at_rest() | loop.inputs_of(scenario) | scores.inputs_of(scenario)
-    name = controller_name("proportional_gain_1")
+    name = controller_name(f"{loop.controller.measurements[0]}.proportional_gain")
     gains = loop.law_parameters()[name] * np.linspace(0.5, 1.5, 11)
     common = {"inputs": given, "state": loop.initial_state()}
     parameters = loop.law_parameters()

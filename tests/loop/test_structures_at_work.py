@@ -34,31 +34,31 @@ def model_of(name):
 def controller(model, blocks, settings, *, measured, setpoints=("level",), rest=None, free=None):
     """Join blocks to a controller that rests at the operating point."""
     process, at = model.point.process, model.point.as_dict()
-    outputs = sorted((b for b in blocks if isinstance(b, OutputBlock)), key=lambda b: b.number)
+    outputs = [block.name for block in blocks if isinstance(block, OutputBlock)]
     law = structure_law(
         "scheme",
         blocks,
-        controlled=[process.signal(name) for name in setpoints],
+        setpoints={name: process.signal(name) for name in setpoints},
         measured=[process.signal(name) for name in measured],
     )
     values = {parameter.name: parameter.initial for parameter in law.parameters}
     assert not set(settings) - set(values), set(settings) - set(values)
     values |= settings
-    inputs = {f"setpoint_{j}": at[name] for j, name in enumerate(setpoints, 1)}
-    inputs |= {f"measurement_{j}": at[name] for j, name in enumerate(measured, 1)}
-    inputs |= {f"tracking_{b.number}": (rest or at)[b.signal.name] for b in outputs}
+    inputs = {f"{name}.sp": at[name] for name in setpoints}
+    inputs |= {f"{name}.pv": at[name] for name in measured}
+    inputs |= {f"{name}.tracking": (rest or at)[name] for name in outputs}
     return Controller(
         "scheme", "loop structure", "By hand.", law, values,
         state_at_rest(law, values, inputs | (free or {})),
-        tuple(measured), tuple(setpoints), tuple(b.signal.name for b in outputs),
+        tuple(measured), tuple(setpoints), tuple(outputs),
         free_inputs=free or {},
     )  # fmt: skip
 
 
-def pid(number, k, ti, **more):
-    return {f"proportional_gain_{number}": k, f"integral_time_{number}": ti} | {
-        f"tracking_time_{number}": ti, f"setpoint_weight_{number}": 1.0
-    } | {f"{name}_{number}": value for name, value in more.items()}  # fmt: skip
+def pid(loop, k, ti, **more):
+    settings = {"proportional_gain": k, "integral_time": ti, "tracking_time": ti}
+    settings |= {"setpoint_weight": 1.0, **more}
+    return {f"{loop}.{name}": value for name, value in settings.items()}
 
 
 def run(controller, model, samples, parameters=None, **inputs):
@@ -120,30 +120,30 @@ def well():
 
 
 def single(well):
-    loop = PidBlock("level", 1, PI, well.level, 1, well.duty, 1, 1)
+    loop = PidBlock.of(well.level, PI, well.duty)
     return controller(
-        well.model, [loop, OutputBlock(1, well.duty, "level")],
-        pid(1, LEVEL_GAIN / GAIN, 240.0), measured=["level"],
+        well.model, [loop, OutputBlock(well.duty, loop.name)],
+        pid("level", LEVEL_GAIN / GAIN, 240.0), measured=["level"],
     )  # fmt: skip
 
 
 def cascade(well, feedforward=False, form=PI):
     """Level to flow to speed; with feedforward the measured inflow is added to the flow."""
-    outer = PidBlock("level", 1, form, well.level, 1, well.flow, 1, None)
-    source = "sum" if feedforward else "level"
-    inner = PidBlock("flow", 2, form, well.flow, 2, well.duty, source, 1)
-    blocks = [outer, inner, OutputBlock(1, well.duty, "flow")]
-    settings = pid(1, LEVEL_GAIN, 240.0) | pid(2, 0.4 / GAIN, 4.0)
+    outer = PidBlock.of(well.level, form, well.flow, direct=False)
+    source = "sum" if feedforward else outer.name
+    inner = PidBlock("flow", "flow", form, well.flow, well.duty, source, inner=True)
+    blocks = [outer, inner, OutputBlock(well.duty, "flow")]
+    settings = pid("level", LEVEL_GAIN, 240.0) | pid("flow", 0.4 / GAIN, 4.0)
     if form.winding != "back_calculation":
         settings = {k: v for k, v in settings.items() if "tracking" not in k}
     measured = ["level", "duty_flow"]
     at = well.model.point.as_dict()
     if feedforward:
-        term = FeedforwardTerm("1", well.inflow, "measurement_3", False)
-        blocks.append(FeedforwardBlock("sum", "level", well.flow, (term,)))
-        settings |= {"feedforward_gain_1": 1.0, "feedforward_reference_1": at["inflow_meter"]}
+        term = FeedforwardTerm("ahead", well.flow, well.inflow, measured=True, dynamic=False)
+        blocks.append(FeedforwardBlock("sum", outer.name, well.flow, (term,)))
+        settings |= {"ahead.gain": 1.0, "ahead.reference": at["inflow_meter"]}
         measured.append("inflow_meter")
-    free = {"local_setpoint_2": at["duty_flow"], "setpoint_source_2": 1.0}
+    free = {"flow.local_setpoint": at["duty_flow"], "flow.setpoint_source": 1.0}
     return controller(well.model, blocks, settings, measured=measured, free=free)
 
 
@@ -195,7 +195,7 @@ def test_a_cascade_at_its_limit_does_not_wind_up(well):
     assert found["well.level"].max() > well.low + 0.3
     # The outer integral stays with what the pump gives.
     inner = scanned(cascade(well), well.model, found)
-    assert np.abs(inner["integral_1"][500:1000] - found["duty_flow"][500:1000]).max() < 0.003
+    assert np.abs(inner["level.integral"][500:1000] - found["duty_flow"][500:1000]).max() < 0.003
     # Then the level comes back, and goes below its setpoint as a PI loop does.
     assert well.low - found["well.level"].min() < 0.1
     assert abs(found["well.level"][-1] - well.low) < 1e-3
@@ -225,18 +225,18 @@ def test_ratio_follows_the_wild_flow():
     level, inflow, acid_meter, outflow, acid = (process.signal(name) for name in names)
 
     def made(with_ratio):
-        loop = PidBlock("level", 1, PI, level, 1, outflow, 1, 1)
-        blocks = [loop, OutputBlock(1, outflow, "level")]
-        settings, free = pid(1, -2.0, 20000.0), {}
+        loop = PidBlock.of(level, PI, outflow)
+        blocks = [loop, OutputBlock(outflow, loop.name)]
+        settings, free = pid("level", -2.0, 20000.0), {}
         if with_ratio:
             blocks += [
-                RatioBlock("ratio", 3, inflow, 2, acid_meter, None),
-                PidBlock("acid flow", 2, PI, acid_meter, 3, acid, "ratio", 2),
-                OutputBlock(2, acid, "acid flow"),
+                RatioBlock("ratio", "dosing", inflow, acid_meter, None),
+                PidBlock("acid flow", "acid_flow", PI, acid_meter, acid, "ratio", inner=True),
+                OutputBlock(acid, "acid flow"),
             ]
             # One step of integral action almost: the meter settles within a sample.
-            settings |= pid(2, 20.0, 12.0) | {"ratio_3": 0.01}
-            free = {"local_setpoint_2": at["acid_meter"], "setpoint_source_2": 1.0}
+            settings |= pid("acid_flow", 20.0, 12.0) | {"dosing.ratio": 0.01}
+            free = {"acid_flow.local_setpoint": at["acid_meter"], "acid_flow.setpoint_source": 1.0}
         measured = ["level", "inflow_meter", "acid_meter"] if with_ratio else ["level"]
         return controller(model, blocks, settings, measured=measured, free=free)
 
@@ -261,11 +261,11 @@ def basin():
 
 def averaging(basin, form=PI, **more):
     """A loose loop: a pump speed of 50 % more at 25 % of level more, and slow integral action."""
-    loop = PidBlock("level", 1, form, basin.level, 1, basin.outflow, 1, 1)
-    settings = pid(1, -2.0, 40000.0, **more)
+    loop = PidBlock.of(basin.level, form, basin.outflow)
+    settings = pid("level", -2.0, 40000.0, **more)
     if form.error != "linear":
-        del settings["setpoint_weight_1"]
-    blocks = [loop, OutputBlock(1, basin.outflow, "level")]
+        del settings["level.setpoint_weight"]
+    blocks = [loop, OutputBlock(basin.outflow, loop.name)]
     return controller(basin.model, blocks, settings, measured=["level"])
 
 
@@ -275,15 +275,17 @@ def test_split_range_uses_the_second_outlet_only_beyond_the_first(basin):
     process = model.point.process
     level, outflow, relief = (process.signal(n) for n in ("level", "outflow", "relief"))
     range_ = Signal("split", "%", low=0.0, high=100.0)
-    legs = Leg(1, outflow, 0.0, 60.0, 0.0, 1.0), Leg(2, relief, 60.0, 100.0, 0.0, 1.0)
+    first = Leg("split.outflow", outflow, 0.0, 60.0, 0.0, 1.0)
+    second = Leg("split.relief", relief, 60.0, 100.0, 0.0, 1.0)
+    loop = PidBlock.of(level, PI, range_, direct=False)
     blocks = [
-        PidBlock("level", 1, PI, level, 1, range_, 1, None),
-        SplitRangeBlock("split", "level", legs),
-        OutputBlock(1, outflow, "split, outflow"),
-        OutputBlock(2, relief, "split, relief"),
+        loop,
+        SplitRangeBlock("split", loop.name, (first, second)),
+        OutputBlock(outflow, "split, outflow"),
+        OutputBlock(relief, "split, relief"),
     ]
     rest = {"outflow": 0.614, "relief": 0.0}
-    made = controller(model, blocks, pid(1, -180.0, 20000.0), measured=["level"], rest=rest)
+    made = controller(model, blocks, pid("level", -180.0, 20000.0), measured=["level"], rest=rest)
     inflow = np.full(2400, 0.307)
     inflow[60:660] = 0.6
     found = run(made, model, 2400, inflow=inflow)
@@ -305,20 +307,20 @@ def override(basin):
     """The averaging loop, and one that keeps the level below 80 %: the pump takes the higher."""
     limiting = PidForm(remote_setpoint=True)
     blocks = [
-        PidBlock("average", 1, PI, basin.level, 1, basin.outflow, 1, None),
-        PidBlock("limit", 2, limiting, basin.level, 1, basin.outflow, 1, None),
+        PidBlock("average", "average", PI, basin.level, basin.outflow, "level.sp", direct=False),
+        PidBlock("limit", "limit", limiting, basin.level, basin.outflow, "level.sp", direct=False),
         SelectorBlock("higher", ("average", "limit"), "high"),
-        OutputBlock(1, basin.outflow, "higher"),
+        OutputBlock(basin.outflow, "higher"),
     ]
-    settings = pid(1, -0.5, 40000.0) | pid(2, -6.0, 3000.0)
-    free = {"remote_setpoint_2": 0.8, "setpoint_source_2": 1.0}
+    settings = pid("average", -0.5, 40000.0) | pid("limit", -6.0, 3000.0)
+    free = {"limit.remote_setpoint": 0.8, "limit.setpoint_source": 1.0}
     return controller(basin.model, blocks, settings, measured=["level"], free=free)
 
 
 def loose(basin):
-    loop = PidBlock("average", 1, PI, basin.level, 1, basin.outflow, 1, 1)
+    loop = PidBlock("average", "average", PI, basin.level, basin.outflow, "level.sp")
     return controller(
-        basin.model, [loop, OutputBlock(1, basin.outflow, "average")], pid(1, -0.5, 40000.0),
+        basin.model, [loop, OutputBlock(basin.outflow, "average")], pid("average", -0.5, 40000.0),
         measured=["level"],
     )  # fmt: skip
 
@@ -343,7 +345,7 @@ def test_override_keeps_the_limit_and_otherwise_leaves_the_averaging_loop_alone(
     without = run(loose(basin), basin.model, 2000, inflow=long_rain())
     assert without["level"].max() > 0.9
     assert found["level"].max() < 0.83
-    limits = inner["unlimited_2"] > inner["unlimited_1"]
+    limits = inner["limit.unlimited"] > inner["average.unlimited"]
     assert 200 < limits.sum() < 1500
     assert not limits[:200].any()
     assert not limits[1400:].any()
@@ -353,7 +355,7 @@ def test_override_keeps_the_limit_and_otherwise_leaves_the_averaging_loop_alone(
 
 def test_override_takes_over_and_gives_back_without_a_bump_or_wind_up(overridden):
     found, inner = overridden
-    average, limiting = inner["unlimited_1"], inner["unlimited_2"]
+    average, limiting = inner["average.unlimited"], inner["limit.unlimited"]
     np.testing.assert_array_equal(
         found["outflow"], np.clip(np.maximum(average, limiting), 0.0, 1.0)
     )
@@ -374,8 +376,8 @@ def test_override_takes_over_and_gives_back_without_a_bump_or_wind_up(overridden
     # The integral of the loop that waits stays where the pump is; by its own error it would go
     # far away in the first five hours, and the limit would come late.
     assert 6.0 * 60.0 / 3000.0 * (0.8 - level[:300]).sum() > 5.0
-    assert inner["integral_2"].min() > 0.4
-    assert 0.5 < inner["integral_1"].min() < inner["integral_1"].max() < 1.0
+    assert inner["limit.integral"].min() > 0.4
+    assert 0.5 < inner["average.integral"].min() < inner["average.integral"].max() < 1.0
 
 
 def test_gap_action_leaves_the_outflow_still_and_holds_the_limits(basin):
@@ -438,8 +440,8 @@ def test_a_third_of_the_volume_means_three_times_the_starts(station):
     """So the levels are what limits them."""
     narrow = dict(station.controller.values)
     for j in (1, 2):
-        stop = narrow[f"stop_level_{j}"]
-        narrow[f"start_level_{j}"] = stop + (narrow[f"start_level_{j}"] - stop) / 3.0
+        start, stop = (f"stage.{j}.{what}_level" for what in ("start", "stop"))
+        narrow[start] = narrow[stop] + (narrow[start] - narrow[stop]) / 3.0
     narrow |= {"alternation": 0.0}
     changed = {controller_name(k): v for k, v in narrow.items()}
     often = run(station.controller, station.model, HALF_A_DAY, changed, inflow=0.019)
@@ -481,7 +483,7 @@ def test_standby_helps_where_one_pump_is_not_enough(station):
     assert not together[3300:].any()
     assert found["well.level"].max() < 2.5
     assert found["well.spilt"][-1] == 0.0
-    changed = {"controller.in_service_2": 0.0}
+    changed = {"controller.standby.in_service": 0.0}
     alone = run(station.controller, station.model, 8000, changed, inflow=inflow)
     assert alone["standby"].max() == 0.0
     assert alone["well.spilt"][-1] > 10.0

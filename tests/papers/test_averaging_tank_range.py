@@ -3,10 +3,16 @@
 import numpy as np
 import pytest
 
+from clepsydra.base.signal import path
 from clepsydra.papers.averaging_tank import operating_range
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS
 from clepsydra.papers.averaging_tank.operating_range import LARGE_STEPS, PERIOD, Step, range_run
-from clepsydra.papers.averaging_tank.range_controllers import KINDS, controller_of, gains_at
+from clepsydra.papers.averaging_tank.range_controllers import (
+    KINDS,
+    VOLUMES,
+    controller_of,
+    gains_at,
+)
 
 pytestmark = pytest.mark.thorough
 
@@ -61,20 +67,28 @@ def test_scheduled_laws_have_the_fixed_gains_at_the_equilibrium():
     for law in ("PI", "LQI"):
         fixed = controller_of("outflow", law, PERIOD).values
         scheduled = controller_of("outflow", f"{law}, scheduled", PERIOD).values
-        place = [scheduled[f"schedule_point_{k}"] for k in range(1, 7)].index(2.0) + 1
-        for name, value in scheduled.items():
-            if name.endswith(f"_at_{place}"):
-                # Both have six digits, of K in %/% or in the units of the law.
-                assert value == pytest.approx(fixed[name.removesuffix(f"_at_{place}")], rel=1e-5)
+        tables = {
+            name: [value for key, value in scheduled.items() if key.startswith(f"{name}.")]
+            for name in fixed
+            if name not in scheduled
+        }
+        assert tables
+        for name, table in tables.items():
+            # Both have six digits, of K in %/% or in the units of the law.
+            assert table[VOLUMES.index(2.0)] == pytest.approx(fixed[name], rel=1e-5)
 
 
 def test_recomputed_gains_come_from_the_weights_of_the_document():
     """Sampled ever faster, they come to those of the continuous Riccati equation."""
     feedback, integral = gains_at(COLUMNS[0], 2.0)
     state = controller_of("outflow", "LQI, recomputed", 1e-3).initial_state
-    order = {"volume": 1, "concentration": 2}  # states: level, impurity
-    found = np.array([[state[f"feedback_{i}_{order[n]}"] for n in ("concentration", "volume")]
-                      for i in (1, 2)])  # fmt: skip
-    summed = np.array([[state[f"integral_gain_{i}_{j}"] for j in (1, 2)] for i in (1, 2)])
+    outputs = ("inflow", "inflow.impurity")
+    found, summed = (
+        np.array([[state[path(path(u, what), by)] for by in names] for u in outputs])
+        for what, names in (
+            ("feedback", ("tank.impurity", "tank.level")),
+            ("integral_gain", ("concentration", "volume")),
+        )
+    )
     assert found == pytest.approx(feedback, rel=5e-3, abs=1e-6)
     assert summed == pytest.approx(integral, rel=5e-3, abs=1e-6)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from clepsydra.base.signal import path
 from clepsydra.papers.four_tank_laboratory.closed_loop import POURED, runs
 from clepsydra.papers.four_tank_laboratory.controllers import (
     at_the_simulator,
@@ -270,19 +271,26 @@ def transfer(set_up, s):
     )  # fmt: skip
 
 
+def settings_of(set_up):
+    values = decentralised(set_up).values
+    return tuple(
+        np.array([values[path(level, part)] for level in ("level_1", "level_2")])
+        for part in ("proportional_gain", "integral_time")
+    )
+
+
 @pytest.mark.parametrize("set_up", SET_UPS, ids=lambda s: s.phase)
 def test_pi_against_the_printed_transfer_matrix(set_up):
     """60° at the crossover, by (11) with half a sample of delay.
 
     Gain and integral time have six digits, so that each is off by up to 5e-6 of itself.
     """
-    values = decentralised(set_up).values
+    gains, times = settings_of(set_up)
     s = 1j * set_up.crossover
     G = transfer(set_up, s) * np.exp(-0.025 * s)
     columns = (0, 1) if set_up is MINIMUM else (1, 0)
     for i, j in enumerate(columns):
-        gain, time = values[f"proportional_gain_{i + 1}"], values[f"integral_time_{i + 1}"]
-        loop = G[i, j] * gain * (1 + 1 / (s * time))
+        loop = G[i, j] * gains[i] * (1 + 1 / (s * times[i]))
         assert abs(loop) == pytest.approx(1.0, rel=1e-5)
         assert math.degrees(math.pi + np.angle(loop)) == pytest.approx(60.0, abs=5e-4)
 
@@ -292,12 +300,11 @@ def test_pi_against_the_printed_transfer_matrix(set_up):
     [(MINIMUM, 1, 1.18), (MINIMUM, 3, 1.01), (NON_MINIMUM, 1, 1.41), (NON_MINIMUM, 3, 3.05)],
 )
 def test_sensitivity_peaks_by_a_sweep_of_the_transfer_matrix(set_up, factor, printed):
-    values = decentralised(set_up).values
+    gain, time = settings_of(set_up)
     peaks = []
     for omega in np.geomspace(1e-3, 3.0, 4000):
         s = 1j * omega
-        C = np.diag([values[f"proportional_gain_{i}"] * (1 + 1 / (s * values[f"integral_time_{i}"]))
-                     for i in (1, 2)])  # fmt: skip
+        C = np.diag(gain * (1 + 1 / (s * time)))
         if set_up is NON_MINIMUM:
             C = C[::-1]  # error 1 moves pump 2
         L = factor * transfer(set_up, s) * np.exp(-0.025 * s) @ C
@@ -326,9 +333,7 @@ def test_dynamic_decoupling_makes_the_plant_diagonal():
 def test_a_run_by_plain_python():
     """PI in percent on the minimum phase, without noise, by RK4 and a loop of three lines."""
     found = runs(MINIMUM, "decentralised", "percent", noise="none")
-    values = decentralised(MINIMUM).values
-    gain = np.array([values["proportional_gain_1"], values["proportional_gain_2"]])
-    time = np.array([values["integral_time_1"], values["integral_time_2"]])
+    gain, time = settings_of(MINIMUM)
     holes = np.array([float(hole) for hole in MINIMUM.holes])
     h, integral, step = np.zeros(4), np.zeros(2), 0.05
     levels = []
@@ -365,7 +370,8 @@ def test_the_simulator_takes_the_same_numbers_in_percent(set_up):
     for name in ("transition", "entered", "told", "shown", "direct"):
         assert np.array_equal(getattr(one, name), getattr(other, name))
     assert not one.told.any()  # no anti-windup
-    assert in_percent.values["high_limit_1"] == 1.0 and in_volts.values["high_limit_1"] == 15.0
+    assert in_percent.values["pump_1.high_limit"] == 1.0
+    assert in_volts.values["pump_1.high_limit"] == 15.0
 
 
 def test_the_model_of_the_course_is_the_printed_one():

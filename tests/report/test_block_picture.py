@@ -104,7 +104,7 @@ def test_every_port_of_every_call_is_drawn_or_counted(programs, name):
         shown = [port.name for port in box.inputs]
         assert all(port.wires or port.names for port in box.inputs)
         # The rest are constants: the values of a cold start, and what follows from the parameters.
-        left = {signal.name for signal in block.inputs} - set(shown)
+        left = {signal.identifier for signal in block.inputs} - set(shown)
         constants = {n for n in left if n.startswith("start_")} | ({"restart"} & left)
         assert len(left - constants - {"longest_delay"}) <= box.settings
     wires = [(w, p) for box in boxes.values() for p in box.inputs for w in p.wires]

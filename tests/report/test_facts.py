@@ -33,14 +33,9 @@ def four_tanks():
 def by_hand(point, form, **values):
     """One loop of the wet well: level [A] by duty [1]; the display is in mA and %."""
     process = point.process
-    law = multiloop_pid_law(
-        1, form, measured=[process.signal("level")], manipulated=[process.signal("duty")]
-    )
-    given = {p.name: p.initial for p in law.parameters} | values
-    state = {s.name: s.initial for s in law.state if not s.name.startswith("last_")}
-    state |= {f"last_{name}": given[name] for name in given}
-    names = {s.name for s in law.state}
-    state = {name: state.get(name, 0.0) for name in names}
+    law = multiloop_pid_law([process.signal("level")], [process.signal("duty")], form)
+    given = {p.name: values.get(p.part, p.initial) for p in law.parameters}
+    state = {s.name: given.get(s.name.replace("last_", ""), 0.0) for s in law.state}
     return Controller(
         "by hand", "PID", "By hand.", law, given, state, ("level",), ("level",), ("duty",)
     )
@@ -54,7 +49,7 @@ def facts_of(controller, point):
 def test_gains_are_in_the_units_of_the_displays(wet_well):
     point = wet_well.point
     facts = facts_of(
-        by_hand(point, PidForm(), proportional_gain_1=-125.0, integral_time_1=120.0), point
+        by_hand(point, PidForm(), proportional_gain=-125.0, integral_time=120.0), point
     )
     # -125 per A are -12.5 % per mA; of 16 mA that is 200 %, so 2 %/% and a band of 50 %.
     assert facts["gain K"] == "−12.50 %/mA, that is 2.000 %/% with direct action"
@@ -67,8 +62,8 @@ def test_gains_are_in_the_units_of_the_displays(wet_well):
 
 def test_a_pid_names_its_derivative_and_the_other_forms(wet_well):
     point = wet_well.point
-    values = {"proportional_gain_1": -125.0, "integral_time_1": 100.0, "derivative_time_1": 16.0}
-    facts = facts_of(by_hand(point, PidForm("PID"), **values, derivative_filter_1=8.0), point)
+    values = {"proportional_gain": -125.0, "integral_time": 100.0, "derivative_time": 16.0}
+    facts = facts_of(by_hand(point, PidForm("PID"), **values, derivative_filter=8.0), point)
     assert facts["derivative time Td"] == "16.00 s = 0.2667 min"
     assert facts["derivative filter"] == "2.000 s (Td/8)"
     # Ti' + Td' = 100 and Ti' Td' = 1600: 80 and 20 s; K' = K 80/100.
@@ -81,7 +76,7 @@ def test_a_pid_names_its_derivative_and_the_other_forms(wet_well):
 def test_a_parallel_form_is_shown_in_isa_too(wet_well):
     point = wet_well.point
     form = PidForm("PI", "parallel", anti_windup="conditional_integration")
-    facts = facts_of(by_hand(point, form, proportional_gain_1=-125.0, integral_gain_1=-2.5), point)
+    facts = facts_of(by_hand(point, form, proportional_gain=-125.0, integral_gain=-2.5), point)
     assert facts["integral time Ti"].startswith("50.00 s")
     assert "tracking time" not in facts
     assert facts["anti-windup"].startswith("conditional integration")
@@ -91,7 +86,8 @@ def test_gap_action_and_ramp_are_in_display_units(wet_well):
     point = wet_well.point
     form = PidForm(error="gap", setpoint_ramp=True)
     facts = facts_of(
-        by_hand(point, form, proportional_gain_1=-9.0, gap_1=0.002, setpoint_ramp_1=1e-5), point
+        by_hand(point, form, proportional_gain=-9.0, gap=0.002, setpoint_ramp=1e-5),
+        point,
     )
     assert facts["gap, to each side"] == "2.000 mA"
     assert facts["setpoint moves at most"] == "0.01000 mA/s"
@@ -99,7 +95,7 @@ def test_gap_action_and_ramp_are_in_display_units(wet_well):
 
 def test_without_integral_action_there_is_a_bias_and_no_integral_time(wet_well):
     point = wet_well.point
-    facts = facts_of(by_hand(point, PidForm("P"), proportional_gain_1=-125.0), point)
+    facts = facts_of(by_hand(point, PidForm("P"), proportional_gain=-125.0), point)
     assert "integral time Ti" not in facts and "anti-windup" not in facts
     assert "+ bias" in facts["algorithm"]
 
@@ -131,19 +127,22 @@ def test_every_block_of_a_scheme_is_said(wet_well):
     blocks = [
         SelectorBlock("lowest", ("level loop", "power loop"), "low"),
         FeedforwardBlock(
-            "sum", "lowest", percent, (FeedforwardTerm("1", level, "measurement_1", True),)
+            "sum",
+            "lowest",
+            percent,
+            (FeedforwardTerm("ahead", percent, level, measured=True, dynamic=True),),
         ),
         SplitRangeBlock(
             "split",
             "sum",
-            (Leg(1, duty, 0.0, 50.0, 0.0, 1.0), Leg(2, standby, 50.0, 100.0, 0, 0.8)),
+            (Leg("a", duty, 0.0, 50.0, 0.0, 1.0), Leg("b", standby, 50.0, 100.0, 0, 0.8)),
         ),
-        RatioBlock("ratio", 3, level, 1, duty, None),
-        OutputBlock(1, duty, "split, duty", True),
+        RatioBlock("ratio", "c", level, duty, None),
+        OutputBlock(duty, "split, duty", True),
     ]
     given = {
-        "feedforward_gain_1": 5000.0, "feedforward_reference_1": 0.012, "feedforward_lead_1": 3.0,
-        "feedforward_lag_1": 9.0, "rate_limit_1": 0.02, "ratio_3": 40.0,
+        "ahead.gain": 5000.0, "ahead.reference": 0.012, "ahead.lead": 3.0,
+        "ahead.lag": 9.0, "duty.rate_limit": 0.02, "c.ratio": 40.0,
     }  # fmt: skip
     found = {
         part.title: dict(part.facts) for part in scheme_blocks(scheme_of(blocks, given), process)
@@ -165,27 +164,27 @@ def test_every_block_of_a_scheme_is_said(wet_well):
 def test_an_inner_loop_says_where_its_setpoint_comes_from(wet_well):
     point = wet_well.point
     level, duty = point.process.signal("level"), point.process.signal("duty")
-    inner = PidBlock("inner", 2, PidForm(), level, 1, duty, "outer", 1)
-    values = {"setpoint_low_limit_2": 0.006, "setpoint_high_limit_2": 0.018, "integral_time_2": 5.0}
-    (loop,) = loop_settings(scheme_of([inner, OutputBlock(1, duty, "inner")], values), point)
+    inner = PidBlock("inner", "inner", PidForm(), level, duty, "outer", inner=True)
+    values = {"inner.setpoint_low_limit": 0.006, "inner.setpoint_high_limit": 0.018}
+    (loop,) = loop_settings(scheme_of([inner, OutputBlock(duty, "inner")], values), point)
     assert dict(loop.facts)["setpoint"] == "from outer (cascade), kept from 6.000 mA to 18.00 mA"
 
 
 def test_an_outer_loop_moves_a_setpoint(wet_well):
     point = wet_well.point
     level, duty = point.process.signal("level"), point.process.signal("duty")
-    outer = PidBlock("outer", 1, PidForm(), level, 1, level, 1, None)
-    inner = PidBlock("inner", 2, PidForm(), level, 1, duty, "outer", 1)
-    loops = loop_settings(scheme_of([outer, inner, OutputBlock(1, duty, "inner")]), point)
+    outer = PidBlock("outer", "level", PidForm(), level, level, "level.sp", direct=False)
+    inner = PidBlock("inner", "inner", PidForm(), level, duty, "outer", inner=True)
+    loops = loop_settings(scheme_of([outer, inner, OutputBlock(duty, "inner")]), point)
     assert dict(loops[0].facts)["moves"] == "the setpoint of level (4 to 20 mA)"
 
 
 def test_a_fixed_setpoint_is_not_said_to_be_the_operators(wet_well):
     point = wet_well.point
     level, duty = point.process.signal("level"), point.process.signal("duty")
-    flood = PidBlock("flood", 1, PidForm(), level, 1, duty, 1, 1)
-    scheme = scheme_of([flood, OutputBlock(1, duty, "flood")])
-    scheme.free_inputs = {"setpoint_1": 0.012}
+    flood = PidBlock("flood", "flood", PidForm(), level, duty, "flood.sp")
+    scheme = scheme_of([flood, OutputBlock(duty, "flood")])
+    scheme.free_inputs = {"flood.sp": 0.012}
     (loop,) = loop_settings(scheme, point)
     assert dict(loop.facts)["setpoint"].startswith("fixed at 12")
 
@@ -194,8 +193,10 @@ def test_decoupling_is_said_of_every_output(four_tanks):
     controller = cl.design.simc(four_tanks, decoupling="dynamic")
     blocks = scheme_blocks(controller, four_tanks.process)
     found = {part.title: dict(part.facts) for part in blocks}
-    words = found["Decoupling of pump_2 (sum 2)"]["from pump_1"]
-    assert words.startswith(f"{controller.values['feedforward_gain_2_1']:.4f}".replace("-", "−"))
+    words = found["Decoupling of pump_2 (pump_2 decoupled)"]["from pump_1"]
+    assert words.startswith(
+        f"{controller.values['pump_2.feedforward.pump_1.gain']:.4f}".replace("-", "−")
+    )
     assert "V/V × (pump_1 − 3.000 V), through 1/(1 + " in words  # there is no lead
     assert found["Output pump_1"]["output limits"] == "0 to 10.00 V"
 
@@ -208,8 +209,12 @@ def test_matrices_name_their_rows_and_columns_in_display_units(wet_well):
     ((name, level, actual),) = feedback.rows
     values = controller.values
     assert name == "duty [%]"
-    assert float(level.replace("−", "-")) == pytest.approx(100 * values["feedback_1_1"], rel=1e-3)
-    assert float(actual.replace("−", "-")) == pytest.approx(values["feedback_1_2"], rel=1e-3)
+    assert float(level.replace("−", "-")) == pytest.approx(
+        100 * values["duty.feedback.well.level"], rel=1e-3
+    )
+    assert float(actual.replace("−", "-")) == pytest.approx(
+        values["duty.feedback.duty.actual"], rel=1e-3
+    )
     (row,) = grids["C, shown by"].rows
     # 4 to 20 mA over 4 m of level.
     assert row[0] == "level [mA]" and float(row[1]) == pytest.approx(4.0, rel=1e-3)
@@ -230,8 +235,8 @@ def test_start_and_stop_levels_are_a_table_of_stages():
     plant = cl.load("wet-well:start-stop")
     process, names = plant.process, [signal.name for signal in plant.process.inputs]
     controller = cl.design.start_stop_levels(plant).with_values({
-        "start_level_1": 0.012, "stop_level_1": 0.008,
-        "start_level_2": 0.016, "stop_level_2": 0.010,
+        "stage.1.start_level": 0.012, "stage.1.stop_level": 0.008,
+        "stage.2.start_level": 0.016, "stage.2.stop_level": 0.010,
         "shortest_rest": 60.0,
     })  # fmt: skip
     (grid,) = law_grids(controller, process)
@@ -240,23 +245,23 @@ def test_start_and_stop_levels_are_a_table_of_stages():
     assert parts["Pumps"]["shortest rest of a pump"] == "60.00 s"
     assert parts["Pumps"]["the duty changes"] == "after each run"
     assert parts[f"Output {names[0]}"]["in service"] == "yes"
-    assert law_words(controller)[0].startswith("Stage j begins at start_level_j")
+    assert law_words(controller)[0].startswith("Each stage begins at its start level")
 
 
 def test_a_gain_of_zero_is_said(wet_well):
     point = wet_well.point
-    controller = by_hand(point, PidForm(), proportional_gain_1=1.0)
-    still = replace(controller, values=controller.values | {"proportional_gain_1": 0.0})
+    controller = by_hand(point, PidForm(), proportional_gain=1.0)
+    still = replace(controller, values=controller.values | {"level.proportional_gain": 0.0})
     assert facts_of(still, point)["gain K"] == "0: no proportional action"
 
 
 def test_a_parallel_form_without_isa_form_says_so(wet_well):
     point = wet_well.point
     level, duty = point.process.signal("level"), point.process.signal("duty")
-    loop = PidBlock("level", 1, PidForm("PI", "parallel"), level, 1, duty, 1, 1)
+    loop = PidBlock.of(level, PidForm("PI", "parallel"), duty)
     scheme = scheme_of(
-        [loop, OutputBlock(1, duty, "level")],
-        {"proportional_gain_1": -190.0, "integral_gain_1": 0.5},
+        [loop, OutputBlock(duty, loop.name)],
+        {"level.proportional_gain": -190.0, "level.integral_gain": 0.5},
     )
     (found,) = loop_settings(scheme, point)
     facts = dict(found.facts)

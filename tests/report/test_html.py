@@ -154,7 +154,7 @@ def test_the_page_of_a_controller_says_all_that_a_loop_needs(text):
     page = whole[whole.rindex("1. PI, phase margin") : whole.rindex("2. PI, <SIMC>")]
     for words in (
         "runs every 1 s",
-        "manipulated_2 pump_2 (0 to 10 V)",
+        "pump_2.out pump_2 (0 to 10 V)",
         "measures level_1 (0 to 10 V)",
         "setpoint from the operator, 6.131 V = 12.26 cm at rest",
         "ISA (standard, non-interacting): u = K (b r − y) + K/Ti ∫ e dt, e = r − y",

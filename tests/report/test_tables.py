@@ -168,9 +168,9 @@ def test_scores_of_a_level_in_metres_are_shown_in_centimetres(result):
 
 
 def test_parameters_with_an_index_stand_side_by_side(result):
-    (table,) = parameter_tables(result.ranking[0].controller)
-    assert table.columns == ("1", "2")
-    assert table.rows == (
+    loops, outputs = parameter_tables(result.ranking[0].controller)
+    assert (loops.columns, outputs.columns) == (("level_1", "level_2"), ("pump_1", "pump_2"))
+    assert loops.rows + outputs.rows == (
         ("proportional_gain", "V/V", ("3.000", "2.700")),
         ("integral_time", "s", ("30.00", "40.00")),
         ("setpoint_weight", "", ("1.000", "1.000")),
@@ -181,17 +181,17 @@ def test_parameters_with_an_index_stand_side_by_side(result):
 
 
 def test_rows_of_a_matrix_stand_together():
-    names = ("gain_1_1", "gain_1_2", "bias_1", "bias_2", "gain_2_1", "gain_2_2", "floor")
+    names = ("a.gain.x", "a.gain.y", "a.bias", "b.bias", "b.gain.x", "b.gain.y", "floor")
     controller = SimpleNamespace(
         law=SimpleNamespace(parameters=[Signal(name, "V") for name in names]),
         values={name: float(place) for place, name in enumerate(names)},
     )
-    indexed, single = parameter_tables(controller)
+    indexed, owned, single = parameter_tables(controller)
     assert indexed.rows == (
-        ("gain_1", "V", ("0", "1.000")),
-        ("gain_2", "V", ("4.000", "5.000")),
-        ("bias", "V", ("2.000", "3.000")),
+        ("a.gain", "V", ("0", "1.000")),
+        ("b.gain", "V", ("4.000", "5.000")),
     )
+    assert owned.rows == (("bias", "V", ("2.000", "3.000")),)
     assert single.rows == (("floor", "V", ("6.000",)),)
 
 

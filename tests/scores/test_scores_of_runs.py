@@ -10,7 +10,11 @@ import clepsydra as cl
 
 def test_saturation_is_counted_at_the_narrower_limits_of_actuator_and_controller() -> None:
     plant = cl.load("quadruple-tank")
-    limits = {"low_limit_1": "2.8 V", "high_limit_1": "3.4 V", "high_limit_2": "12 V"}
+    limits = {
+        "pump_1.low_limit": "2.8 V",
+        "pump_1.high_limit": "3.4 V",
+        "pump_2.high_limit": "12 V",
+    }
     events = [cl.step("level_1", "+2 V", at="10 s"), cl.step("level_2", "+3 V", at="150 s")]
     narrow = cl.simulate(plant, cl.design.simc(plant).with_values(limits), events)
     assert narrow.limits("pump_1") == (2.8, 3.4)

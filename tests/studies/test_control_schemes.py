@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from clepsydra import PidForm
+from clepsydra import InputError
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.designs.sampled.sampled_loop import sampled_loop
 from clepsydra.linear.linearise import linearise
@@ -92,25 +92,34 @@ def test_loops_that_are_written_out_are_the_law_of_multiloop_control(study):
         {"proportional_gain": 3.0, "integral_time": 30.0, "tracking_time": 30.0},
         {"proportional_gain": 2.7, "integral_time": 40.0, "tracking_time": 10.0},
     )
-    values = {f"{name}_{i}": value for i in (1, 2) for name, value in loops[i - 1].items()}
-    values |= {"setpoint_weight_1": 1.0, "setpoint_weight_2": 0.6}
-    values |= {"low_limit_1": 0.0, "high_limit_1": 10.0, "low_limit_2": 0.0, "high_limit_2": 10.0}
+    values = {
+        f"{loop}.{name}": value
+        for loop, settings in zip(("left", "right"), loops, strict=True)
+        for name, value in settings.items()
+    }
+    values |= {"left.setpoint_weight": 1.0, "right.setpoint_weight": 0.6}
+    for pump in controller.manipulated:
+        values |= {f"{pump}.low_limit": 0.0, f"{pump}.high_limit": 10.0}
     assert controller.values == values
-    assert set(controller.initial_state) >= {"integral_1", "last_output_2"}
-    law = multiloop_pid_law(2, PidForm())
+    assert set(controller.initial_state) >= {"left.integral", "pump_2.last_output"}
+    law = multiloop_pid_law(["level_1", "level_2"], ["pump_1", "pump_2"])
     random = np.random.Generator(np.random.PCG64(5))
     for _ in range(20):
         given = {signal.name: random.uniform(0.0, 10.0) for signal in law.inputs}
-        given |= {name: 1.0 for name in given if name.startswith(("mode", "sensor"))}
-        state = {entry.name: random.uniform(0.0, 10.0) for entry in law.state}
+        given |= {s.name: 1.0 for s in law.inputs if s.part in ("mode", "good")}
+        state = {entry.name: random.uniform(0.0, 10.0) for entry in controller.law.state}
         answers = []
-        for each in (law, controller.law):
+        for each, words in ((law, {"level_1": "left", "level_2": "right"}), (controller.law, {})):
+
+            def of_scheme(signal, words=words):
+                return f"{words.get(signal.owner, signal.owner)}.{signal.part}"
+
             following, outputs, _ = each.function(
-                [state[entry.name] for entry in each.state],
+                [state[of_scheme(entry)] for entry in each.state],
                 [given[signal.name] for signal in each.inputs],
-                [values[parameter.name] for parameter in each.parameters],
+                [values[of_scheme(parameter)] for parameter in each.parameters],
             )
-            names = [entry.name for entry in each.state]
+            names = map(of_scheme, each.state)
             answers.append(
                 (dict(zip(names, np.array(following).ravel(), strict=True)),
                  np.array(outputs).ravel().tolist())
@@ -137,7 +146,7 @@ def test_what_was_not_written_is_said(study):
 )
 def test_gains_between_signals_of_one_unit(study, gain, value):
     text = f'{BASIN}gain = {gain}\nintegral_time = "1 h"\n'
-    assert made(study(text))[0].values["proportional_gain_1"] == value
+    assert made(study(text))[0].values["level.proportional_gain"] == value
 
 
 @pytest.mark.parametrize(
@@ -152,7 +161,7 @@ def test_gains_between_signals_of_one_unit(study, gain, value):
 def test_gains_between_signals_of_different_units(study, gain, value):
     text = BASIN.replace("equalisation-tank", "wet-well").replace("outflow", "duty")
     controller, _ = made(study(f'{text}gain = {gain}\nintegral_time = "1 h"\n'))
-    assert controller.values["proportional_gain_1"] == pytest.approx(value, rel=1e-14)
+    assert controller.values["level.proportional_gain"] == pytest.approx(value, rel=1e-14)
 
 
 def test_the_parallel_form_has_gains_of_its_own(study):
@@ -164,19 +173,19 @@ def test_the_parallel_form_has_gains_of_its_own(study):
         )
     )
     values = controller.values
-    assert values["proportional_gain_1"] == -2.0
-    assert values["integral_gain_1"] == pytest.approx(-0.01, rel=1e-14)
-    assert values["derivative_gain_1"] == pytest.approx(-180.0, rel=1e-14)
+    assert values["level.proportional_gain"] == -2.0
+    assert values["level.integral_gain"] == pytest.approx(-0.01, rel=1e-14)
+    assert values["level.derivative_gain"] == pytest.approx(-180.0, rel=1e-14)
     # √(Ti Td) with Ti = K/Ki = 200 s and Td = Kd/K = 90 s.
-    assert values["tracking_time_1"] == pytest.approx(math.sqrt(200.0 * 90.0), rel=1e-14)
+    assert values["level.tracking_time"] == pytest.approx(math.sqrt(200.0 * 90.0), rel=1e-14)
 
 
 def test_an_output_may_have_limits_and_a_rate_limit(study):
     text = f'{BASIN}gain = "2 %/%"\nintegral_time = "1 h"\n[controllers.a.outputs.outflow]\n'
     found = study(f'{text}low = "20 %"\nhigh = "90 %"\nrate_limit = "3 %/min"\n')
     values = made(found)[0].values
-    assert (values["low_limit_1"], values["high_limit_1"]) == (0.2, 0.9)
-    assert values["rate_limit_1"] == pytest.approx(5e-4, rel=1e-14)
+    assert (values["outflow.low_limit"], values["outflow.high_limit"]) == (0.2, 0.9)
+    assert values["outflow.rate_limit"] == pytest.approx(5e-4, rel=1e-14)
     controller, model = made(found)
     moved = np.diff(Loop(controller, model).run(found.scenario).values["outflow"])
     assert np.abs(moved).max() <= 0.03 * (1 + 1e-12)
@@ -187,11 +196,11 @@ def test_a_cascade_rests_and_brings_the_level_to_its_setpoint(study):
     controller, model = made(found)
     assert controller.measurements == ("level", "duty_flow")
     assert controller.setpoints == ("level",)
-    assert controller.free_inputs["setpoint_source_2"] == 1.0
+    assert controller.free_inputs["flow.setpoint_source"] == 1.0
     # The outer gain: 3 % of 60 l/s for 1 % of 16 mA.
-    assert controller.values["proportional_gain_1"] == pytest.approx(-3.0 * 0.06 / 0.016)
-    assert controller.values["setpoint_high_limit_2"] == pytest.approx(0.035)
-    assert controller.values["setpoint_low_limit_2"] == 0.0
+    assert controller.values["level.proportional_gain"] == pytest.approx(-3.0 * 0.06 / 0.016)
+    assert controller.values["flow.setpoint_high_limit"] == pytest.approx(0.035)
+    assert controller.values["flow.setpoint_low_limit"] == 0.0
     run = Loop(controller, model).run(found.scenario)
     span, level = 16e-3, run.true_measurement("level")
     assert np.abs(level[:60] - level[0]).max() < 1e-9 * span
@@ -242,10 +251,19 @@ def test_an_override_has_a_fixed_setpoint_beside_that_of_the_operator(study):
     found = study(OVERRIDE)
     controller, model = made(found)
     assert controller.setpoints == ("level",)
-    assert controller.free_inputs == {"setpoint_2": 0.8}
+    assert controller.free_inputs == {"flood.sp": 0.8}
     run = Loop(controller, model).run(found.scenario)
     assert run.values["outflow"][0] == pytest.approx(0.614, rel=1e-12)
     assert not any("does not begin at rest" in note for note in controller.notes)
+
+
+def test_a_fixed_setpoint_has_another_name_than_that_of_the_operator(study):
+    """A loop of the name level, with a fixed setpoint, beside one that follows level.sp."""
+    level, flood = "[controllers.override.loops.level]", "[controllers.override.loops.flood]"
+    text = OVERRIDE.replace(level, "[controllers.override.loops.usual]").replace(flood, level)
+    with pytest.raises(InputError) as refusal:
+        study(text)
+    assert (refusal.value.value, refusal.value.remedy[:9]) == ("level", "rename it")
 
 
 def test_the_loop_that_is_selected_at_rest_is_the_one_of_the_linear_model(study):
@@ -292,18 +310,18 @@ def test_a_split_range_moves_its_actuators_one_after_the_other(study):
     law = controller.law
     assert controller.manipulated == ("outflow", "relief")
     # 4 % of the splitter's 100 % for 1 % of the level, which is 1 inside.
-    assert controller.values["proportional_gain_1"] == pytest.approx(-400.0)
+    assert controller.values["level.proportional_gain"] == pytest.approx(-400.0)
     for asked, expected in ((30.0, (0.5, 0.0)), (60.0, (1.0, 0.0)), (80.0, (1.0, 0.5))):
-        state = controller.initial_state | {"integral_1": asked}
+        state = controller.initial_state | {"level.integral": asked}
         given = {signal.name: signal.initial for signal in law.inputs}
-        given |= {"setpoint_1": 0.5, "measurement_1": 0.5, "time_step": 1e-9}
+        given |= {"level.sp": 0.5, "level.pv": 0.5, "time_step": 1e-9}
         _, outputs, _ = law.function(
             [state[entry.name] for entry in law.state],
             [given[signal.name] for signal in law.inputs],
             [controller.values[parameter.name] for parameter in law.parameters],
         )
         found = dict(zip((s.name for s in law.outputs), np.array(outputs).ravel(), strict=True))
-        assert (found["manipulated_1"], found["manipulated_2"]) == pytest.approx(expected), asked
+        assert (found["outflow.out"], found["relief.out"]) == pytest.approx(expected), asked
 
 
 RATIO = """
@@ -332,7 +350,7 @@ integral_time = "10 s"
 def test_a_ratio_moves_the_setpoint_of_a_flow(study):
     found = study(RATIO)
     controller, model = made(found)
-    assert controller.values["ratio_1"] == pytest.approx(0.01, rel=1e-14)
+    assert controller.values["acid_ratio.ratio"] == pytest.approx(0.01, rel=1e-14)
     assert controller.measurements == ("level", "acid_meter", "inflow_meter")
     assert not any("does not begin at rest" in note for note in controller.notes)
     run = Loop(controller, model).run(found.scenario)
@@ -346,8 +364,8 @@ def test_a_ratio_may_be_trimmed_by_a_loop(study):
     trimmed = trimmed.replace('output = "outflow"', 'output = "acid_ratio"')
     controller, _ = made(study(trimmed))
     # From the whole range of the level to the whole range of the ratio, 0.02.
-    assert controller.values["proportional_gain_1"] == pytest.approx(-2.0 * 0.02)
-    assert controller.values["highest_ratio_1"] == 0.02
+    assert controller.values["level.proportional_gain"] == pytest.approx(-2.0 * 0.02)
+    assert controller.values["acid_ratio.highest_ratio"] == 0.02
     assert controller.manipulated == ("acid",)
     assert any("does not move outflow" in note for note in controller.notes)
 
@@ -382,14 +400,14 @@ def test_feedforward_adds_to_a_loop_from_the_operating_point_on(study):
     found = study(FEEDFORWARD)
     controller, model = made(found)
     values = controller.values
-    assert values["feedforward_gain_1"] == pytest.approx(15.0)  # [1/(m³/s)]
-    assert values["feedforward_lead_1"] == 2.0 and values["feedforward_lag_1"] == 10.0
+    assert values["feedforward.inflow.gain"] == pytest.approx(15.0)  # [1/(m³/s)]
+    assert values["feedforward.inflow.lead"] == 2.0 and values["feedforward.inflow.lag"] == 10.0
     at = found.analysis.operating_point.as_dict()
-    assert values["feedforward_reference_1"] == at["inflow_meter"]
+    assert values["feedforward.inflow.reference"] == at["inflow_meter"]
     run = Loop(controller, model).run(found.scenario)
     assert run.values["duty"][0] == pytest.approx(at["duty"], rel=1e-9)
     written = study(FEEDFORWARD + 'reference = "18 l/s"\n')
-    assert made(written)[0].values["feedforward_reference_1"] == pytest.approx(0.018)
+    assert made(written)[0].values["feedforward.inflow.reference"] == pytest.approx(0.018)
 
 
 START_STOP = """
@@ -411,8 +429,11 @@ def test_start_and_stop_levels(study):
     found = study(START_STOP)
     controller, model = made(found)
     values = controller.values
-    assert values["start_level_2"] == pytest.approx(13e-3) and values["stop_level_1"] == 7e-3
-    assert (values["running_value_1"], values["running_value_2"]) == (0.9, 1.0)
+    assert (
+        values["stage.2.start_level"] == pytest.approx(13e-3)
+        and values["stage.1.stop_level"] == 7e-3
+    )
+    assert (values["duty.running_value"], values["standby.running_value"]) == (0.9, 1.0)
     assert (values["alternation"], values["shortest_rest"]) == (0.0, 60.0)
     run = Loop(controller, model).run(found.scenario)
     assert set(np.unique(run.values["duty"])) == {0.0, 0.9}
@@ -441,12 +462,12 @@ def test_bounds_of_a_loop_are_written_by_its_keys(study):
     found = study(
         f'{text}level.gain = ["1 %/%", "8 %/%"]\nlevel.integral_time = ["10 min", "5 h"]\n'
     )
-    controller, model = made(found)
+    controller, _ = made(found)
     tune = found.controllers[0].tune
-    gain, time = tune.parameters_of(controller, model)
+    gain, time = tune.parameters_of(controller)
     # The action is direct, so that the law's gain is negative.
-    assert (gain.name, gain.low, gain.high) == ("proportional_gain_1", -8.0, -1.0)
-    assert (time.low, time.high, time.followers) == (600.0, 18000.0, ("tracking_time_1",))
+    assert (gain.name, gain.low, gain.high) == ("level.proportional_gain", -8.0, -1.0)
+    assert (time.low, time.high, time.followers) == (600.0, 18000.0, ("level.tracking_time",))
     assert tune.limits.maximum_sensitivity == 1.7
     assert tune.objective.words == "IAE of level, relative to the start"
 
@@ -458,13 +479,13 @@ def test_bounds_may_be_those_of_the_law_and_weights_those_of_several_scores(stud
         'total_variation = { pump_2 = "20 V" }\n[controllers.a.tune.parameters]\n'
     )
     found = study(
-        f'{text}level_2.gain = ["1 %/%", "9 %/%"]\nintegral_time_1 = ["0.5 min", "60 s"]\n'
+        f'{text}level_2.gain = ["1 %/%", "9 %/%"]\nlevel_1.integral_time = ["0.5 min", "60 s"]\n'
     )
-    controller, model = made(found)
+    controller, _ = made(found)
     tune = found.controllers[0].tune
-    gain, time = tune.parameters_of(controller, model)
-    assert (gain.name, gain.low, gain.high) == ("proportional_gain_2", 1.0, 9.0)
-    assert (time.name, time.low, time.high) == ("integral_time_1", 30.0, 60.0)
+    gain, time = tune.parameters_of(controller)
+    assert (gain.name, gain.low, gain.high) == ("level_2.proportional_gain", 1.0, 9.0)
+    assert (time.name, time.low, time.high) == ("level_1.integral_time", 30.0, 60.0)
     assert tune.objective.kind == "weighted"
     assert tune.objective.weights == {
         "iae[level_1]": 1.0, "iae[level_2]": 1.0, "total_variation[pump_1]": 0.1,
@@ -485,5 +506,5 @@ def test_a_tuning_finds_a_better_controller_within_its_bounds(study):
     controller, model = made(found)
     tuned = found.controllers[0].tune.run(controller, model, found.scenario)
     assert tuned.objective < 1.0
-    assert -3.0 <= tuned.controller.values["proportional_gain_1"] <= -1.0
-    assert tuned.controller.values["integral_time_1"] == 3600.0
+    assert -3.0 <= tuned.controller.values["level.proportional_gain"] <= -1.0
+    assert tuned.controller.values["level.integral_time"] == 3600.0

@@ -24,12 +24,12 @@ def test_what_is_read_of_a_loop_is_what_runs(process):
     plant = cl.load(process)
     controller = cl.design.simc(plant)
     pairs = zip(controller.measurements, controller.manipulated, strict=True)
-    for number, (measured, moved) in enumerate(pairs, start=1):
-        gain = controller.values[f"proportional_gain_{number}"]
+    for measured, moved in pairs:
+        gain = controller.values[f"{measured}.proportional_gain"]
         signal = plant.process.signal
         percent = gain * percent_of(signal(measured)) / percent_of(signal(moved))
         assert percent == pytest.approx(float(f"{percent:.5e}"), rel=1e-14), measured
-        time = controller.values[f"integral_time_{number}"]
+        time = controller.values[f"{measured}.integral_time"]
         assert time == float(f"{time:.5e}"), measured
 
 

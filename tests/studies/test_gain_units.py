@@ -21,7 +21,7 @@ def proportional_gain(folder, process, gain, output="pump_1", measurement="level
     )
     request = read_study(path)
     model = linearise(request.analysis.operating_point)
-    return request.controllers[0].make(request.analysis, model).values["proportional_gain_1"]
+    return request.controllers[0].make(request.analysis, model).values["one.proportional_gain"]
 
 
 @pytest.mark.sampled

@@ -33,13 +33,15 @@ def form_of(controller):
     ("keys", "form", "parameters"),
     [
         ({"error": '"gap"', "gap": '"5 %"', "gap_gain": 0.1}, PidForm(error="gap"),
-         {"gap_1": 0.05, "gap_gain_1": 0.1}),
+         {"level.gap": 0.05, "level.gap_gain": 0.1}),
         ({"error": '"squared"', "squared_error_scale": '"10 %"'}, PidForm(error="squared"),
-         {"squared_error_scale_1": 0.1}),
+         {"level.squared_error_scale": 0.1}),
         ({"setpoint_ramp": '"6 %/h"'}, PidForm(setpoint_ramp=True),
-         {"setpoint_ramp_1": 0.06 / 3600.0}),
-        ({"algorithm": '"velocity"'}, PidForm(algorithm="velocity"), {"integral_time_1": 3600.0}),
-        ({"remote_setpoint": "true"}, PidForm(remote_setpoint=True), {"integral_time_1": 3600.0}),
+         {"level.setpoint_ramp": 0.06 / 3600.0}),
+        ({"algorithm": '"velocity"'}, PidForm(algorithm="velocity"),
+         {"level.integral_time": 3600.0}),
+        ({"remote_setpoint": "true"}, PidForm(remote_setpoint=True),
+         {"level.integral_time": 3600.0}),
     ],
 )  # fmt: skip
 def test_forms_of_a_loop_are_at_rest_and_run(made, keys, form, parameters):
@@ -75,15 +77,18 @@ def test_the_source_chooses_the_setpoint_of_a_loop_that_may_be_remote(made):
     controller, _, _ = made(remote_setpoint="true")
     law = controller.law
     given = {signal.name: signal.initial for signal in law.inputs}
-    given |= {"setpoint_1": 0.5, "remote_setpoint_1": 0.55, "measurement_1": 0.5, "time_step": 36.0}
-    state = controller.initial_state | {"integral_1": 0.6, "last_output_1": 0.6}
+    given |= {"level.sp": 0.5, "level.remote_setpoint": 0.55, "level.pv": 0.5, "time_step": 36.0}
+    state = controller.initial_state | {"level.integral": 0.6, "outflow.last_output": 0.6}
     for source, integral in ((0.0, 0.6), (1.0, 0.6 - 2.0 * 36.0 / 3600.0 * 0.05)):
-        state |= {"last_setpoint_source_1": source, "working_setpoint_1": 0.5 + 0.05 * source}
+        state |= {
+            "level.last_setpoint_source": source,
+            "level.working_setpoint": 0.5 + 0.05 * source,
+        }
         following, _, _ = law.function(
             [state[entry.name] for entry in law.state],
-            [(given | {"setpoint_source_1": source})[signal.name] for signal in law.inputs],
+            [(given | {"level.setpoint_source": source})[signal.name] for signal in law.inputs],
             [controller.values[parameter.name] for parameter in law.parameters],
         )
         names = [entry.name for entry in law.state]
         found = dict(zip(names, np.array(following).ravel(), strict=True))
-        assert found["integral_1"] == pytest.approx(integral, rel=1e-12), source
+        assert found["level.integral"] == pytest.approx(integral, rel=1e-12), source

@@ -336,7 +336,7 @@ def test_a_design_whose_numbers_no_controller_takes_does_not_end_the_study(tmp_p
     path.write_text(text)
     result = study_of(path, "LQI, Bryson", "PI, SIMC", "PI, phase margin")
     reasons = dict(result.not_applicable)
-    assert "its feedback_1_1 would be 1." in reasons["LQI, Bryson"]
+    assert "its pump_1.feedback.level_1 would be 1." in reasons["LQI, Bryson"]
     assert "a controller takes a number from -1e+09 to 1e+09 V/m" in reasons["LQI, Bryson"]
     assert {"PI, SIMC", "PI, phase margin"} == {c.controller.name for c in result.ranking}
 

@@ -163,9 +163,9 @@ anti_windup = "clamping"
     assert (request.name, controller.name) == ("slow pair", "slow pair")
     assert request.tune is None and "line 3" in request.place
     assert controller.setpoints == ("level_2", "level_1")
-    for name in ("proportional_gain_1", "integral_time_2"):
+    for name in ("level_1.proportional_gain", "level_2.integral_time"):
         assert controller.values[name] == direct.values[name], name
-    assert "tracking_time_1" not in controller.values  # that is of back-calculation
+    assert "level_1.tracking_time" not in controller.values  # that is of back-calculation
 
 
 def test_a_form_is_taken_from_its_own_keys(study):
@@ -177,7 +177,7 @@ def test_a_form_is_taken_from_its_own_keys(study):
     assert controller.family == "multiloop PID"
     # A series form: the ISA form has Ti ≥ 4 Td, this one need not.
     isa = cl.design.simc(cl.load("three-tanks"), [("level_3", "feed")])
-    assert controller.values["derivative_time_1"] > 0.0
+    assert controller.values["level_3.derivative_time"] > 0.0
     assert set(isa.values) < set(controller.values)
 
 
@@ -279,16 +279,16 @@ def test_controllers_keep_the_order_of_the_file(study):
 
 def test_an_own_law_is_wired_with_its_numbers(study, tmp_path):
     (tmp_path / "my_pi.py").write_text(
-        'inputs = ["setpoint_1", "measurement_1"]\n'
-        'outputs = ["manipulated_1"]\n'
+        'inputs = ["level_1.sp", "level_1.pv"]\n'
+        'outputs = ["pump_1.out"]\n'
         'parameters = {"gain": 3.0, "integral_time": 30.0}\n'
         'state = {"integral": 0.0}\n'
         "def step(state, inputs, parameters, time_step):\n"
-        '    error = inputs["setpoint_1"] - inputs["measurement_1"]\n'
+        '    error = inputs["level_1.sp"] - inputs["level_1.pv"]\n'
         '    integral = state["integral"] + parameters["gain"] / parameters["integral_time"]'
         " * error * time_step\n"
         '    return {"integral": integral}, '
-        '{"manipulated_1": parameters["gain"] * error + integral}\n',
+        '{"pump_1.out": parameters["gain"] * error + integral}\n',
         encoding="utf-8",
     )
     found = study(
@@ -305,10 +305,10 @@ initial_state = { integral = 3.0 }
     )
     controller = made(found)
     assert controller.values == {
-        "gain": 2.0, "integral_time": 30.0, "low_limit_1": 0.0, "high_limit_1": 10.0,
+        "gain": 2.0, "integral_time": 30.0, "pump_1.low_limit": 0.0, "pump_1.high_limit": 10.0,
     }  # fmt: skip
-    assert controller.initial_state == {"integral": 3.0, "last_output_1": 3.0}
-    assert controller.output_wires["manipulated_1"] == "pump_2"
+    assert controller.initial_state == {"integral": 3.0, "pump_1.last_output": 3.0}
+    assert controller.output_wires["pump_1.out"] == "pump_2"
 
 
 def test_which_files_are_studies(tmp_path):

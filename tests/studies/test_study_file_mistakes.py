@@ -425,15 +425,15 @@ def test_laws_of_users_that_cannot_be_used(message, tmp_path):
     )
     (tmp_path / "bad.py").write_text("x = 1\n")
     assert "line 3, controllers.a.law, bad.py: got 'no law'" in message(head + 'law = "bad.py"\n')
-    (tmp_path / "bad.py").write_text('inputs = ["measurement_1"]\ndef step(state, inputs)\n')
+    (tmp_path / "bad.py").write_text('inputs = ["level_1.pv"]\ndef step(state, inputs)\n')
     assert (
         "line 3, controllers.a.law, bad.py, line 2: got \"SyntaxError: expected ':'\""
         in message(head + 'law = "bad.py"\n')
     )
     (tmp_path / "good.py").write_text(
-        'inputs = ["measurement_1"]\noutputs = ["manipulated_1"]\nparameters = {"gain": 1.0}\n'
+        'inputs = ["level_1.pv"]\noutputs = ["pump_1.out"]\nparameters = {"gain": 1.0}\n'
         "def step(state, inputs, parameters, time_step):\n"
-        '    return {}, {"manipulated_1": 1.0}\n'
+        '    return {}, {"pump_1.out": 1.0}\n'
     )
     law = head + 'law = "good.py"\n'
     assert "expected a list of 1 names, one for each measurement of the law" in message(law)

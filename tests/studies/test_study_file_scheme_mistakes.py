@@ -159,7 +159,7 @@ TUNING = [
         "bounds around where it starts, 2 %/%",
     ),
     (
-        tuned('parameters.proportional_gain_1 = ["1 %/%", "5 %/%"]'),
+        tuned('parameters.level.proportional_gain = ["1 %/%", "5 %/%"]'),
         "expected bounds around where it starts, -2 %/%",
     ),
     (
@@ -184,7 +184,8 @@ TUNING = [
         tuned('parameters.basin.gain = ["1 %/%", "5 %/%"]'),
         "got 'basin.gain', expected a loop of this controller (level)",
     ),
-    (tuned('parameters.integral_time_2 = ["1 s", "5 s"]'), "perhaps 'integral_time_1' was meant"),
+    (tuned('parameters.integral_time_2 = ["1 s", "5 s"]'), "choose one of them"),
+    (tuned('parameters.integral_time_1 = ["1 s", "5 s"]'), "write level.integral_time"),
     (tuned("parameters.level.gain = 3"), "expected a list of a low and a high bound"),
     (
         tuned('parameters.level.setpoint_weight = ["0.5", "1.5"]'),

@@ -45,7 +45,7 @@ def test_the_tuned_controller_scores_in_a_run_of_its_own_what_the_tuning_said(na
     assert ("max|S| at most 2" in found.binding) == (peak > 1.999)
     for i in (1, 2):
         values = found.controller.values
-        assert values[f"tracking_time_{i}"] == values[f"integral_time_{i}"], i
+        assert values[f"level_{i}.tracking_time"] == values[f"level_{i}.integral_time"], i
 
 
 def test_no_neighbour_that_keeps_the_limit_is_better():
@@ -57,7 +57,7 @@ def test_no_neighbour_that_keeps_the_limit_is_better():
     for _ in range(60):
         values = dict(found.controller.values)
         values |= {name: values[name] * (1 + 0.02 * random.normal()) for name in moved}
-        values |= {f"tracking_time_{i}": values[f"integral_time_{i}"] for i in (1, 2)}
+        values |= {f"level_{i}.tracking_time": values[f"level_{i}.integral_time"] for i in (1, 2)}
         state = found.controller.initial_state
         state = state | {f"last_{n}": values[n] for n in moved if f"last_{n}" in state}
         other = dataclasses.replace(found.controller, values=values, initial_state=state)

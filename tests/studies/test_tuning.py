@@ -39,23 +39,29 @@ from clepsydra.studies.tuning.tune import Progress, tune
 from clepsydra.studies.tuning.tuned_pid import tuned_pid
 
 PERIOD, STEP = 0.1, 0.01
+TANK = load_process("averaging-tank")
+SIGNALS = [TANK.signal("volume")], [TANK.signal("inflow")]
 #: What the integral of the controllers below still does to a score.
 INTEGRAL = 1e-7
-GAIN = TunedParameter("proportional_gain_1", 1.0, 19.0, logarithmic=False)
+GAIN = TunedParameter("volume.proportional_gain", 1.0, 19.0, logarithmic=False)
 
 
 @pytest.fixture(scope="module")
 def model() -> LinearModel:
-    return linearise(find_equilibrium(load_process("averaging-tank")))
+    return linearise(find_equilibrium(TANK))
 
 
 def controller(gain: float = 3.0, weight: float = 1.0) -> Controller:
     """Proportional control: an integral that takes four months for what the gain does at once."""
-    law = multiloop_pid_law(1, PidForm(anti_windup="none"))
-    values = {"proportional_gain_1": gain, "setpoint_weight_1": weight, "integral_time_1": 1e7}
-    values |= {"low_limit_1": 0.0, "high_limit_1": 1.0}
+    law = multiloop_pid_law(*SIGNALS, PidForm(anti_windup="none"))
+    values = {
+        "volume.proportional_gain": gain,
+        "volume.setpoint_weight": weight,
+        "volume.integral_time": 1e7,
+    }
+    values |= {"inflow.low_limit": 0.0, "inflow.high_limit": 1.0}
     state = {signal.name: 0.2 for signal in law.state}
-    state |= {"last_proportional_gain_1": gain, "last_setpoint_weight_1": weight}
+    state |= {"volume.last_proportional_gain": gain, "volume.last_setpoint_weight": weight}
     return Controller(
         "PI", "multiloop PI", "By hand.", law, values, state, ("volume",), ("volume",), ("inflow",)
     )
@@ -83,7 +89,7 @@ def test_the_gain_of_least_ise_is_that_of_the_closed_form(model, generations):
     found = tuned(model, weighted_sum({"ise[volume]": 1.0}), generations=generations)
     best = (3.0 - math.sqrt(3.0)) / PERIOD
     # At a minimum the gain is known to the square root of what the score is known to.
-    assert found.controller.values["proportional_gain_1"] == pytest.approx(best, rel=1e-4)
+    assert found.controller.values["volume.proportional_gain"] == pytest.approx(best, rel=1e-4)
     assert found.scores["ise[volume]"] == pytest.approx(
         STEP**2 * PERIOD * math.sqrt(3.0) / 6.0, rel=INTEGRAL
     )
@@ -110,16 +116,16 @@ def test_the_gain_of_least_ise_is_that_of_the_closed_form(model, generations):
 def test_a_limit_binds_exactly(model, limits, gain, said):
     for generations in (0, 10):
         found = tuned(model, minimax("ise[volume]"), limits=limits, generations=generations)
-        assert found.controller.values["proportional_gain_1"] == pytest.approx(gain, rel=3e-6), (
-            generations
-        )
+        assert found.controller.values["volume.proportional_gain"] == pytest.approx(
+            gain, rel=3e-6
+        ), generations
         assert found.binding == (said,), generations
         assert found.scores["ise[volume]"] == pytest.approx(ise(gain), rel=1e-5), generations
 
 
 def test_what_is_reported_is_that_of_the_rounded_controller_that_runs(model):
     found = tuned(model, minimax("ise[volume]"), limits=Limits(1.3), generations=0)
-    assert found.controller.values["proportional_gain_1"] == pytest.approx(
+    assert found.controller.values["volume.proportional_gain"] == pytest.approx(
         (2.0 - 2.0 / 1.3) / PERIOD, rel=1e-4
     )
     run = Loop(found.controller, model).run(step_of_volume())
@@ -136,7 +142,7 @@ def test_a_bound_that_binds_is_named(model):
     found = tune(
         controller(), model, step_of_volume(), [narrow], minimax("ise[volume]"), generations=5
     )
-    assert found.controller.values["proportional_gain_1"] == pytest.approx(9.0, rel=1e-12)
+    assert found.controller.values["volume.proportional_gain"] == pytest.approx(9.0, rel=1e-12)
     # In shares of 4 m³ and 1 m³/s, the ranges of volume and inflow.
     assert found.binding == ("volume.gain at most 36 %/%",)
     assert "volume.gain = 36 %/%" in found.controller.design
@@ -145,7 +151,7 @@ def test_a_bound_that_binds_is_named(model):
 def test_each_loop_is_named_by_its_own_measurement():
     tanks = analyse(load_process("quadruple-tank"))
     words = ParameterWords(design_simc(tanks.model, tanks.pairing), tanks.operating_point.process)
-    names = [words.name(f"proportional_gain_{loop}") for loop in (1, 2)]
+    names = [words.name(f"level_{loop}.proportional_gain") for loop in (1, 2)]
     assert names == ["level_1.gain", "level_2.gain"]
 
 
@@ -153,12 +159,12 @@ def test_a_negative_gain_is_named_without_its_sign():
     """The bound nearest to zero is the least gain, though it is the high one of the law."""
     basin = analyse(load_process("equalisation-tank"))
     start = design_simc(basin.model)
-    gain = start.values["proportional_gain_1"]
+    gain = start.values["level.proportional_gain"]
     assert gain < 0.0
     words = ParameterWords(start, basin.operating_point.process)
     # Level and outflow are shares of their ranges: K is the gain in %/%.
-    assert words.value("proportional_gain_1", -0.5) == "0.5 %/%"
-    narrow = TunedParameter("proportional_gain_1", 1.2 * gain, 0.8 * gain)
+    assert words.value("level.proportional_gain", -0.5) == "0.5 %/%"
+    narrow = TunedParameter("level.proportional_gain", 1.2 * gain, 0.8 * gain)
     found = tune(
         start,
         basin.model,
@@ -167,7 +173,7 @@ def test_a_negative_gain_is_named_without_its_sign():
         minimax("total_variation[outflow]"),
         generations=0,
     )
-    assert found.controller.values["proportional_gain_1"] == pytest.approx(0.8 * gain)
+    assert found.controller.values["level.proportional_gain"] == pytest.approx(0.8 * gain)
     assert found.binding == (f"level.gain at least {0.8 * abs(gain):.4g} %/%",)
 
 
@@ -178,9 +184,9 @@ def test_the_minimax_of_opposing_scores_stands_where_they_are_equal(model):
     weights = {"ise[volume]": 1.0 / ise(meeting), "total_variation[inflow]": 0.5 / meeting / STEP}
     for generations in (0, 10):
         found = tuned(model, Objective("minimax", weights, relative=False), generations=generations)
-        assert found.controller.values["proportional_gain_1"] == pytest.approx(meeting, rel=1e-7), (
-            generations
-        )
+        assert found.controller.values["volume.proportional_gain"] == pytest.approx(
+            meeting, rel=1e-7
+        ), generations
         parts = [weight * found.scores[name] for name, weight in weights.items()]
         assert parts == pytest.approx([1.0, 1.0], rel=1e-7), generations
 
@@ -188,7 +194,7 @@ def test_the_minimax_of_opposing_scores_stands_where_they_are_equal(model):
 def test_a_weighted_sum_is_least_where_its_slope_is_zero(model):
     weights = {"ise[volume]": 1e4, "total_variation[inflow]": 1.0}
     found = tuned(model, weighted_sum(weights, relative=False), generations=5)
-    gain = found.controller.values["proportional_gain_1"]
+    gain = found.controller.values["volume.proportional_gain"]
     gains = np.linspace(gain - 0.5, gain + 0.5, 5)
     costs = [1e4 * ise(k) + 2 * k * STEP for k in gains]
     assert found.objective == pytest.approx(costs[2], rel=INTEGRAL)
@@ -212,7 +218,7 @@ def test_the_front_is_the_closed_form_of_score_against_robustness(model):
     bounds = (1.2, 1.4, 1.6)
     found = tuned(model, minimax("ise[volume]"), front=bounds, generations=0).front
     assert np.all(np.diff(found.sensitivity) > 0) and np.all(np.diff(found.objective) < 0)
-    gains = found.values["proportional_gain_1"]
+    gains = found.values["volume.proportional_gain"]
     assert found.sensitivity == pytest.approx(2.0 / (2.0 - gains * PERIOD), rel=1e-6)
     assert found.objective == pytest.approx([ise(k) / ise(3.0) for k in gains], rel=1e-6)
     for bound in bounds:
@@ -222,16 +228,16 @@ def test_the_front_is_the_closed_form_of_score_against_robustness(model):
 @pytest.mark.thorough
 def test_a_tuned_controller_starts_at_rest_whatever_was_tuned(model):
     """With a setpoint weight below one the bias must hold what K (b - 1) r takes away."""
-    parameters = [GAIN, TunedParameter("setpoint_weight_1", 0.0, 0.9, logarithmic=False)]
+    parameters = [GAIN, TunedParameter("volume.setpoint_weight", 0.0, 0.9, logarithmic=False)]
     start = controller(weight=0.5)
     start = dataclasses.replace(
-        start, initial_state={**start.initial_state, "integral_1": 0.2 + 3.0 * 0.5 * 2.0}
+        start, initial_state={**start.initial_state, "volume.integral": 0.2 + 3.0 * 0.5 * 2.0}
     )
     found = tune(start, model, step_of_volume(), parameters, minimax("ise[volume]"))
     still = step_of_volume(0.0)
     still = dataclasses.replace(still, segments=())
     values = Loop(found.controller, model).run(still).values
-    assert found.controller.values["setpoint_weight_1"] != 0.5
+    assert found.controller.values["volume.setpoint_weight"] != 0.5
     assert np.ptp(values["inflow"]) < 1e-12 and np.ptp(values["tank.level"]) < 1e-12
 
 
@@ -352,10 +358,13 @@ def parameter(*arguments, **options) -> TunedParameter:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: parameter("proportional_gain_1", 9.0, 1.0), "got 'bounds 9 to 1', expected a low"),
-        (lambda: parameter("proportional_gain_1", 2.0, 2.0), "expected a low bound below"),
-        (lambda: parameter("proportional_gain_1", -1.0, 1.0), "bounds of one sign"),
-        (lambda: parameter("proportional_gain_1", 1.0, math.inf), "expected a finite bound"),
+        (
+            lambda: parameter("volume.proportional_gain", 9.0, 1.0),
+            "got 'bounds 9 to 1', expected a low",
+        ),
+        (lambda: parameter("volume.proportional_gain", 2.0, 2.0), "expected a low bound below"),
+        (lambda: parameter("volume.proportional_gain", -1.0, 1.0), "bounds of one sign"),
+        (lambda: parameter("volume.proportional_gain", 1.0, math.inf), "expected a finite bound"),
         (lambda: minimax(), "objective: got 'none', expected a score"),
         (lambda: minimax("settling_time[volume]"), "expected one of ie, iae"),
         (lambda: weighted_sum({"iae[volume]": -1.0}), "expected a weight above 0"),
@@ -370,9 +379,9 @@ def parameter(*arguments, **options) -> TunedParameter:
         (lambda: Limits(total_variation=5.0), "expected manipulated variables with their limits"),
         (lambda: Limits(total_variation={"inflow": "1 m^3"}), "give it in the unit of inflow"),
         (lambda: parameter(3, 1.0, 2.0), "expected the name of a parameter"),
-        (lambda: around(controller(), "integral_time_1"), "expected a list of names"),
-        (lambda: around(controller(), ["integral_time_1"], 0.5), "a number above 1"),
-        (lambda: around("PI", ["integral_time_1"]), "expected a Controller"),
+        (lambda: around(controller(), "volume.integral_time"), "expected a list of names"),
+        (lambda: around(controller(), ["volume.integral_time"], 0.5), "a number above 1"),
+        (lambda: around("PI", ["volume.integral_time"]), "expected a Controller"),
     ],
 )
 def test_what_cannot_be_meant_is_refused(make, message):
@@ -385,7 +394,7 @@ def test_what_cannot_be_meant_is_refused(make, message):
     [
         ([], {}, "parameters: got 'none', expected at least one"),
         ([parameter("gain", 1.0, 2.0)], {}, "got 'gain', expected a parameter of multiloop_pi: "),
-        ([GAIN, GAIN], {}, "got 'proportional_gain_1', expected each name once"),
+        ([GAIN, GAIN], {}, "got 'volume.proportional_gain', expected each name once"),
         ([dataclasses.replace(GAIN, low=4.0)], {}, "got 'a start at 3', expected a start within"),
         ([dataclasses.replace(GAIN, high=1e10)], {}, "within -1e[+]09 to 1e[+]09"),
         ([GAIN], {"objective": minimax("iae[level]")}, r"got 'iae\[level\]', expected iae of one"),
@@ -395,7 +404,11 @@ def test_what_cannot_be_meant_is_refused(make, message):
         ([GAIN], {"seed": 1.5}, "seed: got 1.5, expected a whole number"),
         ([GAIN], {"scenario": []}, "scenarios: got 'none', expected at least one"),
         ([GAIN], {"scenario": None}, "scenario: got None, expected a Scenario"),
-        (["proportional_gain_1"], {}, "expected a list of TunedParameter; make them, as by around"),
+        (
+            ["volume.proportional_gain"],
+            {},
+            "expected a list of TunedParameter; make them, as by around",
+        ),
         (GAIN, {}, "got 'a TunedParameter', expected a list of TunedParameter"),
         ([GAIN], {"objective": "iae[volume]"}, "expected an Objective; make one, as by minimax"),
         ([GAIN], {"limits": {"maximum_sensitivity": 2.0}}, "write as in Limits"),
@@ -430,26 +443,30 @@ def test_where_nothing_keeps_the_limits_the_tuning_does_not_apply(model):
 
 
 def test_around_moves_by_a_factor_and_takes_the_tracking_time_along():
-    law = multiloop_pid_law(1)
+    law = multiloop_pid_law(["volume"], ["inflow"])
     values = {p.name: p.initial for p in law.parameters}
-    values |= {"proportional_gain_1": -2.0, "integral_time_1": 30.0, "tracking_time_1": 30.0}
+    values |= {
+        "volume.proportional_gain": -2.0,
+        "volume.integral_time": 30.0,
+        "volume.tracking_time": 30.0,
+    }
     state = {s.name: 0.0 for s in law.state}
     direct = Controller(
         "PI", "multiloop PI", "", law, values, state, ("volume",), ("volume",), ("inflow",)
     )
-    gain, time = around(direct, ["proportional_gain_1", "integral_time_1"], 10.0)
+    gain, time = around(direct, ["volume.proportional_gain", "volume.integral_time"], 10.0)
     assert (gain.low, gain.high, gain.followers) == (-20.0, -0.2, ())
-    assert (time.low, time.high, time.followers) == (3.0, 300.0, ("tracking_time_1",))
+    assert (time.low, time.high, time.followers) == (3.0, 300.0, ("volume.tracking_time",))
     # Equal ratios are equal steps, also below zero.
     assert gain.value(np.array([0.0, 0.5, 1.0])) == pytest.approx([-20.0, -2.0, -0.2])
     assert gain.share(-2.0) == pytest.approx(0.5)
     with refused(expected="a parameter of multiloop_pi that is not zero"):
-        around(direct, ["derivative_time_1"])
+        around(direct, ["volume.derivative_time"])
 
 
 def test_a_law_without_gains_is_not_tuned_as_a_pid(model):
-    law = multiloop_pid_law(1, PidForm("P"))
-    values = {p.name: p.initial for p in law.parameters} | {"proportional_gain_1": 0.0}
+    law = multiloop_pid_law(["volume"], ["inflow"], PidForm("P"))
+    values = {p.name: p.initial for p in law.parameters} | {"volume.proportional_gain": 0.0}
     state = {signal.name: 0.0 for signal in law.state}
     none = dataclasses.replace(controller(), law=law, values=values, initial_state=state)
     with pytest.raises(NotApplicable, match="PI has no gain and no integral time to tune"):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 Kind = Literal["real", "integer", "boolean"]
@@ -16,8 +17,8 @@ class Signal:
     Parameters
     ----------
     name : str
-        Whole words joined by underscores; a dot separates an element from its quantity
-        ("tank_1.level").
+        Its path: whole words joined by underscores, a dot between what owns it and what it is
+        of that ("tank_1.level").
     unit : str
         SI unit of every number held for this signal; "1" for none.
     display_unit : str
@@ -32,6 +33,8 @@ class Signal:
         One phrase for comments, axes and tables.
     digits : int
         Of a parameter: the significant digits that a design gives to it.
+    matrix : str
+        Of a parameter: the matrix that it is a number of, if of one.
 
     Examples
     --------
@@ -49,6 +52,7 @@ class Signal:
     kind: Kind = "real"
     description: str = ""
     digits: int = field(default=6, repr=False, compare=False)
+    matrix: str = field(default="", repr=False, compare=False)
 
     @property
     def span(self) -> float:
@@ -92,6 +96,24 @@ class Signal:
         return self.display_unit or self.unit
 
     @property
+    def owner(self) -> str:
+        """What the signal belongs to: its path but for the last part; empty for none.
+
+        >>> Signal("tank_1.level").owner
+        'tank_1'
+        """
+        return self.name.rpartition(".")[0]
+
+    @property
+    def part(self) -> str:
+        """What it is of its owner: the last part of its path.
+
+        >>> Signal("tank_1.level").part
+        'level'
+        """
+        return self.name.rpartition(".")[2]
+
+    @property
     def identifier(self) -> str:
         """The name as an identifier of a programming language."""
         return self.name.replace(".", "_")
@@ -105,3 +127,47 @@ class Signal:
         """Return the value [unit] of a signal's percent."""
         zero, hundred = self.percent_scale
         return zero + (hundred - zero) * percent / 100.0
+
+
+def path(owner: Signal | str, part: str) -> str:
+    """Return the name of what belongs to something: its owner's name, a dot, its part.
+
+    Examples
+    --------
+    >>> path(Signal("pump_1", "V"), "mode")
+    'pump_1.mode'
+    """
+    return f"{owner if isinstance(owner, str) else owner.name}.{part}"
+
+
+def effect(to: Signal | str, what: str, by: Signal | str) -> str:
+    """Return the name of a number of a matrix: what one thing does to another.
+
+    Examples
+    --------
+    >>> effect("pump_1", "feedback", "level_1")
+    'pump_1.feedback.level_1'
+    """
+    return path(path(to, what), by if isinstance(by, str) else by.name)
+
+
+def elements(name: str, count: int) -> list[str]:
+    """Return the names of the elements of a vector, whose places are all that they differ in.
+
+    Examples
+    --------
+    >>> elements("schedule.point", 2)
+    ['schedule.point.1', 'schedule.point.2']
+    """
+    return [path(name, str(place)) for place in range(1, count + 1)]
+
+
+def owned(owner: Signal | str, signals: Iterable[Signal]) -> list[Signal]:
+    """Return signals as parts of their owner.
+
+    Examples
+    --------
+    >>> [signal.name for signal in owned("level_1", [Signal("gain"), Signal("bias")])]
+    ['level_1.gain', 'level_1.bias']
+    """
+    return [replace(signal, name=path(owner, signal.name)) for signal in signals]

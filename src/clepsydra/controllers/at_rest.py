@@ -29,20 +29,21 @@ def state_at_rest(
     values : mapping
         Parameter name to value.
     inputs : mapping
-        setpoint_j, measurement_j and tracking_i at the operating point, and what differs from
-        its initial value of the other inputs.
+        Each sp, pv and tracking at the operating point, and what differs from its initial value
+        of the other inputs.
 
     Examples
     --------
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> law = multiloop_pid_law(1)
+    >>> law = multiloop_pid_law(["level"], ["pump"])
     >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
-    >>> state_at_rest(law, values, dict(setpoint_1=5.0, measurement_1=5.0, tracking_1=3.0))
-    {'integral_1': 3.0, 'last_proportional_gain_1': 1.0, 'last_setpoint_weight_1': 1.0, \
-'last_output_1': 3.0}
+    >>> at_rest = {"level.sp": 5.0, "level.pv": 5.0, "pump.tracking": 3.0}
+    >>> state_at_rest(law, values, at_rest)
+    {'level.integral': 3.0, 'level.last_proportional_gain': 1.0, \
+'level.last_setpoint_weight': 1.0, 'pump.last_output': 3.0}
     """
     given = {signal.name: signal.initial for signal in law.inputs} | dict(inputs)
-    given |= {name: float(Mode.TRACKING) for name in given if name.startswith("mode_")}
+    given |= {s.name: float(Mode.TRACKING) for s in law.inputs if s.part == "mode"}
     given |= {"time_step": _FOR_EVER}
     state = np.array([entry.initial if isinstance(entry, Signal) else 0.0 for entry in law.state])
     for _ in range(_SCANS):

@@ -4,24 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import Self
 
 import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, effect, elements, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import tracking_share
 from clepsydra.controllers.blocks.output_stage import output_stage, stage_equations
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step, value_or_zero
+from clepsydra.controllers.state_feedback import fading_time
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
 FAMILY = "loop shaping"
 #: More states than this make a law that nobody can read or check on a plant.
 MOST_STATES = 60
 
-#: Name of a matrix, and the prefix of its numbers among the parameters of the law.
-_PREFIXES = {
+#: Name of a matrix, and what its numbers are called among the parameters of the law.
+_MATRICES = {
     "transition": "transition",
     "entered": "error_effect",
     "told": "output_effect",
@@ -59,7 +61,7 @@ class ConditionedMatrices:
     PI control with K = 2 and Ti = 10 s each second: u = z + 2 e, and z follows u − u°.
 
     >>> numbers = [np.array([[value]]) for value in (0.9, 0.0, 0.1, 1.0, -2.0)]
-    >>> ConditionedMatrices(*numbers).values()["memory_gain_1_1"]
+    >>> ConditionedMatrices(*numbers).values(["level"], ["pump"])["pump.memory_gain.memory.1"]
     1.0
     """
 
@@ -117,21 +119,18 @@ class ConditionedMatrices:
             self.direct,
         )
 
-    def values(self) -> dict[str, float]:
-        """Return the numbers that are not zero as parameters of the law."""
-        return {
-            f"{prefix}_{row + 1}_{column + 1}": float(value)
-            for name, prefix in _PREFIXES.items()
-            for (row, column), value in np.ndenumerate(getattr(self, name))
-            if value != 0.0
-        }
+    def values(
+        self, measured: Sequence[Signal | str], manipulated: Sequence[Signal | str]
+    ) -> dict[str, float]:
+        """Return the numbers that are not zero as parameters of the law for these signals."""
+        law = _Law.of(self, measured, manipulated)
+        return {effect(to, matrix, by): value for matrix, to, by, value in law.numbers()}
 
 
 def conditioned_linear_law(
+    measured: Sequence[Signal | str],
+    manipulated: Sequence[Signal | str],
     matrices: ConditionedMatrices,
-    *,
-    measured: Sequence[Signal] | None = None,
-    manipulated: Sequence[Signal] | None = None,
 ) -> StepLaw:
     """Write the step law of a linear controller that is told what was applied.
 
@@ -155,20 +154,20 @@ def conditioned_linear_law(
 
     Parameters
     ----------
+    measured, manipulated : sequence of Signal or str
+        The process signals: they lend their names, units and ranges. Each measured signal is
+        controlled.
     matrices : ConditionedMatrices
         Which numbers differ from zero; the values are parameters of the law.
-    measured, manipulated : sequence of Signal, optional
-        The process signals: they lend their units and ranges. Each measured signal is
-        controlled.
 
     Returns
     -------
     StepLaw
-        Inputs setpoint_j, measurement_j, sensor_j, mode_i, manual_i, tracking_i and
-        time_step [s]; parameters transition_j_k, error_effect_j_k, output_effect_j_i,
-        memory_gain_i_j, error_gain_i_j, bias_i, fading_time_i [s], low_limit_i and
-        high_limit_i; state integral_i (b), last_output_i, memory_j (z); outputs manipulated_i,
-        status_i.
+        Inputs sp, pv and good of each measurement, mode, manual and tracking of each output,
+        and time_step [s]; parameters transition, error_effect and output_effect of each memory,
+        memory_gain, error_gain, bias, fading_time [s], low_limit and high_limit of each output;
+        state integral (b) and last_output of each output and memory.1, memory.2, … (z); outputs
+        out and status of each output.
 
     Raises
     ------
@@ -188,44 +187,33 @@ def conditioned_linear_law(
 
     >>> one = np.eye(1)
     >>> matrices = ConditionedMatrices(0.9 * one, 0.0 * one, 0.1 * one, one, -2.0 * one)
-    >>> law = conditioned_linear_law(matrices)
-    >>> given = dict(setpoint_1=5, measurement_1=4, sensor_1=1, mode_1=1, time_step=1)
-    >>> values = matrices.values() | dict(bias_1=3, fading_time_1=10, low_limit_1=0,
-    ...                                   high_limit_1=10)
+    >>> law = conditioned_linear_law(["level"], ["pump"], matrices)
+    >>> given = dict(sp=5, pv=4, good=1, mode=1, time_step=1)
+    >>> values = matrices.values(["level"], ["pump"]) | {
+    ...     "pump.bias": 3, "pump.fading_time": 10, "pump.low_limit": 0, "pump.high_limit": 10}
     >>> state, outputs, _ = law.function(
     ...     [0] * len(law.state),
-    ...     [given.get(signal.name, 0) for signal in law.inputs],
+    ...     [given.get(signal.part, 0) for signal in law.inputs],
     ...     [values[signal.name] for signal in law.parameters],
     ... )
     >>> float(outputs[0]), float(state[2])
     (5.0, 0.2)
     """
-    place = "conditioned linear law"
-    measured = signals.wired_signals("measurement", matrices.errors, measured, f"{place}, measured")
-    manipulated = signals.wired_signals(
-        "output", matrices.outputs, manipulated, f"{place}, manipulated"
-    )
-    written = matrices.values()
+    law = _Law.of(matrices, measured, manipulated)
     return step_law(
         "conditioned_linear",
         inputs=[
-            *signals.setpoint_inputs(measured),
-            *signals.measurement_inputs(measured),
-            *signals.output_inputs(manipulated),
+            *signals.setpoint_inputs(law.measured),
+            *signals.measurement_inputs(law.measured),
+            *signals.output_inputs(law.manipulated),
         ],
-        parameters=[
-            *_numbers(matrices, measured, manipulated),
-            *_output_parameters(manipulated),
-        ],
+        parameters=law.parameters(),
         state=[
-            *(s for i, u in enumerate(manipulated, 1) for s in signals.output_state(i, u)),
-            *(
-                Signal(f"memory_{j}", description=f"state {j} of the controller")
-                for j in range(1, matrices.states + 1)
-            ),
+            *(state for u in law.manipulated for state in signals.output_state(u)),
+            *(Signal(z.name, description=f"{z.name} of the controller") for z in law.memory),
         ],
-        outputs=[s for i, u in enumerate(manipulated, 1) for s in signals.output_signals(i, u)],
-        equations=lambda symbols: _equations(symbols, matrices, written, manipulated),
+        outputs=[result for u in law.manipulated for result in signals.output_signals(u)],
+        equations=law.equations,
         description=(
             "u = u° + C z + D e + b within the limits, e = y − r, then z⁺ = A z + B e + "
             "M (u − u°) with the u that was applied; b makes a change to automatic bumpless and "
@@ -235,93 +223,104 @@ def conditioned_linear_law(
     )
 
 
-def _numbers(
-    matrices: ConditionedMatrices, measured: Sequence[Signal], manipulated: Sequence[Signal]
-) -> list[Signal]:
-    """Return the parameters of the matrices; those of a state have no unit."""
-    memory = [Signal(f"memory {j}") for j in range(1, matrices.states + 1)]
-    effects = {
-        "transition": (memory, memory),
-        "error_effect": (memory, measured),
-        "output_effect": (memory, manipulated),
-        "memory_gain": (manipulated, memory),
-        "error_gain": (manipulated, measured),
-    }
-    found = []
-    for name in matrices.values():
-        prefix, row, column = name.rsplit("_", 2)
-        rows, columns = effects[prefix]
-        to, by = rows[int(row) - 1], columns[int(column) - 1]
-        unit = signals.ratio_of_units(to.unit, by.unit)
-        found.append(signals.coefficient(name, unit, f"effect of {by.name} on {to.name}"))
-    return found
+@dataclass(frozen=True)
+class _Law:
+    """The matrices with the signals that they join; those of z have no unit."""
 
+    matrices: ConditionedMatrices
+    measured: tuple[Signal, ...]
+    manipulated: tuple[Signal, ...]
+    memory: tuple[Signal, ...]
 
-def _output_parameters(manipulated: Sequence[Signal]) -> list[Signal]:
-    return [
-        parameter
-        for i, output in enumerate(manipulated, start=1)
-        for parameter in (
-            signals.gain(f"bias_{i}", output.unit, 0.0, f"{output.name} at the operating point"),
-            signals.duration(
-                f"fading_time_{i}", f"time in which a bumpless start of {output.name} fades"
-            ),
-            *signals.limit_parameters(i, output),
-        )
-    ]
-
-
-def _equations(
-    symbols: Symbols,
-    matrices: ConditionedMatrices,
-    written: dict[str, float],
-    manipulated: Sequence[Signal],
-) -> Equations:
-    p, n = matrices.errors, matrices.states
-    raw = [symbols[f"measurement_{j}"] for j in range(1, p + 1)]
-    raw += [symbols[f"setpoint_{j}"] for j in range(1, p + 1)]
-    valid = [is_number(value) for value in raw]
-    numbers = [value_or_zero(*pair) for pair in zip(raw, valid, strict=True)]
-    errors = [y - r for y, r in zip(numbers[:p], numbers[p:], strict=True)]
-    memory = [symbols[f"memory_{j}"] for j in range(1, n + 1)]
-    are_numbers = all_of(valid)
-    are_good = all_of([symbols[f"sensor_{j}"] for j in range(1, p + 1)])
-    goes_on = is_time_step(symbols["time_step"])
-    time_step = ca.if_else(goes_on, symbols["time_step"], 1)
-
-    def product(prefix: str, row: int, values: Sequence[ca.SX]) -> ca.SX:
-        total = ca.SX(0)
-        for column, value in enumerate(values, start=1):
-            name = f"{prefix}_{row}_{column}"
-            if name in written:
-                total = total + symbols[name] * value
-        return total
-
-    named = {f"error_{j}": value for j, value in enumerate(errors, start=1)}
-    stages = []
-    for i, output in enumerate(manipulated, start=1):
-        asked = product("memory_gain", i, memory) + product("error_gain", i, errors)
-        named[f"asked_{i}"] = asked
-        share = tracking_share(time_step, symbols[f"fading_time_{i}"])
-        stages.append(
-            output_stage(
-                symbols,
-                i,
-                output,
-                proportional=symbols[f"bias_{i}"] + asked,
-                increment=-share * symbols[f"integral_{i}"],
-                signals_are_numbers=are_numbers,
-                sensors_are_good=are_good,
-                anti_windup="conditional_integration",
+    @classmethod
+    def of(
+        cls,
+        matrices: ConditionedMatrices,
+        measured: Sequence[Signal | str],
+        manipulated: Sequence[Signal | str],
+    ) -> Self:
+        place = "conditioned linear law"
+        shown = signals.process_signals(measured, f"{place}, measured")
+        moved = signals.process_signals(manipulated, f"{place}, manipulated")
+        if (len(shown), len(moved)) != (matrices.errors, matrices.outputs):
+            raise InputError(
+                f"{place}, signals",
+                f"{len(shown)} measured, {len(moved)} manipulated",
+                f"{matrices.errors} measured and {matrices.outputs} manipulated, as the matrices",
+                "correct the signals",
             )
-        )
-    ended = stage_equations(stages, named)
-    moves = [stage.manipulated - symbols[f"bias_{stage.number}"] for stage in stages]
-    known = all_of([are_numbers, are_good, goes_on])
-    following = {}
-    for j in range(1, n + 1):
-        value = product("transition", j, memory) + product("error_effect", j, errors)
-        value = value + product("output_effect", j, moves)
-        usable = ca.logic_and(known, is_number(value))
-        following[f"memory_{j}"] = ca.if_else(usable, value, symbols[f"memory_{j}"])
-    return Equations({**ended.next_state, **following}, ended.outputs, ended.intermediates)
+        return cls(matrices, shown, moved, tuple(map(Signal, elements("memory", matrices.states))))
+
+    def numbers(self) -> list[tuple[str, Signal, Signal, float]]:
+        """Return for each number its matrix, what it acts on, what acts, and its value."""
+        z, y, u = self.memory, self.measured, self.manipulated
+        ends = {"transition": (z, z), "entered": (z, y), "told": (z, u)}
+        ends |= {"shown": (u, z), "direct": (u, y)}
+        return [
+            (_MATRICES[name], rows[j], columns[k], float(value))
+            for name, (rows, columns) in ends.items()
+            for (j, k), value in np.ndenumerate(getattr(self.matrices, name))
+            if value != 0.0
+        ]
+
+    def parameters(self) -> list[Signal]:
+        found = [
+            signals.number_of(matrix, to, by, f"effect of {by.name} on {to.name}", digits=9)
+            for matrix, to, by, _ in self.numbers()
+        ]
+        for u in self.manipulated:
+            found += [signals.at_rest(u, "bias"), fading_time(u), *signals.limit_parameters(u)]
+        return found
+
+    def equations(self, symbols: Symbols) -> Equations:
+        names = [signal.name for signal in self.measured]
+        p = len(names)
+        raw = [symbols[path(y, part)] for part in ("pv", "sp") for y in names]
+        valid = [is_number(value) for value in raw]
+        numbers = [value_or_zero(*pair) for pair in zip(raw, valid, strict=True)]
+        errors = [y - r for y, r in zip(numbers[:p], numbers[p:], strict=True)]
+        memory = [symbols[z.name] for z in self.memory]
+        are_numbers = all_of(valid)
+        are_good = all_of([symbols[path(y, "good")] for y in names])
+        goes_on = is_time_step(symbols["time_step"])
+        time_step = ca.if_else(goes_on, symbols["time_step"], 1)
+
+        def product(
+            to: Signal, matrix: str, by: Sequence[Signal], values: Sequence[ca.SX]
+        ) -> ca.SX:
+            total = ca.SX(0)
+            for each, value in zip(by, values, strict=True):
+                name = effect(to, matrix, each)
+                if name in symbols:
+                    total = total + symbols[name] * value
+            return total
+
+        named = {path(y, "error"): value for y, value in zip(names, errors, strict=True)}
+        stages = []
+        for u in self.manipulated:
+            asked = product(u, "memory_gain", self.memory, memory)
+            asked = asked + product(u, "error_gain", self.measured, errors)
+            named[path(u, "asked")] = asked
+            share = tracking_share(time_step, symbols[path(u, "fading_time")])
+            stages.append(
+                output_stage(
+                    symbols,
+                    u,
+                    proportional=symbols[path(u, "bias")] + asked,
+                    increment=-share * symbols[path(u, "integral")],
+                    signals_are_numbers=are_numbers,
+                    sensors_are_good=are_good,
+                    anti_windup="conditional_integration",
+                )
+            )
+        ended = stage_equations(stages, named)
+        moves = [stage.manipulated - symbols[path(stage.moved, "bias")] for stage in stages]
+        known = all_of([are_numbers, are_good, goes_on])
+        following = {}
+        for z, before in zip(self.memory, memory, strict=True):
+            value = product(z, "transition", self.memory, memory)
+            value = value + product(z, "error_effect", self.measured, errors)
+            value = value + product(z, "output_effect", self.manipulated, moves)
+            usable = ca.logic_and(known, is_number(value))
+            following[z.name] = ca.if_else(usable, value, before)
+        return Equations({**ended.next_state, **following}, ended.outputs, ended.intermediates)

@@ -32,9 +32,9 @@ def plain_name(title: str) -> str:
 class Controller:
     """A step law, the values of its parameters, and the process signals it is wired to.
 
-    Output i of the law is ``manipulated_i`` with ``mode_i``, ``manual_i``, ``tracking_i`` and
-    ``status_i``; its measurements are ``measurement_1`` … with ``sensor_1`` …, its setpoints
-    ``setpoint_1`` …, and ``time_step`` is common.
+    An output of the law is ``pump.out`` with ``pump.mode``, ``pump.manual``, ``pump.tracking`` and
+    ``pump.status``; a measurement ``level.pv`` with ``level.good``, its setpoint ``level.sp``, and
+    ``time_step`` is common.
 
     Parameters
     ----------
@@ -51,11 +51,11 @@ class Controller:
         State name to its value at the operating point, so that the loop starts at rest. A state
         that remembers a parameter, last_K of K, starts at the parameter's value if left out.
     measurements : tuple of str
-        Process measurement wired to measurement_1, measurement_2, …
+        Process measurement wired to each pv of the law, in their order.
     setpoints : tuple of str
-        Controlled measurement whose setpoint is wired to setpoint_1, setpoint_2, …
+        Controlled measurement whose setpoint is wired to each sp of the law.
     manipulated : tuple of str
-        Process input wired to manipulated_1, manipulated_2, …
+        Process input wired to each out of the law.
     notes : tuple of str
         What the designer must tell the reader.
     free_inputs : dict
@@ -79,14 +79,16 @@ class Controller:
     Gains found by hand for one tank:
 
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> law = multiloop_pid_law(1)
+    >>> law = multiloop_pid_law(["level_1"], ["pump_1"])
+    >>> values = dict(proportional_gain=2.0, integral_time=40.0, setpoint_weight=1.0,
+    ...               tracking_time=40.0, low_limit=0.0, high_limit=10.0)
     >>> by_hand = Controller(
     ...     "PI, by hand", "multiloop PI", "Found on the plant.", law,
-    ...     dict(proportional_gain_1=2.0, integral_time_1=40.0, setpoint_weight_1=1.0,
-    ...          tracking_time_1=40.0, low_limit_1=0.0, high_limit_1=10.0),
-    ...     dict(integral_1=3.0, last_output_1=3.0), ("level_1",), ("level_1",), ("pump_1",))
+    ...     {parameter.name: values[parameter.part] for parameter in law.parameters},
+    ...     {"level_1.integral": 3.0, "pump_1.last_output": 3.0},
+    ...     ("level_1",), ("level_1",), ("pump_1",))
     >>> by_hand.output_wires
-    {'manipulated_1': 'pump_1', 'status_1': 'pump_1.status'}
+    {'pump_1.out': 'pump_1', 'pump_1.status': 'pump_1.status'}
     """
 
     name: str
@@ -142,14 +144,14 @@ class Controller:
 
     @property
     def input_wires(self) -> dict[str, str]:
-        """Law input to the loop's signal, "mode_1" → "pump_1.mode"; time_step is not wired."""
-        wired = input_wires(self.measurements, self.setpoints, self.manipulated)
+        """Law input to the loop's signal, "level_1.pv" → "level_1"; time_step is not wired."""
+        wired = input_wires(self.law, self.measurements, self.setpoints, self.manipulated)
         return wired | {name: f"controller.{name}" for name in self.free_inputs}
 
     @property
     def output_wires(self) -> dict[str, str]:
-        """Law output to the loop's signal, "status_1" → "pump_1.status"."""
-        wired = output_wires(self.manipulated)
+        """Law output to the loop's signal, "pump_1.out" → "pump_1"."""
+        wired = output_wires(self.law, self.manipulated)
         return wired | {name: f"controller.{name}" for name in self.free_outputs}
 
     def program(self) -> Program:
@@ -164,6 +166,6 @@ class Controller:
         >>> program = cl.design.simc(cl.load("quadruple-tank")).program()
         >>> gain = program.parameters[0]
         >>> gain.name, round(gain.initial, 6)
-        ('proportional_gain_1', 3.0)
+        ('level_1.proportional_gain', 3.0)
         """
         return with_defaults(structured_program_of(self.law), {**self.values, **self.initial_state})

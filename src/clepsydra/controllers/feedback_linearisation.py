@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS
 from clepsydra.controllers.blocks.final_element import FinalElement, final_element
 from clepsydra.controllers.blocks.handover import Asked
 from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.controllers.blocks.ports import as_parts
 from clepsydra.controllers.blocks.validity import (
     all_of,
     any_of,
@@ -50,7 +51,7 @@ def feedback_linearisation_law(
 
     with dᵏy/dtᵏ from the state and not from differences. E is solved by elimination in the
     order that is best at the operating point, output by output. No pivot is taken below
-    smallest_effect_j, a share of what it is there, so that nothing is divided by zero where a
+    smallest_effect, a share of what it is there, so that nothing is divided by zero where a
     tank is empty and its valve moves nothing: the output then asks for more than the limits
     give, in the direction that is right at the operating point.
 
@@ -76,13 +77,13 @@ def feedback_linearisation_law(
     Returns
     -------
     StepLaw
-        Inputs setpoint_j, measurement_k, sensor_k, mode_i, manual_i, tracking_i and
-        time_step [s]; parameters virtual_gain_j, virtual_integral_gain_j, setpoint_weight_j,
-        virtual_damping_j_k, saturation_rate_j [1/s] (or saturation_feedback_j, or
-        tracking_time_j [s]), smallest_effect_j, model_* (parameters and disturbances of the
-        process), correction_j_k of the observer, low_limit_i and high_limit_i; state
-        virtual_integral_j, was_in_force_j, last_*, last_output_i, estimate_j; outputs
-        manipulated_i, status_i.
+        Inputs sp of each output, pv and good of each measurement, mode, manual and tracking of
+        each input, and time_step [s]; parameters virtual_gain, virtual_integral_gain,
+        setpoint_weight, virtual_damping.K, saturation_rate [1/s] (or saturation_feedback, or
+        tracking_time [s]) and smallest_effect of each output, those of the model and of the
+        observer, low_limit and high_limit of each input; state virtual_integral, was_in_force
+        and the last gains of each output, last_output of each input, and the estimates; outputs
+        out and status of each input.
 
     Raises
     ------
@@ -99,8 +100,8 @@ def feedback_linearisation_law(
     >>> import clepsydra as cl
     >>> from clepsydra.linear.relative_degree import relative_degree
     >>> law = feedback_linearisation_law(relative_degree(cl.load("quadruple-tank").linear))
-    >>> [signal.name for signal in law.inputs if signal.name.startswith("measurement")]
-    ['measurement_1', 'measurement_2', 'measurement_3', 'measurement_4']
+    >>> [signal.name for signal in law.inputs if signal.part == "pv"]
+    ['level_1.pv', 'level_2.pv', 'level_3.pv', 'level_4.pv']
     """
     check_virtual_anti_windup(anti_windup, alpha_on)
     equations = linearised.equations
@@ -109,7 +110,6 @@ def feedback_linearisation_law(
         LinearisedProcess(linearised, observer),
         tuple(
             VirtualInput(
-                j + 1,
                 process.signal(name),
                 linearised.degrees[j],
                 anti_windup,
@@ -159,36 +159,34 @@ class _Law:
         found = [signal for each in self.virtual for signal in each.parameters()]
         found += [smallest_effect(each) for each in self.virtual]
         found += self.known.parameters()
-        for i, output in enumerate(self.manipulated, start=1):
-            found += signals.limit_parameters(i, output)
-        return found
+        return found + [p for moved in self.manipulated for p in signals.limit_parameters(moved)]
 
     def state(self) -> list[Signal]:
         observer = self.known.observer
         return [
             *(signal for each in self.virtual for signal in each.state()),
-            *(signals.last_output(i, u) for i, u in enumerate(self.manipulated, start=1)),
+            *map(signals.last_output, self.manipulated),
             *([] if observer is None else observer.state()),
         ]
 
     def outputs(self) -> list[Signal]:
-        numbered = enumerate(self.manipulated, start=1)
-        return [result for i, output in numbered for result in signals.output_signals(i, output)]
+        return [result for moved in self.manipulated for result in signals.output_signals(moved)]
 
     def equations(self, symbols: Symbols) -> Equations:
-        count = len(self.known.measurements)
-        raw = [symbols[f"measurement_{k}"] for k in range(1, count + 1)]
-        raw += [symbols[f"setpoint_{each.number}"] for each in self.virtual]
+        names = self.known.measurements
+        count = len(names)
+        raw = [symbols[path(name, "pv")] for name in names]
+        raw += [symbols[path(each.measurement, "sp")] for each in self.virtual]
         valid = [is_number(value) for value in raw]
         values = [value_or_zero(*pair) for pair in zip(raw, valid, strict=True)]
         measured, setpoints = values[:count], values[count:]
-        sensors = all_of([symbols[f"sensor_{k}"] for k in range(1, count + 1)])
+        sensors = all_of([symbols[path(name, "good")] for name in names])
         measured_well = ca.logic_and(all_of(valid[:count]), sensors)
         numbers = all_of(valid)
         usable = ca.logic_and(numbers, sensors)
         time_step = ca.if_else(is_time_step(symbols["time_step"]), symbols["time_step"], 1)
         process = self.known.evaluated(symbols, measured, measured_well)
-        last = [symbols[f"last_output_{i}"] for i in range(1, len(self.manipulated) + 1)]
+        last = [symbols[path(moved, "last_output")] for moved in self.manipulated]
         standing = process.through(last)
         asked, integrals = [], []
         for j, each in enumerate(self.virtual):
@@ -199,27 +197,25 @@ class _Law:
             asked.append(now + integrals[j])
         unlimited = self._solved(symbols, asked, process, last)
         elements = [
-            final_element(symbols, i, moved, Asked(value, usable, numbers, sensors))
-            for i, (moved, value) in enumerate(
-                zip(self.manipulated, unlimited, strict=True), start=1
-            )
+            final_element(symbols, moved, Asked(value, usable, numbers, sensors))
+            for moved, value in zip(self.manipulated, unlimited, strict=True)
         ]
         told = self._told(symbols, process, unlimited, elements)
         next_state: dict[str, ca.SX] = {}
         named: dict[str, ca.SX] = {}
         for j, each in enumerate(self.virtual):
-            gain = symbols[f"virtual_integral_gain_{each.number}"]
+            y = each.measurement
+            gain = symbols[path(y, "virtual_integral_gain")]
             increment = time_step * gain * (setpoints[j] - measured[j])
             next_state |= each.next_state(
                 symbols, integrals[j], increment, asked[j], told[j], time_step
             )
-            drift = process.derivatives[j][-1]
-            named |= {f"drift_{each.number}": drift, f"virtual_{each.number}": asked[j]}
+            named |= as_parts(y, {"drift": process.derivatives[j][-1], "virtual": asked[j]})
         outputs: dict[str, ca.SX] = {}
-        for i, element in enumerate(elements, start=1):
-            next_state[f"last_output_{i}"] = element.manipulated
-            outputs |= {f"manipulated_{i}": element.manipulated, f"status_{i}": element.status}
-            named |= {f"unlimited_{i}": unlimited[i - 1]} | element.named
+        for moved, value, element in zip(self.manipulated, unlimited, elements, strict=True):
+            next_state[path(moved, "last_output")] = element.manipulated
+            outputs |= as_parts(moved, {"out": element.manipulated, "status": element.status})
+            named |= {path(moved, "unlimited"): value} | element.named
         next_state |= process.following([element.manipulated for element in elements])
         return Equations(next_state, outputs, named)
 
@@ -230,7 +226,7 @@ class _Law:
         rows, right = [], []
         for j, chain in enumerate(process.derivatives):
             i = self.paired[j]
-            controls = symbols[f"mode_{i + 1}"] == Mode.AUTOMATIC
+            controls = symbols[path(self.manipulated[i], "mode")] == Mode.AUTOMATIC
             unit = [ca.SX(float(k == i)) for k in range(len(last))]
             # An input that is moved by hand stays where it is: its row says just that.
             rows.append(
@@ -264,8 +260,9 @@ class _Law:
 
     def _pivot(self, symbols: Symbols, output: int, value: ca.SX) -> ca.SX:
         """Return a divisor that is not zero: as it is, or the smallest that is divided by."""
-        smallest = symbols[f"smallest_effect_{output + 1}"]
-        controls = symbols[f"mode_{self.paired[output] + 1}"] == Mode.AUTOMATIC
+        each = self.virtual[output]
+        smallest = symbols[path(each.measurement, "smallest_effect")]
+        controls = symbols[path(each.moved, "mode")] == Mode.AUTOMATIC
         large = ca.logic_and(ca.fabs(value) >= ca.fabs(smallest), value != 0)
         safe = ca.if_else(smallest == 0, 1, smallest)
         return ca.if_else(controls, ca.if_else(large, value, safe), 1)
@@ -280,8 +277,8 @@ class _Law:
         """Return for each virtual input what became of it."""
         moved = [element.manipulated for element in elements]
         limits = [
-            (symbols[f"low_limit_{i}"], symbols[f"high_limit_{i}"])
-            for i in range(1, len(moved) + 1)
+            (symbols[path(u, "low_limit")], symbols[path(u, "high_limit")])
+            for u in self.manipulated
         ]
         cut = [
             cut_off(value, element, low, high)
@@ -309,17 +306,17 @@ class _Law:
 
 
 def smallest_effect(virtual: VirtualInput) -> Signal:
-    """Return smallest_effect_j, below which no effect of an input is divided by.
+    """Return smallest_effect, below which no effect of an input is divided by.
 
     Examples
     --------
     >>> level, pump = Signal("level", "V"), Signal("pump", "V")
-    >>> smallest_effect(VirtualInput(1, level, 1, "none", "virtual", pump)).unit
+    >>> smallest_effect(VirtualInput(level, 1, "none", "virtual", pump)).unit
     'V/s/V'
     """
     moved, measured = virtual.moved, virtual.measurement
     return signals.gain(
-        f"smallest_effect_{virtual.number}",
+        path(measured, "smallest_effect"),
         signals.ratio_of_units(virtual.unit, moved.unit),
         1.0,
         f"smallest effect of {moved.name} on {measured.name} that is divided by",

@@ -8,7 +8,7 @@ from dataclasses import replace
 import casadi as ca
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup
 from clepsydra.controllers.blocks.schedule import Schedule
@@ -24,7 +24,7 @@ FAMILY = "gain scheduling"
 def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> StepLaw:
     """Return a law with some of its parameters replaced by tables over a scheduling variable.
 
-    A table holds the values of parameter K at the points of the schedule, K_at_1, K_at_2, …; the
+    A table holds the values of parameter K at the points of the schedule, K.at.1, K.at.2, …; the
     law computes with the value interpolated in each sample. The law itself must bear a change
     of these parameters without a bump, as a multiloop PID does: its integral stands behind the
     gain and takes a change of it up.
@@ -39,8 +39,8 @@ def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> Ste
     Returns
     -------
     StepLaw
-        Its other parameters, schedule_point_k, schedule_filter_time [s] and the tables; its
-        state and scheduling_variable.
+        Its other parameters, the points and filter_time [s] of the schedule, and the tables;
+        its state and variable of the schedule.
 
     Raises
     ------
@@ -57,10 +57,11 @@ def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> Ste
     Halfway between two points the gain is halfway, and the output the one that it was:
 
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> schedule = Schedule("measurement_1", Signal("level_1", "V"), 2)
-    >>> law = scheduled_law(multiloop_pid_law(1), schedule, ["proportional_gain_1"])
+    >>> schedule = Schedule("level.pv", Signal("level", "V"), 2)
+    >>> plain = multiloop_pid_law(["level"], ["pump"])
+    >>> law = scheduled_law(plain, schedule, ["level.proportional_gain"])
     >>> [entry.name for entry in law.state][-2:]
-    ['last_output_1', 'scheduling_variable']
+    ['pump.last_output', 'schedule.variable']
     """
     known = {parameter.name: parameter for parameter in law.parameters}
     unknown = [name for name in names if name not in known]
@@ -80,7 +81,7 @@ def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> Ste
         at = schedule.followed(symbols)
         found = schedule.interpolated(symbols, at.outputs["followed"], names)
         inner = inner_equations(law, {**symbols, **found})
-        scheduled = {f"{name}_used": value for name, value in found.items()}
+        scheduled = {path(name, "used"): value for name, value in found.items()}
         return Equations(
             {**inner.next_state, **at.next_state},
             inner.outputs,
@@ -106,9 +107,9 @@ def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> Ste
 
 
 def scheduled_lqi_law(
-    measured: Sequence[Signal],
-    manipulated: Sequence[Signal],
-    controlled: Sequence[int],
+    measured: Sequence[Signal | str],
+    manipulated: Sequence[Signal | str],
+    controlled: Sequence[str],
     schedule: Schedule,
     anti_windup: AntiWindup = "back_calculation",
 ) -> StepLaw:
@@ -119,19 +120,19 @@ def scheduled_lqi_law(
 
     Parameters
     ----------
-    measured, manipulated : sequence of Signal
+    measured, manipulated : sequence of Signal or str
         The measurements show the whole state.
-    controlled : sequence of int
-        For setpoint_1, setpoint_2, … the number (from 1) of its measurement.
+    controlled : sequence of str
+        The measurements that have setpoints.
     schedule : Schedule
     anti_windup : {"back_calculation", "conditional_integration", "none"}
 
     Returns
     -------
     StepLaw
-        Parameters as for `lqi_law`, with tables in the place of feedback_i_j, integral_gain_i_j
-        and tracking_time_i; state integral_i, last_output_i, scheduling_variable and
-        feedback_i_j, the gains of the last sample.
+        Parameters as for `lqi_law`, with tables in the place of feedback, integral_gain and
+        tracking_time of each output; state integral and last_output of each output, variable of
+        the schedule, and feedback, the gains of the last sample.
 
     Raises
     ------
@@ -146,31 +147,25 @@ def scheduled_lqi_law(
     Examples
     --------
     >>> level, pump = Signal("level_1", "V"), Signal("pump_1", "V")
-    >>> law = scheduled_lqi_law([level], [pump], [1], Schedule("setpoint_1", level, 2))
-    >>> [entry.name for entry in law.state]
-    ['integral_1', 'last_output_1', 'scheduling_variable', 'feedback_1_1']
+    >>> law = scheduled_lqi_law([level], [pump], ["level_1"], Schedule("level_1.sp", level, 2))
+    >>> [entry.name for entry in law.state][2:]
+    ['schedule.variable', 'pump_1.feedback.level_1']
     """
     check_lqi_anti_windup(anti_windup)
-    state = StateSignals(tuple(measured), tuple(manipulated), tuple(controlled))
-    rows = range(1, len(manipulated) + 1)
-    columns, errors = range(1, len(measured) + 1), range(1, len(controlled) + 1)
-    fed_back = [signal for i in rows for signal in state.feedback_parameters(i)[:-1]]
-    scheduled = list(fed_back)
-    for i, output in enumerate(manipulated, start=1):
-        for j, number in enumerate(controlled, start=1):
-            shown = measured[number - 1]
-            unit = signals.ratio_of_units(output.unit, shown.unit, "s")
-            words = f"integral gain from the error of {shown.name} to {output.name}"
-            scheduled.append(signals.gain(f"integral_gain_{i}_{j}", unit, 0.0, words))
-        if anti_windup == "back_calculation":
-            scheduled.append(signals.tracking_time(i))
-    names = [parameter.name for parameter in scheduled]
-    others = [*state.reference_parameters()]
-    for i, output in enumerate(manipulated, start=1):
-        others += [state.feedback_parameters(i)[-1], *signals.limit_parameters(i, output)]
+    state = StateSignals.of(measured, manipulated, controlled, None, "scheduled LQI law")
+    rows = [state.feedback_parameters(u) for u in state.manipulated]
+    integral_rows = [state.integral_parameters(u) for u in state.manipulated]
+    scheduled = [gain for row in rows for gain in row]
     kept = [
-        replace(gain, description=f"{gain.description} in the last sample") for gain in fed_back
+        replace(gain, description=f"{gain.description} in the last sample") for gain in scheduled
     ]
+    others = state.reference_parameters()
+    for u, row in zip(state.manipulated, integral_rows, strict=True):
+        scheduled += row
+        if anti_windup == "back_calculation":
+            scheduled.append(signals.tracking_time(u))
+        others += [signals.at_rest(u, "bias"), *signals.limit_parameters(u)]
+    names = [parameter.name for parameter in scheduled]
 
     def equations(symbols: Symbols) -> Equations:
         at = schedule.followed(symbols)
@@ -178,33 +173,22 @@ def scheduled_lqi_law(
         reading = state.read(symbols)
         known = ca.logic_and(reading.signals_are_numbers, reading.sensors_are_good)
         # The gains change with what is known, so that the integral can take the change up.
-        now = [
-            [
-                ca.if_else(known, found[f"feedback_{i}_{j}"], symbols[f"feedback_{i}_{j}"])
-                for j in columns
-            ]
-            for i in rows
-        ]
-        deviations = [
-            setpoint - reading.measurements[number - 1]
-            for setpoint, number in zip(reading.setpoints, controlled, strict=True)
-        ]
+        now = {k.name: ca.if_else(known, found[k.name], symbols[k.name]) for k in kept}
         stages, named = varying_lqi(
             {**symbols, **found},
-            manipulated,
+            state.manipulated,
             Feedback(
-                reading.state, deviations, reading.signals_are_numbers, reading.sensors_are_good
+                reading.state, reading.errors, reading.signals_are_numbers, reading.sensors_are_good
             ),
-            now,
-            [[symbols[f"feedback_{i}_{j}"] for j in columns] for i in rows],
-            [[found[f"integral_gain_{i}_{j}"] for j in errors] for i in rows],
+            [[now[gain.name] for gain in row] for row in rows],
+            [[symbols[gain.name] for gain in row] for row in rows],
+            [[found[gain.name] for gain in row] for row in integral_rows],
             anti_windup,
         )
-        used = {f"{name}_used": value for name, value in found.items()}
+        used = {path(name, "used"): value for name, value in found.items()}
         ended = state.equations(symbols, reading, stages, used | named)
-        following = {f"feedback_{i}_{j}": now[i - 1][j - 1] for i in rows for j in columns}
         return Equations(
-            {**ended.next_state, **following, **at.next_state},
+            {**ended.next_state, **now, **at.next_state},
             ended.outputs,
             ended.intermediates,
         )

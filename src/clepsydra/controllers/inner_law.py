@@ -25,10 +25,10 @@ def inner_equations(law: StepLaw, symbols: Symbols) -> Equations:
     Examples
     --------
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> law = multiloop_pid_law(1)
+    >>> law = multiloop_pid_law(["level"], ["pump"])
     >>> names = [s.name for s in (*law.state, *law.inputs, *law.parameters)]
     >>> list(inner_equations(law, {name: ca.SX.sym(name) for name in names}).outputs)
-    ['manipulated_1', 'status_1']
+    ['pump.out', 'pump.status']
     """
     if law.equations is None:
         raise ClepsydraError(f"{law.name}: a law in Python cannot stand in another one")

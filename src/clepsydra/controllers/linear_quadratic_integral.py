@@ -6,26 +6,24 @@ from collections.abc import Sequence
 from typing import get_args
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup, check_anti_windup
 from clepsydra.controllers.blocks.output_stage import output_stage
 from clepsydra.controllers.observers.structure import ObserverStructure
-from clepsydra.controllers.state_reading import StateSignals, weighted_sum
+from clepsydra.controllers.state_reading import StateSignals
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
 FAMILY = "LQI"
 
 
 def lqi_law(
-    measurements: int,
-    outputs: int,
-    controlled: Sequence[int],
+    measured: Sequence[Signal | str],
+    manipulated: Sequence[Signal | str],
+    controlled: Sequence[str],
     anti_windup: AntiWindup = "back_calculation",
     *,
     observer: ObserverStructure | None = None,
-    measured: Sequence[Signal] | None = None,
-    manipulated: Sequence[Signal] | None = None,
 ) -> StepLaw:
     """Write the step law of linear-quadratic-integral control.
 
@@ -48,32 +46,31 @@ def lqi_law(
 
     Parameters
     ----------
-    measurements, outputs : int
-        Numbers of measurements and of manipulated variables; without an observer there is a
-        measurement for each state of the process.
-    controlled : sequence of int
-        For setpoint_1, setpoint_2, … the number (from 1) of its measurement.
+    measured, manipulated : sequence of Signal or str
+        The process signals: they lend their names, units and ranges; without an observer there
+        is a measurement for each state of the process.
+    controlled : sequence of str
+        The measurements that have setpoints.
     anti_windup : {"back_calculation", "conditional_integration", "none"}
     observer : ObserverStructure, optional
         Without it the measurements are the state.
-    measured, manipulated : sequence of Signal, optional
-        The process signals: they lend their units and ranges.
 
     Returns
     -------
     StepLaw
-        Inputs setpoint_j, measurement_j, sensor_j, mode_i, manual_i, tracking_i and
-        time_step [s]; parameters reference_measurement_j, feedback_i_j, integral_gain_i_j
-        [per second], bias_i, low_limit_i, high_limit_i, for back-calculation tracking_time_i
-        [s], and those of the observer (`observers.current_observer`); state integral_i,
-        last_output_i, estimate_j; outputs manipulated_i, status_i.
+        Inputs sp of each controlled measurement, pv and good of each one, mode, manual and
+        tracking of each output, and time_step [s]; parameters reference of each measurement,
+        feedback.STATE, integral_gain.MEASUREMENT [per second], bias, low_limit, high_limit and,
+        for back-calculation, tracking_time [s] of each output, and those of the observer
+        (`observers.current_observer`); state integral and last_output of each output, estimate
+        of each state; outputs out and status of each output.
 
     Raises
     ------
     InputError
-        A setpoint belongs to no measurement, the signals do not match the numbers, or the
-        anti-windup is unknown or clamping: the integral is not the whole output here, so that
-        the limits of the output are none for it.
+        A setpoint belongs to no measurement, a signal is named twice, or the anti-windup is
+        unknown or clamping: the integral is not the whole output here, so that the limits of
+        the output are none for it.
 
     References
     ----------
@@ -84,33 +81,27 @@ def lqi_law(
     --------
     One sample with F = 2, G = 0.1, u° = 3, y° = 4 at a measurement of 4.5 and setpoint of 5:
 
-    >>> law = lqi_law(1, 1, [1], "conditional_integration")
-    >>> given = dict(setpoint_1=5, measurement_1=4.5, sensor_1=1, mode_1=1, time_step=1)
-    >>> values = dict(reference_measurement_1=4, feedback_1_1=2, integral_gain_1_1=0.1,
-    ...               bias_1=3, low_limit_1=0, high_limit_1=10)
+    >>> law = lqi_law(["level"], ["pump"], ["level"], "conditional_integration")
+    >>> given = dict(sp=5, pv=4.5, good=1, mode=1, time_step=1)
+    >>> values = {"level.reference": 4, "pump.feedback.level": 2, "pump.bias": 3,
+    ...           "pump.integral_gain.level": 0.1, "pump.low_limit": 0, "pump.high_limit": 10}
     >>> state, outputs, _ = law.function(
     ...     [0, 0],
-    ...     [given.get(signal.name, 0) for signal in law.inputs],
+    ...     [given.get(signal.part, 0) for signal in law.inputs],
     ...     [values[signal.name] for signal in law.parameters],
     ... )
     >>> float(outputs[0]), float(state[0])
     (2.0, 0.05)
     """
     check_lqi_anti_windup(anti_windup)
-    state = StateSignals(
-        signals.wired_signals("measurement", measurements, measured, "LQI law, measured"),
-        signals.wired_signals("output", outputs, manipulated, "LQI law, manipulated"),
-        tuple(controlled),
-        observer,
-    )
+    state = StateSignals.of(measured, manipulated, controlled, observer, "LQI law")
     parameters = state.reference_parameters()
-    for i, output in enumerate(state.manipulated, start=1):
-        *feedback, bias = state.feedback_parameters(i)
+    for u in state.manipulated:
         parameters += [
-            *feedback,
-            *_integral_gains(i, output, state),
-            bias,
-            *signals.output_parameters(i, output, anti_windup),
+            *state.feedback_parameters(u),
+            *state.integral_parameters(u),
+            signals.at_rest(u, "bias"),
+            *signals.output_parameters(u, anti_windup),
         ]
     return step_law(
         "linear_quadratic_integral",
@@ -123,37 +114,19 @@ def lqi_law(
     )
 
 
-def _integral_gains(i: int, output: Signal, state: StateSignals) -> list[Signal]:
-    followed = [state.measured[number - 1] for number in state.controlled]
-    return [
-        signals.gain(
-            f"integral_gain_{i}_{j}",
-            signals.ratio_of_units(output.unit, measurement.unit, "s"),
-            0.0,
-            f"integral gain from the error of {measurement.name} to {output.name}",
-        )
-        for j, measurement in enumerate(followed, start=1)
-    ]
-
-
 def _equations(symbols: Symbols, state: StateSignals, anti_windup: AntiWindup) -> Equations:
     reading = state.read(symbols)
-    errors = [
-        setpoint - reading.measurements[number - 1]
-        for setpoint, number in zip(reading.setpoints, state.controlled, strict=True)
-    ]
-    stages = []
-    intermediates = {f"error_{j}": value for j, value in enumerate(errors, start=1)}
-    for i, output in enumerate(state.manipulated, start=1):
-        feedback = weighted_sum(symbols, f"feedback_{i}", reading.state)
-        rate = weighted_sum(symbols, f"integral_gain_{i}", errors)
-        intermediates |= {f"feedback_{i}": feedback, f"integral_rate_{i}": rate}
+    errors = reading.errors
+    stages, intermediates = [], dict(errors)
+    for u in state.manipulated:
+        feedback = state.fed_back(symbols, u, reading)
+        rate = state.of_controlled(symbols, u, "integral_gain", list(errors.values()))
+        intermediates |= {path(u, "feedback"): feedback, path(u, "integral_rate"): rate}
         stages.append(
             output_stage(
                 symbols,
-                i,
-                output,
-                proportional=symbols[f"bias_{i}"] - feedback,
+                u,
+                proportional=symbols[path(u, "bias")] - feedback,
                 increment=symbols["time_step"] * rate,
                 signals_are_numbers=reading.signals_are_numbers,
                 sensors_are_good=reading.sensors_are_good,

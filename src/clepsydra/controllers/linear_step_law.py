@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
 from clepsydra.controllers.parameters import remembered_parameters
@@ -23,7 +24,7 @@ class LinearStepLaw:
 
     x(k+1) = A x(k) + B_setpoint r(k) + B_measurement y(k),
     u(k) = C x(k) + D_setpoint r(k) + D_measurement y(k), with r, y and u in the order of the
-    law's setpoint_j, measurement_j and manipulated_i.
+    law's sp, pv and out.
 
     Parameters
     ----------
@@ -62,10 +63,11 @@ class StepLawDerivatives:
     A PI controller with K = 2 V/V and Ti = 10 s at a time step of 1 s:
 
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> values = dict(proportional_gain_1=2.0, integral_time_1=10.0, setpoint_weight_1=1.0,
-    ...               tracking_time_1=10.0, low_limit_1=0.0, high_limit_1=10.0)
-    >>> derivatives = StepLawDerivatives(multiloop_pid_law(1))
-    >>> model = derivatives.at(values, {}, {"time_step": 1.0})
+    >>> law = multiloop_pid_law(["level"], ["pump"])
+    >>> values = dict(proportional_gain=2.0, integral_time=10.0, setpoint_weight=1.0,
+    ...               tracking_time=10.0, low_limit=0.0, high_limit=10.0)
+    >>> named = {parameter.name: values[parameter.part] for parameter in law.parameters}
+    >>> model = StepLawDerivatives(law).at(named, {}, {"time_step": 1.0})
     >>> float(model.B_setpoint[0, 0]), float(model.D_measurement[0, 0])
     (0.2, -2.0)
     """
@@ -118,13 +120,10 @@ class StepLawDerivatives:
         """
         law = self.law
         given = dict(inputs)
-        given |= {s.name: float(Mode.AUTOMATIC) for s in law.inputs if s.name.startswith("mode_")}
-        given |= {s.name: 1.0 for s in law.inputs if s.name.startswith("sensor_")}
-        limits = {
-            s.name: -LARGEST_NUMBER if s.name.startswith("low_limit_") else LARGEST_NUMBER
-            for s in law.parameters
-            if s.name.startswith(("low_limit_", "high_limit_"))
-        }
+        usual = {"mode": float(Mode.AUTOMATIC), "good": 1.0}
+        given |= {s.name: usual[s.part] for s in law.inputs if s.part in usual}
+        ends = {"low_limit": -LARGEST_NUMBER, "high_limit": LARGEST_NUMBER}
+        limits = {s.name: ends[s.part] for s in law.parameters if s.part in ends}
         with_limits = {**values, **limits}
         # Gains that are as they were: no change of them is differentiated.
         at = {**state, **remembered_parameters(law, values)}
@@ -137,9 +136,8 @@ class StepLawDerivatives:
             )
         )
         step_x, step_u, output_x = self._with_rings(step_x, step_u, output_x)
-        rows = _numbered([signal.name for signal in law.outputs], "manipulated_")
-        names = [signal.name for signal in law.inputs]
-        setpoints, measurements = _numbered(names, "setpoint_"), _numbered(names, "measurement_")
+        rows = _places(law.outputs, "out")
+        setpoints, measurements = _places(law.inputs, "sp"), _places(law.inputs, "pv")
         read = np.any(step_x != 0.0, axis=0) | np.any(output_x[rows] != 0.0, axis=0)
         # What nothing moves, as the bias of a P controller, is a constant and no state.
         inert = np.all(np.hstack([step_x - np.eye(len(step_x)), step_u]) == 0.0, axis=1)
@@ -181,7 +179,6 @@ class StepLawDerivatives:
         return step_x, step_u, output_x
 
 
-def _numbered(names: list[str], prefix: str) -> list[int]:
-    """Return where prefix_1, prefix_2, … stand among the names."""
-    count = sum(name.startswith(prefix) and name[len(prefix) :].isdigit() for name in names)
-    return [names.index(f"{prefix}{number}") for number in range(1, count + 1)]
+def _places(signals: Sequence[Signal], part: str) -> list[int]:
+    """Return where the signals stand that are one part."""
+    return [place for place, signal in enumerate(signals) if signal.part == part]

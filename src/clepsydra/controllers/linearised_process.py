@@ -74,7 +74,7 @@ class LinearisedProcess:
     >>> from clepsydra.linear.relative_degree import relative_degree
     >>> process = LinearisedProcess(relative_degree(cl.load("quadruple-tank").linear))
     >>> process.measurements[2:], [each.name for each in process.parameters()][2:4]
-    (('level_3', 'level_4'), ['model_tank_1_area', 'model_tank_2_area'])
+    (('level_3', 'level_4'), ['model.tank_1.area', 'model.tank_2.area'])
     """
 
     linearised: VectorRelativeDegree
@@ -142,7 +142,7 @@ class LinearisedProcess:
         return tuple(each for each in known if each.symbol.name() in used)
 
     def parameters(self) -> list[Signal]:
-        """Return model_* with the values of the operating point, and correction_j_k."""
+        """Return model.* with the values of the operating point, and those of the observer."""
         found = self._models()
         return found if self.observer is None else found + self.observer.parameters()
 
@@ -153,7 +153,7 @@ class LinearisedProcess:
         return ca.vertcat(*(symbols[signal.name] for signal in self._models()))
 
     def values(self) -> dict[str, float]:
-        """Return the values of model_*."""
+        """Return the values of model.*."""
         return {model_parameter(each).name: each.value for each in self.constants}
 
     def evaluated(self, symbols: Symbols, measured: Sequence[ca.SX], known: ca.SX) -> Evaluated:
@@ -162,7 +162,7 @@ class LinearisedProcess:
         Parameters
         ----------
         symbols : mapping
-            model_*, estimate_j, correction_j_k and time_step.
+            model.*, estimates, correction and time_step.
         measured : sequence of casadi.SX
             In the order of `measurements`, as numbers.
         known : casadi.SX

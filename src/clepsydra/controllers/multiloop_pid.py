@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.block import Block
@@ -19,15 +19,14 @@ Decoupling = Literal["static", "dynamic"]
 
 
 def multiloop_pid_law(
-    loops: int,
+    measured: Sequence[Signal | str],
+    manipulated: Sequence[Signal | str],
     form: PidForm | None = None,
     *,
-    measured: Sequence[Signal] | None = None,
-    manipulated: Sequence[Signal] | None = None,
     rate_limited: bool = False,
     decoupling: Decoupling | None = None,
 ) -> StepLaw:
-    """Write the step law of PID controllers, loop i from measurement_i to manipulated_i.
+    """Write the step law of PID controllers, one from each measurement to an output.
 
     The equations of each form stand in `PidForm`. In automatic, for PI control::
 
@@ -41,12 +40,10 @@ def multiloop_pid_law(
 
     Parameters
     ----------
-    loops : int
-        Number of loops.
+    measured, manipulated : sequence of Signal or str
+        The process signals of each loop: they lend their names, units and ranges.
     form : PidForm, optional
         PI control in the isa form with back-calculation if omitted.
-    measured, manipulated : sequence of Signal, optional
-        The process signals of loop 1, 2, …: they lend their units and ranges.
     rate_limited : bool
         Whether the outputs have rate limits.
     decoupling : {"static", "dynamic"}, optional
@@ -56,16 +53,16 @@ def multiloop_pid_law(
     Returns
     -------
     StepLaw
-        Inputs setpoint_i, measurement_i, sensor_i, mode_i, manual_i, tracking_i and
-        time_step [s]; parameters as in `pid_parameters.pid_parameters`, low_limit_i and
-        high_limit_i, with decoupling feedforward_gain_i_j and feedforward_reference_i_j for
-        output i from output j, and feedforward_lead_i_j, feedforward_lag_i_j [s] where dynamic;
-        outputs manipulated_i, status_i.
+        Inputs sp, pv and good of each measurement, mode, manual and tracking of each output, and
+        time_step [s]; parameters of each measurement as in `pid_parameters.pid_parameters`,
+        low_limit and high_limit of each output, with decoupling also feedforward.OTHER.gain and
+        feedforward.OTHER.reference for each other output, and lead and lag [s] where dynamic;
+        outputs out and status of each output.
 
     Raises
     ------
     InputError
-        There is no loop, or the signals are not one for each loop.
+        There is no loop, or there are more signals of one kind than of the other.
 
     References
     ----------
@@ -75,44 +72,52 @@ def multiloop_pid_law(
     --------
     One sample at an error of 1 with K = 2, Ti = 10 s, I = 5, inside wide limits:
 
-    >>> law = multiloop_pid_law(1, PidForm(anti_windup="conditional_integration"))
-    >>> given = dict(setpoint_1=1, measurement_1=0, sensor_1=1, mode_1=1, time_step=1)
-    >>> values = dict(proportional_gain_1=2, integral_time_1=10, setpoint_weight_1=1,
-    ...               low_limit_1=0, high_limit_1=100)
-    >>> start = dict(integral_1=5, last_proportional_gain_1=2, last_setpoint_weight_1=1)
+    >>> law = multiloop_pid_law(
+    ...     ["level"], ["pump"], PidForm(anti_windup="conditional_integration")
+    ... )
+    >>> given = dict(sp=1, pv=0, good=1, mode=1, time_step=1)
+    >>> values = dict(proportional_gain=2, integral_time=10, setpoint_weight=1,
+    ...               low_limit=0, high_limit=100)
+    >>> start = dict(integral=5, last_proportional_gain=2, last_setpoint_weight=1)
     >>> state, outputs, _ = law.function(
-    ...     [start.get(signal.name, 0) for signal in law.state],
-    ...     [given.get(signal.name, 0) for signal in law.inputs],
-    ...     [values[signal.name] for signal in law.parameters],
+    ...     [start.get(signal.part, 0) for signal in law.state],
+    ...     [given.get(signal.part, 0) for signal in law.inputs],
+    ...     [values[signal.part] for signal in law.parameters],
     ... )
     >>> float(outputs[0]), float(state[0])
     (7.0, 5.2)
     """
     chosen = form or PidForm()
-    measured = signals.wired_signals("measurement", loops, measured, "PID law, measured")
-    manipulated = signals.wired_signals("output", loops, manipulated, "PID law, manipulated")
+    pairs = signals.paired(measured, manipulated, "PID law")
+    outputs = [output for _, output in pairs]
     blocks: list[Block] = []
-    for i, (measurement, output) in enumerate(zip(measured, manipulated, strict=True), start=1):
-        loop = f"loop {i}"
-        direct = i if decoupling is None else None
-        blocks.append(PidBlock(loop, i, chosen, measurement, i, output, i, direct))
+    for measurement, output in pairs:
+        loop = PidBlock.of(measurement, chosen, output, direct=decoupling is None)
+        blocks.append(loop)
+        source = loop.name
         if decoupling is not None:
-            terms = _decoupling_terms(i, manipulated, decoupling == "dynamic")
-            blocks.append(FeedforwardBlock(f"sum {i}", loop, output, terms))
-            loop = f"sum {i}"
-        blocks.append(OutputBlock(i, output, loop, rate_limited))
+            terms = (
+                FeedforwardTerm(
+                    path(path(output, "feedforward"), other.name),
+                    output,
+                    other,
+                    measured=False,
+                    dynamic=decoupling == "dynamic",
+                )
+                for other in outputs
+                if other != output
+            )
+            blocks.append(
+                FeedforwardBlock(f"{output.name} decoupled", source, output, tuple(terms))
+            )
+            source = blocks[-1].name
+        blocks.append(OutputBlock(output, source, rate_limited))
+    followed = {measurement.name: measurement for measurement, _ in pairs}
     return structure_law(
-        f"multiloop_{chosen.actions.lower()}", blocks, controlled=measured, measured=measured
-    )
-
-
-def _decoupling_terms(
-    i: int, manipulated: Sequence[Signal], dynamic: bool
-) -> tuple[FeedforwardTerm, ...]:
-    return tuple(
-        FeedforwardTerm(f"{i}_{j}", other, f"last_output_{j}", dynamic)
-        for j, other in enumerate(manipulated, start=1)
-        if j != i
+        f"multiloop_{chosen.actions.lower()}",
+        blocks,
+        setpoints=followed,
+        measured=list(followed.values()),
     )
 
 

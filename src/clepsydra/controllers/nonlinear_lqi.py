@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup
 from clepsydra.controllers.blocks.output_stage import OutputStage, stage_equations
@@ -17,6 +17,7 @@ from clepsydra.controllers.blocks.varying_gains import Feedback, varying_lqi
 from clepsydra.controllers.linear_quadratic_integral import check_lqi_anti_windup
 from clepsydra.controllers.observers.measured_state import KnownState, StateSource
 from clepsydra.controllers.process_equations import ProcessEquations, model_parameter
+from clepsydra.controllers.state_reading import integral_gains
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
 
@@ -26,14 +27,14 @@ class LqiReading(NamedTuple):
     Parameters
     ----------
     feedback : Feedback
-        With deviations from reference_state_j.
+        With deviations from the references of the states.
     known : KnownState
 
     Examples
     --------
     >>> true = ca.SX(1)
     >>> known = KnownState([ca.SX(3)], lambda applied: {}, {})
-    >>> LqiReading(Feedback([ca.SX(1)], [ca.SX(0)], true, true), known).known.state
+    >>> LqiReading(Feedback([ca.SX(1)], {"level.error": ca.SX(0)}, true, true), known).known.state
     [SX(3)]
     """
 
@@ -58,7 +59,7 @@ class NonlinearLqi:
     >>> equations = process_equations(cl.load("averaging-tank").linear)
     >>> common = NonlinearLqi(MeasuredState(equations), "none")
     >>> [signal.name for signal in common.gain_signals()][:2]
-    ['feedback_1_1', 'feedback_1_2']
+    ['inflow.feedback.tank.level', 'inflow.feedback.tank.impurity']
     """
 
     source: StateSource
@@ -80,7 +81,7 @@ class NonlinearLqi:
         return [self.equations.point.process.signal(name) for name in self.equations.outputs]
 
     def inputs(self) -> list[Signal]:
-        """Return setpoint_j, measurement_j, sensor_j, mode_i, manual_i, tracking_i, time_step."""
+        """Return setpoints, then pv and good, then mode, manual and tracking, and time_step."""
         process = self.equations.point.process
         measured = [process.signal(name) for name in self.source.measurements]
         return [
@@ -90,12 +91,11 @@ class NonlinearLqi:
         ]
 
     def outputs(self) -> list[Signal]:
-        """Return manipulated_i and status_i."""
-        numbered = enumerate(self.manipulated, start=1)
-        return [result for i, output in numbered for result in signals.output_signals(i, output)]
+        """Return out and status of each output."""
+        return [result for u in self.manipulated for result in signals.output_signals(u)]
 
     def gain_signals(self, *, kept: bool = False) -> list[Signal]:
-        """Return feedback_i_j and integral_gain_i_j; as states what they were last.
+        """Return feedback and integral_gain of each output; as states what they were last.
 
         Parameters
         ----------
@@ -104,68 +104,56 @@ class NonlinearLqi:
         """
         when = " in the last sample" if kept else ""
         found = []
-        for i, output in enumerate(self.manipulated, start=1):
-            for j, state in enumerate(self.equations.signals_of_states(), start=1):
-                words = f"feedback gain from {state.name} to {output.name}{when}"
-                unit = signals.ratio_of_units(output.unit, state.unit)
-                found.append(signals.gain(f"feedback_{i}_{j}", unit, 0.0, words))
-            for j, shown in enumerate(self.controlled, start=1):
-                words = f"integral gain from the error of {shown.name} to {output.name}{when}"
-                unit = signals.ratio_of_units(output.unit, shown.unit, "s")
-                found.append(signals.gain(f"integral_gain_{i}_{j}", unit, 0.0, words))
+        for u in self.manipulated:
+            found += [
+                signals.number_of(
+                    "feedback", u, x, f"feedback gain from {x.name} to {u.name}{when}"
+                )
+                for x in self.equations.signals_of_states()
+            ]
+            found += integral_gains(u, self.controlled, when)
         return found
 
     def output_parameters(self) -> list[Signal]:
-        """Return reference_state_j, bias_i, limits and, for back-calculation, tracking times."""
-        found = [
-            signals.gain(
-                f"reference_state_{j}", state.unit, 0.0, f"{state.name} at the operating point"
-            )
-            for j, state in enumerate(self.equations.signals_of_states(), start=1)
-        ]
-        for i, output in enumerate(self.manipulated, start=1):
-            at_rest = f"{output.name} at the operating point"
-            found.append(signals.gain(f"bias_{i}", output.unit, 0.0, at_rest))
-            found += signals.output_parameters(i, output, self.anti_windup)
+        """Return references of states, biases, limits and, for back-calculation, tracking times."""
+        found = [signals.at_rest(x, "reference") for x in self.equations.signals_of_states()]
+        for u in self.manipulated:
+            found.append(signals.at_rest(u, "bias"))
+            found += signals.output_parameters(u, self.anti_windup)
         return found
 
     def states(self) -> list[Signal]:
-        """Return integral_i and last_output_i, and the memory of the source."""
-        own = [
-            state
-            for i, output in enumerate(self.manipulated, start=1)
-            for state in signals.output_state(i, output)
-        ]
+        """Return integral and last_output of each output, and the memory of the source."""
+        own = [state for u in self.manipulated for state in signals.output_state(u)]
         return [*own, *self.source.memory()]
 
-    def last_outputs(self, symbols: Symbols) -> list[ca.SX]:
-        """Return what was applied in the last sample."""
-        return [symbols[f"last_output_{i}"] for i in range(1, len(self.manipulated) + 1)]
+    def names_of(self, matrix: str) -> list[list[str]]:
+        """Return the names of the rows of feedback or integral_gain."""
+        by = self.equations.states if matrix == "feedback" else self.equations.outputs
+        return [[effect(u, matrix, each) for each in by] for u in self.equations.inputs]
 
-    def gains_in(self, symbols: Symbols, what: str) -> list[list[ca.SX]]:
-        """Return the rows of feedback_i_j or integral_gain_i_j."""
-        of_states, of_errors = len(self.equations.states), len(self.equations.outputs)
-        count = of_states if what == "feedback" else of_errors
-        rows = range(1, len(self.manipulated) + 1)
-        return [[symbols[f"{what}_{i}_{j}"] for j in range(1, count + 1)] for i in rows]
+    def gains_in(self, symbols: Symbols, matrix: str) -> list[list[ca.SX]]:
+        """Return the rows of feedback or integral_gain."""
+        return [[symbols[name] for name in row] for row in self.names_of(matrix)]
 
     def read(self, symbols: Symbols) -> LqiReading:
         """Return what is known in this sample."""
-        names = self.source.measurements
-        p, q = len(names), len(self.controlled)
-        raw = [symbols[f"measurement_{k}"] for k in range(1, p + 1)]
-        raw += [symbols[f"setpoint_{j}"] for j in range(1, q + 1)]
+        names, controlled = self.source.measurements, self.equations.outputs
+        p = len(names)
+        raw = [symbols[path(y, "pv")] for y in names]
+        raw += [symbols[path(y, "sp")] for y in controlled]
         valid = [is_number(value) for value in raw]
         values = [value_or_zero(*pair) for pair in zip(raw, valid, strict=True)]
-        sensors = all_of([symbols[f"sensor_{k}"] for k in range(1, p + 1)])
+        sensors = all_of([symbols[path(y, "good")] for y in names])
         usable = ca.logic_and(all_of(valid[:p]), sensors)
         known = self.source.known(symbols, values[:p], usable)
-        errors = [
-            values[p + j] - values[names.index(name)]
-            for j, name in enumerate(self.equations.outputs)
-        ]
+        errors = {
+            path(y, "error"): setpoint - values[names.index(y)]
+            for y, setpoint in zip(controlled, values[p:], strict=True)
+        }
         deviations = [
-            value - symbols[f"reference_state_{j}"] for j, value in enumerate(known.state, start=1)
+            value - symbols[path(x, "reference")]
+            for x, value in zip(self.equations.states, known.state, strict=True)
         ]
         return LqiReading(Feedback(deviations, errors, all_of(valid), sensors), known)
 
@@ -177,8 +165,8 @@ class NonlinearLqi:
         kept: Mapping[str, ca.SX],
     ) -> Equations:
         """Return the equations of a law that ends in these stages, and moves its observer on."""
-        deviations = enumerate(reading.feedback.state, start=1)
-        before = reading.known.named | {f"deviation_{j}": value for j, value in deviations}
+        deviations = zip(self.equations.states, reading.feedback.state, strict=True)
+        before = reading.known.named | {path(x, "deviation"): value for x, value in deviations}
         ended = stage_equations(stages, {**before, **named})
         following = reading.known.following([stage.manipulated for stage in stages])
         return Equations(
@@ -200,9 +188,10 @@ def nonlinear_lqi_law(source: StateSource, anti_windup: AntiWindup = "back_calcu
     Returns
     -------
     StepLaw
-        Inputs as for `lqi_law`; parameters feedback_i_j, integral_gain_i_j [per second],
-        reference_state_j, model_*, bias_i, limits, tracking_time_i [s] for back-calculation,
-        and those of the observer; state integral_i, last_output_i and that of the observer.
+        Inputs as for `lqi_law`; parameters feedback and integral_gain [per second] of each
+        output, reference of each state, model.*, bias, limits and, for back-calculation,
+        tracking_time [s], and those of the observer; state integral and last_output of each
+        output, and that of the observer.
 
     Raises
     ------
@@ -216,7 +205,7 @@ def nonlinear_lqi_law(source: StateSource, anti_windup: AntiWindup = "back_calcu
     >>> from clepsydra.controllers.process_equations import process_equations
     >>> equations = process_equations(cl.load("quadruple-tank").linear)
     >>> law = nonlinear_lqi_law(ExtendedKalman(equations, ("level_1", "level_2"), (), 1, 0))
-    >>> sum(signal.name.startswith("feedback") for signal in law.parameters)
+    >>> sum(signal.matrix == "feedback" for signal in law.parameters)
     8
     """
     check_lqi_anti_windup(anti_windup)

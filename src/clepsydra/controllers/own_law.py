@@ -13,6 +13,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.signal import Signal
 from clepsydra.base.user_code import line_of, run_user_code, shortened, words_of
+from clepsydra.controllers import signals
 from clepsydra.controllers.own_signals import OwnSignals
 from clepsydra.controllers.python_law import python_law
 from clepsydra.program.step_law import StepLaw
@@ -32,7 +33,7 @@ def load_law(path: str | Path) -> StepLaw:
       signals or names, or a dictionary of names with their values: a law in Python, the slow path;
     - ``law``, a class or an object with such a method and such attributes.
 
-    A law that gives status_1 beside manipulated_1 is taken as it is. All others give what is asked
+    A law that gives pump.status beside pump.out is taken as it is. All others give what is asked
     for in automatic, and mode, limits, sensor faults and the status word are added
     (`OwnSignals`).
 
@@ -68,16 +69,14 @@ with a step law; check the path.
 
 def _whole(law: StepLaw, file: Path) -> StepLaw:
     """Return a law of expressions with what a plant needs."""
-    given = {signal.name for signal in law.outputs}
-    if any(name.startswith("status_") for name in given):
-        for signal in law.outputs:
-            number = signal.name.rpartition("_")[2]
-            if {f"manipulated_{number}", f"status_{number}"} - given:
-                raise InputError(
-                    f"{file.name}, outputs", signal.name,
-                    "manipulated_1 and status_1, and so on, or no status at all",
-                    "give both, or leave the status to be added",
-                )  # fmt: skip
+    moved, told = (signals.owners(law.outputs, part) for part in ("out", "status"))
+    if told:
+        if moved != told or len(law.outputs) > 2 * len(moved):
+            raise InputError(
+                f"{file.name}, outputs", ", ".join(signal.name for signal in law.outputs),
+                "out and status of each output, or no status at all",
+                "give both, or leave the status to be added",
+            )  # fmt: skip
         return law
     return OwnSignals(file.name, law.inputs, law.parameters, law.outputs, law.state).whole_law(law)
 
@@ -96,7 +95,7 @@ def _python(holder: Any, file: Path) -> StepLaw:
     if not callable(step):
         raise InputError(f"{file.name}, law", shortened(repr(holder)), _EXAMPLE, "add its step")
     found = {
-        what: _signals(getattr(holder, what, ()), f"{file.name}, {what}")
+        what: _declared(getattr(holder, what, ()), f"{file.name}, {what}")
         for what in ("inputs", "outputs", "parameters", "state")
     }
     name = re.sub(r"\W", "_", file.stem)
@@ -104,7 +103,7 @@ def _python(holder: Any, file: Path) -> StepLaw:
     return python_law(name, step, **found, file=file)
 
 
-def _signals(declared: object, place: str) -> tuple[Signal, ...]:
+def _declared(declared: object, place: str) -> tuple[Signal, ...]:
     """Return signals from a list of signals or names, or names with values."""
     if isinstance(declared, Mapping):
         entries: list[object] = []
@@ -115,13 +114,13 @@ def _signals(declared: object, place: str) -> tuple[Signal, ...]:
         entries = [Signal(entry) if isinstance(entry, str) else entry for entry in declared]
     else:
         entries = [declared]
-    signals = []
+    found = []
     for entry in entries:
-        if not isinstance(entry, Signal) or not entry.name.isidentifier():
+        if not isinstance(entry, Signal) or not all(map(str.isidentifier, entry.name.split("."))):
             raise InputError(
                 place, shortened(repr(entry)),
                 "a list of names or signals, or a dictionary of names and numbers",
                 'write as in parameters = {"gain": 2.0}',
             )  # fmt: skip
-        signals.append(entry)
-    return tuple(signals)
+        found.append(entry)
+    return tuple(found)

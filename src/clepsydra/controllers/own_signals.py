@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.handover import Asked
+from clepsydra.controllers.blocks.ports import as_parts
 from clepsydra.controllers.blocks.validity import (
     all_of,
     is_number,
@@ -23,7 +24,33 @@ from clepsydra.controllers.inner_law import inner_equations
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
-_PLANT = ("setpoint", "measurement")
+#: Numbered names of former versions, and what stands for each now.
+_FORMER = {
+    "measurement": "level.pv", "sensor": "level.good", "setpoint": "level.sp",
+    "mode": "pump.mode", "manual": "pump.manual", "tracking": "pump.tracking",
+    "manipulated": "pump.out", "status": "pump.status", "last_output": "pump.last_output",
+    "low_limit": "pump.low_limit", "high_limit": "pump.high_limit",
+}  # fmt: skip
+
+
+def check_paths(place: str, names: Iterable[str]) -> None:
+    """Refuse the numbered names of former versions.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> check_paths("my_law.py", ["level.pv", "gain"])
+    """
+    for name in names:
+        former = re.fullmatch(r"(.*)_\d+", name)
+        if former and former[1] in _FORMER:
+            raise InputError(
+                place, name, f"a name like {_FORMER[former[1]]}",
+                "write what it belongs to, a dot, and what it is of that",
+            )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -44,14 +71,14 @@ class OwnSignals:
     Raises
     ------
     InputError
-        The outputs are not manipulated_1, manipulated_2, …, or a name stands for two signals.
+        An output is not the out of something, or a name stands for two signals.
 
     Examples
     --------
-    >>> own = OwnSignals("my_law.py", (Signal("measurement_1"),), (Signal("gain"),),
-    ...                  (Signal("manipulated_1"),), ())
+    >>> own = OwnSignals("my_law.py", (Signal("level.pv"),), (Signal("gain"),),
+    ...                  (Signal("pump.out"),), ())
     >>> [signal.name for signal in own.whole_inputs]
-    ['measurement_1', 'sensor_1', 'mode_1', 'manual_1', 'tracking_1', 'time_step']
+    ['level.pv', 'level.good', 'pump.mode', 'pump.manual', 'pump.tracking', 'time_step']
     """
 
     place: str
@@ -61,33 +88,37 @@ class OwnSignals:
     state: tuple[Signal | DelayRing, ...]
 
     def __post_init__(self) -> None:
+        every = (*self.inputs, *self.parameters, *self.outputs, *self.state)
+        check_paths(self.place, [signal.name for signal in every])
         names = [signal.name for signal in self.outputs]
-        wanted = [f"manipulated_{i}" for i in range(1, len(names) + 1)]
-        if not names or names != wanted:
+        if not names or any(s.part != "out" or not s.owner for s in self.outputs):
             raise InputError(
-                f"{self.place}, outputs", ", ".join(names) or "none",
-                f"{', '.join(wanted) or 'manipulated_1'}",
-                "name the outputs so, and wire them to the process by the controller",
+                f"{self.place}, outputs", ", ".join(names) or "none", "outputs like pump.out",
+                "name each so after what it moves, and wire it to the process by the controller",
             )  # fmt: skip
-        every = [s.name for s in (*self.whole_inputs, *self.whole_parameters, *self.whole_state)]
-        for name in every:
-            if every.count(name) > 1:
+        every_name = [
+            s.name for s in (*self.whole_inputs, *self.whole_parameters, *self.whole_state)
+        ]
+        for name in every_name:
+            if every_name.count(name) > 1:
                 raise InputError(
                     self.place, name, "a name for one input, parameter or state", "rename one"
                 )
 
     @property
     def moved(self) -> tuple[Signal, ...]:
-        """What each output moves; nameless but for its number."""
-        return tuple(
-            replace(signal, name=f"output_{i}") for i, signal in enumerate(self.outputs, start=1)
-        )
+        """What each output moves."""
+        return tuple(replace(signal, name=signal.owner) for signal in self.outputs)
 
     @property
     def sensors(self) -> tuple[str, ...]:
-        """sensor_j of each measurement_j."""
-        found = (re.fullmatch(r"measurement_(\d+)", signal.name) for signal in self.inputs)
-        return tuple(f"sensor_{match[1]}" for match in found if match)
+        """The input good of each measurement."""
+        return tuple(path(owner, "good") for owner in signals.owners(self.inputs, "pv"))
+
+    @property
+    def plant(self) -> tuple[str, ...]:
+        """The inputs that have to be numbers: measurements and setpoints."""
+        return tuple(signal.name for signal in self.inputs if signal.part in ("pv", "sp"))
 
     @property
     def whole_inputs(self) -> list[Signal]:
@@ -98,31 +129,30 @@ class OwnSignals:
         ]
         added += signals.output_inputs(self.moved)
         known = [signal.name for signal in added]
-        last = [f"last_{signal.name}" for signal in self.moved]
+        last = [path(signal, "last_output") for signal in self.moved]
         own = [s for name, s in asked.items() if name not in (*known, *last)]
         return [*own, *added]
 
     @property
     def whole_parameters(self) -> list[Signal]:
         """Those of the user, and the limits of each output."""
-        limits = [p for i, s in enumerate(self.moved, 1) for p in signals.limit_parameters(i, s)]
+        limits = [p for output in self.moved for p in signals.limit_parameters(output)]
         own = {parameter.name for parameter in self.parameters}
         return [*self.parameters, *(p for p in limits if p.name not in own)]
 
     @property
     def whole_state(self) -> list[Signal | DelayRing]:
         """That of the user, and the last outputs."""
-        return [*self.state, *(signals.last_output(i, s) for i, s in enumerate(self.moved, 1))]
+        return [*self.state, *map(signals.last_output, self.moved)]
 
     @property
     def whole_outputs(self) -> list[Signal]:
-        """manipulated_i and status_i."""
-        return [r for i, s in enumerate(self.moved, 1) for r in signals.output_signals(i, s)]
+        """out and status of each output."""
+        return [result for output in self.moved for result in signals.output_signals(output)]
 
     def end(self) -> StepLaw:
-        """Return what comes after the user's part, as a law with the inputs asked_i and usable."""
-        numbers = range(1, len(self.outputs) + 1)
-        names = [f"asked_{i}" for i in numbers]
+        """Return what comes after the user's part, as a law with the inputs asked and usable."""
+        names = [path(output, "asked") for output in self.moved]
 
         def equations(symbols: Symbols) -> Equations:
             conditions = symbols["usable"], symbols["numbers"], symbols["sensors"]
@@ -134,10 +164,8 @@ class OwnSignals:
                 *(Signal(name) for name in (*names, "usable", "numbers", "sensors")),
                 *signals.output_inputs(self.moved),
             ],
-            parameters=[
-                p for i, s in enumerate(self.moved, 1) for p in signals.limit_parameters(i, s)
-            ],
-            state=[signals.last_output(i, s) for i, s in enumerate(self.moved, 1)],
+            parameters=[p for output in self.moved for p in signals.limit_parameters(output)],
+            state=map(signals.last_output, self.moved),
             outputs=self.whole_outputs,
             equations=equations,
         )
@@ -148,10 +176,10 @@ class OwnSignals:
         state: dict[str, ca.SX] = {}
         outputs: dict[str, ca.SX] = {}
         named: dict[str, ca.SX] = {}
-        for i, (moved, value) in enumerate(zip(self.moved, asked, strict=True), start=1):
-            element = final_element(symbols, i, moved, Asked(value, usable, numbers, good))
-            state[f"last_output_{i}"] = element.manipulated
-            outputs |= {f"manipulated_{i}": element.manipulated, f"status_{i}": element.status}
+        for moved, value in zip(self.moved, asked, strict=True):
+            element = final_element(symbols, moved, Asked(value, usable, numbers, good))
+            state[path(moved, "last_output")] = element.manipulated
+            outputs |= as_parts(moved, {"out": element.manipulated, "status": element.status})
             named |= element.named
         return Equations(state, outputs, named)
 
@@ -160,7 +188,7 @@ class OwnSignals:
 
         def equations(symbols: Symbols) -> Equations:
             raw = {s.name: symbols[s.name] for s in self.inputs}
-            valid = {n: is_number(raw[n]) for n in raw if n.rpartition("_")[0] in _PLANT}
+            valid = {name: is_number(raw[name]) for name in self.plant}
             known = raw | {n: value_or_zero(raw[n], v) for n, v in valid.items()}
             true = ca.SX(1)
             numbers = all_of([*valid.values()]) if valid else true

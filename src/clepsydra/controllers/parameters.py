@@ -7,6 +7,9 @@ from collections.abc import Mapping
 from numbers import Real
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import path
+from clepsydra.controllers.signals import owners
+from clepsydra.program.entries import signal_of
 from clepsydra.program.step_law import StepLaw
 
 
@@ -41,11 +44,11 @@ def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> N
     Examples
     --------
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> law = multiloop_pid_law(1)
+    >>> law = multiloop_pid_law(["level"], ["pump"])
     >>> check_parameters(law, {parameter.name: 0.0 for parameter in law.parameters}, "PI")
     Traceback (most recent call last):
         ...
-    clepsydra.base.errors.InputError: PI, integral_time_1: got 0.0, expected a number from \
+    clepsydra.base.errors.InputError: PI, level.integral_time: got 0.0, expected a number from \
 1e-06 to 1e+09 s; give a value in this range.
     """
     _check_names([parameter.name for parameter in law.parameters], values, place)
@@ -60,12 +63,13 @@ def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> N
                 f"a number from {parameter.low:g} to {parameter.high:g}{unit}",
                 "give a value in this range",
             )
-    for name, low in values.items():
-        if name.startswith("low_limit_") and not low < values["high" + name.removeprefix("low")]:
+    for owner in owners(law.parameters, "low_limit"):
+        low, high = path(owner, "low_limit"), path(owner, "high_limit")
+        if not values[low] < values[high]:
             raise InputError(
-                f"{place}, {name}",
-                low,
-                f"a value below high{name.removeprefix('low')}",
+                f"{place}, {low}",
+                values[low],
+                f"a value below {high}",
                 "exchange the limits or widen them",
             )
 
@@ -76,15 +80,15 @@ def remembered_parameters(law: StepLaw, values: Mapping[str, float]) -> dict[str
     Examples
     --------
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> law = multiloop_pid_law(1)
+    >>> law = multiloop_pid_law(["level"], ["pump"])
     >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
-    >>> remembered_parameters(law, values | {"proportional_gain_1": 2.0})
-    {'last_proportional_gain_1': 2.0, 'last_setpoint_weight_1': 1.0}
+    >>> remembered_parameters(law, values | {"level.proportional_gain": 2.0})
+    {'level.last_proportional_gain': 2.0, 'level.last_setpoint_weight': 1.0}
     """
     return {
         state.name: float(values[parameter])
-        for state in law.state
-        if state.name.startswith("last_") and (parameter := state.name[len("last_") :]) in values
+        for state in map(signal_of, law.state)
+        if (parameter := path(state.owner, state.part.removeprefix("last_"))) in values
     }
 
 
@@ -99,11 +103,12 @@ def check_initial_state(law: StepLaw, values: Mapping[str, float], place: str) -
     Examples
     --------
     >>> from clepsydra.controllers.linear_quadratic_integral import lqi_law
-    >>> check_initial_state(lqi_law(1, 1, [1]), {"integral_1": 3.0}, "PI")
+    >>> law = lqi_law(["level"], ["pump"], ["level"])
+    >>> check_initial_state(law, {"pump.integral": 3.0}, "PI")
     Traceback (most recent call last):
         ...
-    clepsydra.base.errors.InputError: PI: got ['integral_1'], expected values for integral_1, \
-last_output_1; add last_output_1.
+    clepsydra.base.errors.InputError: PI: got ['pump.integral'], expected values for \
+pump.integral, pump.last_output; add pump.last_output.
     """
     _check_names([state.name for state in law.state], values, place)
     for name, value in values.items():

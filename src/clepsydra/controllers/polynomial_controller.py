@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import casadi as ca
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import told
 from clepsydra.controllers.blocks.increments import increments
-from clepsydra.controllers.blocks.ports import called, numbered
+from clepsydra.controllers.blocks.ports import as_parts, called, parts_of
 from clepsydra.controllers.blocks.validity import is_number, value_or_zero
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
@@ -56,12 +56,11 @@ class PolynomialShape:
 
 
 def polynomial_law(
+    measured: Sequence[Signal | str],
+    manipulated: Sequence[Signal | str],
     shapes: Sequence[PolynomialShape],
-    *,
-    measured: Sequence[Signal] | None = None,
-    manipulated: Sequence[Signal] | None = None,
 ) -> StepLaw:
-    """Write the step law of polynomial controllers, loop i from measurement_i to manipulated_i.
+    """Write the step law of polynomial controllers, one from each measurement to an output.
 
     With Q y = Q(1) y + g1 ∇y + g2 ∇y(k−1) + …, R likewise, Q(1) = R(1) = r0 and ∇ the difference
     from one sample to the next, each sample in automatic::
@@ -76,23 +75,23 @@ def polynomial_law(
 
     Parameters
     ----------
+    measured, manipulated : sequence of Signal or str
+        The process signals of each loop: they lend their names, units and ranges.
     shapes : sequence of PolynomialShape
         One for each loop.
-    measured, manipulated : sequence of Signal, optional
-        The process signals of loop 1, 2, …: they lend their units and ranges.
 
     Returns
     -------
     StepLaw
-        Inputs setpoint_i, measurement_i, sensor_i, mode_i, manual_i, tracking_i, time_step;
-        parameters reference_gain_i, measurement_gain_i_j, setpoint_gain_i_j, increment_gain_i_j,
-        low_limit_i, high_limit_i, which hold for one sampling period; outputs manipulated_i,
-        status_i.
+        Inputs sp, pv and good of each measurement, mode, manual and tracking of each output, and
+        time_step; parameters reference_gain, measurement_gain.J, setpoint_gain.J and
+        increment_gain.J of each measurement, which hold for one sampling period, low_limit and
+        high_limit of each output; outputs out and status of each output.
 
     Raises
     ------
     InputError
-        There is no loop, or the signals are not one for each loop.
+        There is no loop, or the signals or shapes are not one for each loop.
 
     References
     ----------
@@ -103,25 +102,22 @@ def polynomial_law(
     --------
     One sample with r0 = 0.5 and g1 = 2 at an error of 1, after a rise of 0.25:
 
-    >>> law = polynomial_law([PolynomialShape(1)])
-    >>> given = dict(setpoint_1=6, measurement_1=5, sensor_1=1, mode_1=1, time_step=1)
-    >>> values = dict(reference_gain_1=0.5, measurement_gain_1_1=2, low_limit_1=0, high_limit_1=10)
-    >>> before = dict(last_output_1=3, past_measurement_1_1=4.75)
+    >>> law = polynomial_law(["level"], ["pump"], [PolynomialShape(1)])
+    >>> given = dict(sp=6, pv=5, good=1, mode=1, time_step=1)
+    >>> values = {"level.reference_gain": 0.5, "level.measurement_gain.1": 2,
+    ...           "pump.low_limit": 0, "pump.high_limit": 10}
+    >>> before = {"pump.last_output": 3, "level.past_value.1": 4.75}
     >>> state, outputs, _ = law.function(
     ...     [before[entry.name] for entry in law.state],
-    ...     [given.get(signal.name, 0) for signal in law.inputs],
+    ...     [given.get(signal.part, 0) for signal in law.inputs],
     ...     [values[signal.name] for signal in law.parameters],
     ... )
     >>> float(outputs[0])
     3.0
     """
-    count = len(shapes)
-    measured = signals.wired_signals("measurement", count, measured, "polynomial law, measured")
-    manipulated = signals.wired_signals("output", count, manipulated, "polynomial law, manipulated")
-    loops = [
-        IncrementalLoop(i, *parts)
-        for i, parts in enumerate(zip(shapes, measured, manipulated, strict=True), start=1)
-    ]
+    pairs = signals.paired(measured, manipulated, "polynomial law")
+    check_shapes(shapes, pairs, "polynomial law")
+    loops = [IncrementalLoop(shape, *pair) for shape, pair in zip(shapes, pairs, strict=True)]
 
     def equations(symbols: Symbols) -> Equations:
         found = [loop.step(symbols, read(symbols, loop)) for loop in loops]
@@ -129,7 +125,7 @@ def polynomial_law(
 
     return step_law(
         "polynomial_control",
-        inputs=law_inputs(measured, manipulated),
+        inputs=law_inputs(pairs),
         parameters=[p for loop in loops for p in loop.parameters()],
         state=[s for loop in loops for s in loop.states()],
         outputs=[o for loop in loops for o in loop.outputs()],
@@ -177,8 +173,6 @@ class IncrementalLoop:
 
     Parameters
     ----------
-    number : int
-        i, from 1.
     shape : PolynomialShape
     measured, moved : Signal
     what : str
@@ -186,12 +180,11 @@ class IncrementalLoop:
 
     Examples
     --------
-    >>> loop = IncrementalLoop(1, PolynomialShape(1), Signal("level", "m"), Signal("pump", "V"))
+    >>> loop = IncrementalLoop(PolynomialShape(1), Signal("level", "m"), Signal("pump", "V"))
     >>> [parameter.name for parameter in loop.parameters()]
-    ['reference_gain_1', 'measurement_gain_1_1', 'low_limit_1', 'high_limit_1']
+    ['level.reference_gain', 'level.measurement_gain.1', 'pump.low_limit', 'pump.high_limit']
     """
 
-    number: int
     shape: PolynomialShape
     measured: Signal
     moved: Signal
@@ -199,81 +192,71 @@ class IncrementalLoop:
 
     def parameters(self) -> list[Signal]:
         """Return the gains and the limits."""
-        i, y, u = self.number, self.measured, self.moved
+        y, u = self.measured, self.moved
         unit = signals.ratio_of_units(u.unit, y.unit)
         difference = (
             f"gain on the difference of {{}} between {{}} and {{}} samples ago, to {u.name}"
         )
         error = f"gain on the error of {y.name} in each sample, to {u.name}"
-        found = [signals.coefficient(f"reference_gain_{i}", unit, error)]
+        found = [signals.coefficient(path(y, "reference_gain"), unit, error)]
         shown = y.name if self.what == "measurement" else f"the {self.what} of {y.name}"
-        for stem, count, of in (
+        for what, count, of in (
             ("measurement_gain", self.shape.measurement_gains, shown),
             ("setpoint_gain", self.shape.setpoint_gains, f"the setpoint of {y.name}"),
         ):
             found += [
-                signals.coefficient(f"{stem}_{i}_{j}", unit, difference.format(of, j - 1, j))
-                for j in range(1, count + 1)
+                signals.coefficient(name, unit, difference.format(of, j - 1, j))
+                for j, name in enumerate(elements(path(y, what), count), start=1)
             ]
+        moves = elements(path(y, "increment_gain"), self.shape.increment_gains)
         found += [
-            signals.coefficient(
-                f"increment_gain_{i}_{j}", "1", f"gain on the move of {u.name} {j} samples ago"
-            )
-            for j in range(1, self.shape.increment_gains + 1)
+            signals.coefficient(name, "1", f"gain on the move of {u.name} {j} samples ago")
+            for j, name in enumerate(moves, start=1)
         ]
-        return found + signals.limit_parameters(i, u)
+        return found + signals.limit_parameters(u)
 
     def states(self) -> list[Signal]:
         """Return what is remembered of measurement, setpoint and output."""
-        i, y, u = self.number, self.measured, self.moved
+        y, u, shape = self.measured, self.moved, self.shape
         past = [
-            signals.like(
-                y, f"past_{self.what}_{i}_{j}", f"{self.what} of {y.name}, {j} samples ago"
+            signals.like(y, name, f"{what} of {y.name}, {j} samples ago")
+            for part, count, what in (
+                ("past_value", shape.measurement_gains, self.what),
+                ("past_setpoint", shape.setpoint_gains, "setpoint"),
             )
-            for j in range(1, self.shape.measurement_gains + 1)
+            for j, name in enumerate(elements(path(y, part), count), start=1)
         ]
         past += [
-            signals.like(y, f"past_setpoint_{i}_{j}", f"setpoint of {y.name}, {j} samples ago")
-            for j in range(1, self.shape.setpoint_gains + 1)
+            Signal(name, u.unit, description=f"move of {u.name}, {j} samples ago")
+            for j, name in enumerate(elements(path(y, "past_move"), shape.increment_gains), start=1)
         ]
-        past += [
-            Signal(f"past_move_{i}_{j}", u.unit, description=f"move of {u.name}, {j} samples ago")
-            for j in range(1, self.shape.increment_gains + 1)
-        ]
-        return [*past, signals.last_output(i, u)]
+        return [*past, signals.last_output(u)]
 
     def outputs(self) -> list[Signal]:
-        """Return manipulated_i and status_i."""
-        return signals.output_signals(self.number, self.moved)
+        """Return out and status."""
+        return signals.output_signals(self.moved)
 
     def step(self, symbols: Symbols, read: Read) -> Equations:
         """Compute one sample: an instance of `increments`, one block for all loops of a shape."""
-        i, shape = self.number, self.shape
+        y, u, shape = self.measured, self.moved, self.shape
         block = increments(shape.measurement_gains, shape.setpoint_gains, shape.increment_gains)
-        # What the law calls the signals of the loop, whose numbers stand before the sample's.
-        own = {"past_value": f"past_{self.what}_{i}"}
-        names = {}
-        for entry in (*block.state, *block.inputs):
-            stem, _, j = entry.name.rpartition("_")
-            if j.isdigit():
-                names[entry.name] = f"{own.get(stem, f'{stem}_{i}')}_{j}"
-        state = {entry.name: names.get(entry.name, f"last_output_{i}") for entry in block.state}
+        ports = (*block.state, *block.inputs)
         given = {
-            **numbered(symbols, block.inputs, i),
-            **{local: symbols[name] for local, name in {**names, **state}.items()},
+            **parts_of(y, symbols, ports),
+            **parts_of(u, symbols, ports),
             "value": read.measurement,
             "setpoint": read.setpoint,
             "known": read.measurement_known,
             "numbers": read.numbers,
             "sensors": read.sensor,
         }
-        found = called(block, f"{self.moved.identifier}_loop", given)
-        status, conditions = told(found.outputs, i, self.moved)
-        between = {f"{name}_{i}": value for name, value in found.intermediates.items()}
+        found = called(block, f"{u.identifier}_loop", given)
+        status, conditions = told(found.outputs, u)
+        memory = found.next_state
         return Equations(
-            {name: found.next_state[local] for local, name in state.items()},
-            {f"manipulated_{i}": found.outputs["manipulated"], f"status_{i}": status},
-            {**between, **read.named, **conditions},
+            {path(u if name == "last_output" else y, name): memory[name] for name in memory},
+            as_parts(u, {"out": found.outputs["manipulated"], "status": status}),
+            {**as_parts(y, found.intermediates), **read.named, **conditions},
         )
 
 
@@ -282,37 +265,60 @@ def read(symbols: Symbols, loop: IncrementalLoop) -> Read:
 
     Examples
     --------
-    >>> loop = IncrementalLoop(1, PolynomialShape(0), Signal("level"), Signal("pump"))
-    >>> symbols = dict(measurement_1=ca.DM(float("nan")), setpoint_1=ca.DM(6), sensor_1=ca.DM(1))
+    >>> loop = IncrementalLoop(PolynomialShape(0), Signal("level"), Signal("pump"))
+    >>> nan = ca.DM(float("nan"))
+    >>> symbols = {"level.pv": nan, "level.sp": ca.DM(6), "level.good": ca.DM(1)}
     >>> found = read(symbols, loop)
     >>> float(found.measurement), bool(found.numbers)
     (0.0, False)
     """
-    i = loop.number
-    raw, setpoint = symbols[f"measurement_{i}"], symbols[f"setpoint_{i}"]
-    valid, given, sound = is_number(raw), is_number(setpoint), symbols[f"sensor_{i}"]
+    raw, setpoint, sound = (symbols[path(loop.measured, part)] for part in ("pv", "sp", "good"))
+    valid, given = is_number(raw), is_number(setpoint)
+    named = {"measurement_is_number": valid, "setpoint_is_number": given}
     return Read(
         measurement=value_or_zero(raw, valid),
         setpoint=value_or_zero(setpoint, given),
         measurement_known=ca.logic_and(valid, sound),
         numbers=ca.logic_and(valid, given),
         sensor=sound,
-        named={f"measurement_is_number_{i}": valid, f"setpoint_is_number_{i}": given},
+        named=as_parts(loop.measured, named),
     )
 
 
-def law_inputs(measured: Sequence[Signal], manipulated: Sequence[Signal]) -> list[Signal]:
-    """Return the inputs of a law of loops from measurement_i to manipulated_i.
+def check_shapes(shapes: Sequence[object], pairs: Sequence[object], place: str) -> None:
+    """Refuse shapes that are not one for each loop.
+
+    Raises
+    ------
+    InputError
 
     Examples
     --------
-    >>> [s.name for s in law_inputs([Signal("level")], [Signal("pump")])]
-    ['setpoint_1', 'measurement_1', 'sensor_1', 'mode_1', 'manual_1', 'tracking_1', 'time_step']
+    >>> check_shapes([], [("level", "pump")], "polynomial law")
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: polynomial law, shapes: got 0, expected 1, one for each \
+loop; give one for each.
     """
+    if len(shapes) != len(pairs):
+        raise InputError(
+            f"{place}, shapes", len(shapes), f"{len(pairs)}, one for each loop", "give one for each"
+        )
+
+
+def law_inputs(pairs: Sequence[tuple[Signal, Signal]]) -> list[Signal]:
+    """Return the inputs of a law of loops, each from a measurement to an output.
+
+    Examples
+    --------
+    >>> [s.name for s in law_inputs([(Signal("level"), Signal("pump"))])][:4]
+    ['level.sp', 'level.pv', 'level.good', 'pump.mode']
+    """
+    measured = [y for y, _ in pairs]
     return [
         *signals.setpoint_inputs(measured),
         *signals.measurement_inputs(measured),
-        *signals.output_inputs(manipulated),
+        *signals.output_inputs([u for _, u in pairs]),
     ]
 
 

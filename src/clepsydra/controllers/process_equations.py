@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -131,7 +131,7 @@ class ProcessEquations:
         moved: Sequence[ca.SX],
         symbols: Symbols,
     ) -> list[ca.SX]:
-        """Return expressions in a state, with the constants as parameters of a law (`model_*`)."""
+        """Return expressions in a state, with the constants as parameters of a law (`model.*`)."""
         used = self.used_in(expressions)
         arguments = [self.state, self.moved, ca.vertcat(*(each.symbol for each in used))]
         function = ca.Function("at", arguments, list(expressions))
@@ -210,7 +210,7 @@ def model_parameter(constant: Constant) -> Signal:
     --------
     >>> area = Constant(Signal("tank.area", "m^2"), ca.SX.sym("area"), 0.5)
     >>> model_parameter(area).name, model_parameter(area).high
-    ('model_tank_area', 5.0)
+    ('model.tank.area', 5.0)
     """
     signal, value = constant.signal, constant.value
     low, high = sorted((value / _FACTOR, value * _FACTOR))
@@ -218,7 +218,7 @@ def model_parameter(constant: Constant) -> Signal:
         low, high = -signals.LARGEST_PARAMETER, signals.LARGEST_PARAMETER
     return replace(
         signal,
-        name=f"model_{signal.identifier}",
+        name=path("model", signal.name),
         low=low,
         high=high,
         initial=value,

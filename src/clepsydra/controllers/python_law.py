@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.user_code import line_of, shortened, words_of
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
 from clepsydra.controllers.own_signals import OwnSignals
@@ -38,10 +38,10 @@ class PythonLaw(StepLaw):
     Examples
     --------
     >>> law = python_law("half", lambda state, inputs, parameters, time_step:
-    ...                  ({}, {"manipulated_1": inputs["measurement_1"] / 2}),
-    ...                  inputs=[Signal("measurement_1")], outputs=[Signal("manipulated_1")])
+    ...                  ({}, {"pump.out": inputs["level.pv"] / 2}),
+    ...                  inputs=[Signal("level.pv")], outputs=[Signal("pump.out")])
     >>> isinstance(law, PythonLaw), [signal.name for signal in law.state]
-    (True, ['last_output_1'])
+    (True, ['pump.last_output'])
     """
 
     def jacobians(
@@ -100,7 +100,7 @@ def python_law(
     The function is called once a sample with four things, the first three by name: the state, the
     inputs, the parameters, and the time step [s]. It returns the next state and the outputs. All
     that it remembers is in the state, so that a run can be copied and replayed. The inputs
-    contain last_output_i, what was applied in the last sample, whoever moved it.
+    contain pump.last_output, what was applied in the last sample, whoever moved it.
 
     Modes, limits, a failed sensor and the status word are added (`OwnSignals`). While a
     measurement or setpoint is no number, or a sensor is bad, the function is not called: its state
@@ -112,8 +112,8 @@ def python_law(
         An identifier.
     step : callable
     inputs, outputs, parameters, state : sequence of Signal
-        Inputs setpoint_j, measurement_j, mode_i, manual_i, tracking_i; outputs manipulated_1,
-        manipulated_2, …
+        Inputs sp and pv of measurements, mode, manual and tracking of outputs; outputs: out of
+        what each moves.
     file : Path, optional
         In which the function stands, for messages.
 
@@ -125,14 +125,14 @@ def python_law(
     Examples
     --------
     >>> def step(state, inputs, parameters, time_step):
-    ...     error = inputs["setpoint_1"] - inputs["measurement_1"]
+    ...     error = inputs["level.sp"] - inputs["level.pv"]
     ...     integral = state["integral"] + parameters["gain"] / 40.0 * error * time_step
-    ...     return {"integral": integral}, {"manipulated_1": parameters["gain"] * error + integral}
-    >>> law = python_law("my_pi", step, inputs=[Signal("setpoint_1"), Signal("measurement_1")],
-    ...                  outputs=[Signal("manipulated_1")], parameters=[Signal("gain")],
+    ...     return {"integral": integral}, {"pump.out": parameters["gain"] * error + integral}
+    >>> law = python_law("my_pi", step, inputs=[Signal("level.sp"), Signal("level.pv")],
+    ...                  outputs=[Signal("pump.out")], parameters=[Signal("gain")],
     ...                  state=[Signal("integral")])
-    >>> given = dict(setpoint_1=5, measurement_1=4, sensor_1=1, mode_1=1, time_step=1)
-    >>> _, outputs, _ = law.function([3, 3], [given.get(s.name, 0) for s in law.inputs], [2, 0, 10])
+    >>> given = dict(sp=5, pv=4, good=1, mode=1, time_step=1)
+    >>> _, outputs, _ = law.function([3, 3], [given.get(s.part, 0) for s in law.inputs], [2, 0, 10])
     >>> float(outputs[0])
     5.05
     """
@@ -160,9 +160,6 @@ class _PythonFunction:
         self._state = [entry.name for entry in own.state]
         self._outputs = [signal.name for signal in own.outputs]
         self._end = own.end()
-        self._numbers = [
-            n for n in self._inputs if n.startswith(("setpoint_", "measurement_"))
-        ]  # fmt: skip
 
     def __call__(
         self, state: Any, inputs: Any, parameters: Any
@@ -174,8 +171,8 @@ class _PythonFunction:
         given = dict(zip(self._inputs, u, strict=True))
         values = dict(zip(self._parameters, p, strict=True))
         kept = dict(zip(self._state, x[:count], strict=True))
-        last = {f"last_output_{i}": value for i, value in enumerate(x[count:], start=1)}
-        numbers = all(abs(given[name]) <= LARGEST_NUMBER for name in self._numbers)
+        last = {s.name: value for s, value in zip(self._end.state, x[count:], strict=True)}
+        numbers = all(abs(given[name]) <= LARGEST_NUMBER for name in own.plant)
         sensors = all(given[name] != 0.0 for name in own.sensors)
         time_step = given["time_step"]
         usable = numbers and sensors and 0.0 < time_step <= LARGEST_NUMBER
@@ -183,7 +180,7 @@ class _PythonFunction:
         if usable:
             following, asked = self._stepped(kept, given | last, values, time_step)
         conditions = {"usable": usable, "numbers": numbers, "sensors": sensors}
-        told = {f"asked_{i}": asked[name] for i, name in enumerate(self._outputs, start=1)}
+        told = {path(output.owner, "asked"): asked[output.name] for output in own.outputs}
         told |= {name: float(value) for name, value in conditions.items()} | given
         ended, outputs, _ = self._end.function(
             x[count:],

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup
 from clepsydra.controllers.blocks.sampled_matrices import (
@@ -23,7 +23,7 @@ from clepsydra.controllers.blocks.varying_gains import varying_lqi
 from clepsydra.controllers.linear_quadratic_integral import check_lqi_anti_windup
 from clepsydra.controllers.nonlinear_lqi import NonlinearLqi
 from clepsydra.controllers.observers.measured_state import StateSource
-from clepsydra.controllers.process_equations import NEARLY_EMPTY, model_parameter
+from clepsydra.controllers.process_equations import NEARLY_EMPTY, ProcessEquations, model_parameter
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
 FAMILY = "recomputed LQI"
@@ -92,11 +92,11 @@ def recomputed_lqi_law(
     Returns
     -------
     StepLaw
-        Inputs as for `lqi_law`; parameters largest_error_j, largest_move_i, horizon_j
-        [s], input_filter_time [s], state_size_j, reference_state_j, model_*, bias_i, low_limit_i,
-        high_limit_i, for back-calculation tracking_time_i [s], and those of the observer; state
-        integral_i, last_output_i, filtered_input_i, feedback_i_j, integral_gain_i_j, cost_j_k, and
-        that of the observer; outputs manipulated_i, status_i.
+        Inputs and outputs as for `lqi_law`; parameters largest_error and horizon [s] of each
+        controlled measurement, largest_move of each output, input_filter_time [s], size and
+        reference of each state, model.*, bias, low_limit, high_limit and, for back-calculation,
+        tracking_time [s] of each output, and those of the observer; state integral, last_output,
+        filtered, feedback and integral_gain of each output, cost, and that of the observer.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def recomputed_lqi_law(
     >>> from clepsydra.controllers.process_equations import process_equations
     >>> equations = process_equations(cl.load("averaging-tank").linear)
     >>> law = recomputed_lqi_law(MeasuredState(equations))
-    >>> sum(entry.name.startswith("cost") for entry in law.state)
+    >>> sum(entry.matrix == "cost" for entry in law.state)
     10
     """
     check_lqi_anti_windup(anti_windup)
@@ -147,20 +147,20 @@ class _Law:
 
     def parameters(self) -> list[Signal]:
         common, found = self.common, []
-        for j, shown in enumerate(common.controlled, start=1):
-            words = f"largest acceptable error of {shown.name}"
-            found.append(signals.size(f"largest_error_{j}", shown.unit, words))
-        for i, output in enumerate(common.manipulated, start=1):
-            words = f"largest acceptable move of {output.name}"
-            found.append(signals.size(f"largest_move_{i}", output.unit, words))
-        for j, name in enumerate(common.equations.outputs, start=1):
-            words = f"time for which a largest error of {name} may last"
-            found.append(signals.duration(f"horizon_{j}", words))
+        for y in common.controlled:
+            words = f"largest acceptable error of {y.name}"
+            found.append(signals.size(path(y, "largest_error"), y.unit, words))
+        for u in common.manipulated:
+            words = f"largest acceptable move of {u.name}"
+            found.append(signals.size(path(u, "largest_move"), u.unit, words))
+        for y in common.controlled:
+            words = f"time for which a largest error of {y.name} may last"
+            found.append(signals.duration(path(y, "horizon"), words))
         words = "time constant in which the model follows the inputs"
         found.append(signals.duration("input_filter_time", words))
-        for j, state in enumerate(common.equations.signals_of_states(), start=1):
-            words = f"size in which numbers are scaled, of {state.name}"
-            found.append(signals.size(f"state_size_{j}", state.unit, words))
+        for x in common.equations.signals_of_states():
+            words = f"size in which numbers are scaled, of {x.name}"
+            found.append(signals.size(path(x, "size"), x.unit, words))
         constants = dict.fromkeys(
             (*common.source.constants, *common.equations.used_in(self._linear))
         )
@@ -170,15 +170,12 @@ class _Law:
     def state(self) -> list[Signal]:
         common = self.common
         found = common.gain_signals(kept=True)
-        size = len(common.equations.states) + len(common.equations.outputs)
+        words = "cost to go, in scaled states and errors"
         found += [
-            Signal(f"cost_{j}_{k}", description="cost to go, in scaled states and errors")
-            for j in range(1, size + 1)
-            for k in range(j, size + 1)
+            Signal(name, description=words, matrix="cost") for name in cost_names(common.equations)
         ]
         found += [
-            signals.like(output, f"filtered_input_{i}", f"{output.name}, filtered")
-            for i, output in enumerate(common.manipulated, start=1)
+            signals.like(u, path(u, "filtered"), f"{u.name}, filtered") for u in common.manipulated
         ]
         return [*common.states(), *found]
 
@@ -186,7 +183,7 @@ class _Law:
         common = self.common
         reading = common.read(symbols)
         inputs = self._filtered(symbols)
-        found = self._recomputed(symbols, reading.known.state, inputs)
+        found = self._recomputed(symbols, reading.known.state, list(inputs.values()))
         usable = ca.logic_and(reading.feedback.numbers, reading.feedback.sensors)
         holds = ca.logic_and(found.holds, ca.logic_and(usable, is_time_step(symbols["time_step"])))
         former = common.gains_in(symbols, "feedback")
@@ -202,31 +199,26 @@ class _Law:
             integral,
             common.anti_windup,
         )
-        kept: dict[str, ca.SX] = {}
+        kept = dict(inputs)
         for what, rows in (("feedback", feedback), ("integral_gain", integral)):
-            kept |= {
-                f"{what}_{i}_{j}": value
-                for i, row in enumerate(rows, start=1)
-                for j, value in enumerate(row, start=1)
-            }
-        kept |= {f"filtered_input_{i}": value for i, value in enumerate(inputs, start=1)}
-        names = [s.name for s in self.state() if s.name.startswith("cost_")]
+            for names, row in zip(common.names_of(what), rows, strict=True):
+                kept |= zip(names, row, strict=True)
         kept |= {
             name: ca.if_else(holds, value, symbols[name])
-            for name, value in zip(names, found.cost, strict=True)
+            for name, value in zip(cost_names(common.equations), found.cost, strict=True)
         }
         return common.ended(reading, stages, named | {"gains_recomputed": holds}, kept)
 
-    def _filtered(self, symbols: Symbols) -> list[ca.SX]:
+    def _filtered(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return the inputs that were applied, filtered."""
         good = is_time_step(symbols["time_step"])
         step = ca.if_else(good, symbols["time_step"], 0)
         share = step / (ca.fmax(symbols["input_filter_time"], signals.SHORTEST_TIME) + step)
-        found = []
-        for i, applied in enumerate(self.common.last_outputs(symbols), start=1):
-            last = symbols[f"filtered_input_{i}"]
-            moved = last + share * (applied - last)
-            found.append(ca.if_else(is_number(moved), moved, last))
+        found = {}
+        for u in self.common.equations.inputs:
+            last = symbols[path(u, "filtered")]
+            moved = last + share * (symbols[path(u, "last_output")] - last)
+            found[path(u, "filtered")] = ca.if_else(is_number(moved), moved, last)
         return found
 
     def _recomputed(
@@ -239,9 +231,10 @@ class _Law:
         good = is_time_step(symbols["time_step"])
         time = ca.if_else(good, symbols["time_step"], 1)
         sizes, moves, errors, horizons = (
-            ca.vertcat(*(symbols[f"{what}_{j}"] for j in range(1, count + 1)))
-            for what, count in (
-                ("state_size", n), ("largest_move", m), ("largest_error", q), ("horizon", q)
+            ca.vertcat(*(symbols[path(name, part)] for name in of))
+            for part, of in (
+                ("size", equations.states), ("largest_move", equations.inputs),
+                ("largest_error", equations.outputs), ("horizon", equations.outputs),
             )
         )  # fmt: skip
         # In units of what weighs one, all numbers are near one.
@@ -258,8 +251,7 @@ class _Law:
         cost[:n, n + q :] = of_a_second[:n, n:]
         cost[n + q :, :n] = of_a_second[n:, :n]
         size = n + q
-        pairs = [(j, k) for j in range(1, size + 1) for k in range(j, size + 1)]
-        to_go = from_upper_triangle([symbols[f"cost_{j}_{k}"] for j, k in pairs], size)
+        to_go = from_upper_triangle([symbols[name] for name in cost_names(equations)], size)
         step = riccati_step(held, moved, cost, to_go)
         definite = step.definite
         for _ in range(1, self.steps):
@@ -276,6 +268,20 @@ class _Law:
         numbers = [is_number(value) for row in (*feedback, *integral) for value in row]
         holds = all_of([definite, *diagonal, *map(is_number, entries), *numbers])
         return Recomputed(feedback, integral, entries, holds)
+
+
+def cost_names(equations: ProcessEquations) -> list[str]:
+    """Return the names of the cost to go of states and errors, on and above its diagonal.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> cost_names(process_equations(cl.load("averaging-tank").linear))[0]
+    'tank.level.cost.tank.level'
+    """
+    names = [*equations.states, *equations.outputs]
+    return [effect(x, "cost", other) for j, x in enumerate(names) for other in names[j:]]
 
 
 def _chosen(holds: ca.SX, now: list[list[ca.SX]], before: list[list[ca.SX]]) -> list[list[ca.SX]]:

@@ -7,9 +7,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, effect, owned, path
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.entries import signal_of
 
 #: The smallest time that a parameter may be set to [s].
 SHORTEST_TIME = 1e-6
@@ -17,91 +19,132 @@ SHORTEST_TIME = 1e-6
 LARGEST_PARAMETER = 1e9
 
 
-def wired_signals(
-    prefix: str, count: int, wired: Sequence[Signal] | None, place: str
-) -> tuple[Signal, ...]:
-    """Return the process signals that a law is wired to, or nameless ones of unit 1.
+def process_signals(given: Sequence[Signal | str], place: str) -> tuple[Signal, ...]:
+    """Return the process signals that a law is written for; one that has but a name is of unit 1.
 
     Raises
     ------
     InputError
-        The number of signals is not `count`, or `count` is below one.
+        There is none, or two have one name.
 
     Examples
     --------
-    >>> [signal.name for signal in wired_signals("measurement", 2, None, "law")]
-    ['measurement_1', 'measurement_2']
+    >>> [signal.name for signal in process_signals(["level_1", Signal("level_2", "V")], "law")]
+    ['level_1', 'level_2']
     """
-    if count < 1:
-        raise InputError(place, count, "at least 1", "give the number of signals of the law")
-    if wired is None:
-        return tuple(Signal(f"{prefix}_{number}") for number in range(1, count + 1))
-    if len(wired) != count:
+    found = tuple(Signal(each) if isinstance(each, str) else each for each in given)
+    names = [signal.name for signal in found]
+    if not names or len(set(names)) < len(names):
+        raise InputError(place, names, "at least one signal, each once", "correct the signals")
+    return found
+
+
+def paired(
+    measured: Sequence[Signal | str], manipulated: Sequence[Signal | str], place: str
+) -> list[tuple[Signal, Signal]]:
+    """Return each measured signal of a law with the one that it moves.
+
+    Raises
+    ------
+    InputError
+        There is none of them, or there are more of one kind than of the other.
+
+    Examples
+    --------
+    >>> [(y.name, u.name) for y, u in paired(["level_1"], ["pump_1"], "PID law")]
+    [('level_1', 'pump_1')]
+    """
+    controlled = process_signals(measured, f"{place}, measured")
+    moved = process_signals(manipulated, f"{place}, manipulated")
+    if len(controlled) != len(moved):
         raise InputError(
-            place, [signal.name for signal in wired], f"{count} signals", "give one for each"
-        )
-    return tuple(wired)
+            f"{place}, manipulated", [signal.name for signal in moved],
+            f"{len(controlled)} signals, one for each measured one", "give one for each",
+        )  # fmt: skip
+    return list(zip(controlled, moved, strict=True))
+
+
+def owners(signals: Iterable[Signal | DelayRing], part: str) -> tuple[str, ...]:
+    """Return what the signals of a law belong to that are one part: of "pv", what it measures.
+
+    Examples
+    --------
+    >>> owners(measurement_inputs([Signal("level_1", "V"), Signal("level_2", "V")]), "pv")
+    ('level_1', 'level_2')
+    """
+    return tuple(
+        signal.owner for signal in map(signal_of, signals) if signal.owner and signal.part == part
+    )
 
 
 def measurement_inputs(measured: Sequence[Signal]) -> list[Signal]:
-    """Return measurement_j and sensor_j for each measured signal.
+    """Return pv and good of each measured signal.
 
     Examples
     --------
     >>> [signal.name for signal in measurement_inputs([Signal("level_1", "V")])]
-    ['measurement_1', 'sensor_1']
+    ['level_1.pv', 'level_1.good']
     """
-    inputs = []
-    for number, signal in enumerate(measured, start=1):
-        inputs += [
-            like(signal, f"measurement_{number}", f"measured {signal.name}"),
+    return [
+        each
+        for signal in measured
+        for each in (
+            like(signal, path(signal, "pv"), f"measured {signal.name}"),
             Signal(
-                f"sensor_{number}",
+                path(signal, "good"),
                 low=0.0,
                 high=1.0,
                 initial=1.0,
                 kind="boolean",
                 description=f"sensor of {signal.name} is good",
             ),
-        ]
-    return inputs
+        )
+    ]
 
 
 def setpoint_inputs(controlled: Sequence[Signal]) -> list[Signal]:
-    """Return setpoint_j for each controlled signal.
+    """Return sp of each controlled signal.
 
     Examples
     --------
     >>> setpoint_inputs([Signal("level_1", "V")])[0].name
-    'setpoint_1'
+    'level_1.sp'
     """
-    return [
-        like(signal, f"setpoint_{number}", f"setpoint of {signal.name}")
-        for number, signal in enumerate(controlled, start=1)
-    ]
+    return [setpoint_input(signal, signal) for signal in controlled]
+
+
+def setpoint_input(owner: Signal | str, controlled: Signal) -> Signal:
+    """Return sp of an owner, for a controlled signal.
+
+    Examples
+    --------
+    >>> setpoint_input("override", Signal("level_1", "V")).name
+    'override.sp'
+    """
+    return like(controlled, path(owner, "sp"), f"setpoint of {controlled.name}")
 
 
 def output_inputs(manipulated: Sequence[Signal]) -> list[Signal]:
-    """Return mode_i, manual_i and tracking_i for each output, and the time step.
+    """Return mode, manual and tracking of each output, and the time step.
 
     Examples
     --------
     >>> [signal.name for signal in output_inputs([Signal("pump_1", "V")])]
-    ['mode_1', 'manual_1', 'tracking_1', 'time_step']
+    ['pump_1.mode', 'pump_1.manual', 'pump_1.tracking', 'time_step']
     """
     inputs = []
-    for number, signal in enumerate(manipulated, start=1):
+    for signal in manipulated:
         inputs += [
             Signal(
-                f"mode_{number}",
+                path(signal, "mode"),
                 low=float(min(Mode)),
                 high=float(max(Mode)),
                 initial=float(Mode.AUTOMATIC),
                 kind="integer",
                 description=f"mode of {signal.name}: 0 manual, 1 automatic, 2 tracking",
             ),
-            like(signal, f"manual_{number}", f"value of {signal.name} in manual"),
-            like(signal, f"tracking_{number}", f"value of {signal.name} in tracking"),
+            like(signal, path(signal, "manual"), f"value of {signal.name} in manual"),
+            like(signal, path(signal, "tracking"), f"value of {signal.name} in tracking"),
         ]
     return [
         *inputs,
@@ -115,68 +158,46 @@ def output_inputs(manipulated: Sequence[Signal]) -> list[Signal]:
     ]
 
 
-def limit_parameters(number: int, signal: Signal) -> list[Signal]:
-    """Return low_limit_i and high_limit_i, initially the range of the signal.
+def limit_parameters(signal: Signal) -> list[Signal]:
+    """Return low_limit and high_limit, initially the range of the signal.
 
     Examples
     --------
     >>> pump = Signal("pump_1", "V", low=0.0, high=10.0)
-    >>> [(parameter.name, parameter.initial) for parameter in limit_parameters(1, pump)]
-    [('low_limit_1', 0.0), ('high_limit_1', 10.0)]
+    >>> [(parameter.name, parameter.initial) for parameter in limit_parameters(pump)]
+    [('pump_1.low_limit', 0.0), ('pump_1.high_limit', 10.0)]
     """
     low = signal.low if math.isfinite(signal.low) else 0.0
     high = signal.high if math.isfinite(signal.high) else 100.0
     return [
-        gain(f"low_limit_{number}", signal.unit, low, f"low limit of {signal.name}"),
-        gain(f"high_limit_{number}", signal.unit, high, f"high limit of {signal.name}"),
+        gain(path(signal, "low_limit"), signal.unit, low, f"low limit of {signal.name}"),
+        gain(path(signal, "high_limit"), signal.unit, high, f"high limit of {signal.name}"),
     ]
 
 
-def tracking_time(number: int) -> Signal:
-    """Return tracking_time_i of back-calculation.
+def tracking_time(owner: Signal | str) -> Signal:
+    """Return tracking_time of back-calculation.
 
     Examples
     --------
-    >>> tracking_time(1).unit
-    's'
+    >>> tracking_time("pump_1").name
+    'pump_1.tracking_time'
     """
-    return numbered([TRACKING_TIME], number)[0]
+    return owned(owner, [TRACKING_TIME])[0]
 
 
-def numbered(entries: Iterable[Signal], number: int) -> list[Signal]:
-    """Return signals with a number behind their names, as a law has them.
+def output_parameters(signal: Signal, anti_windup: AntiWindup) -> list[Signal]:
+    """Return low_limit and high_limit, and tracking_time for back-calculation.
 
     Examples
     --------
-    >>> [signal.name for signal in numbered([Signal("gain"), Signal("bias")], 2)]
-    ['gain_2', 'bias_2']
+    >>> [p.part for p in output_parameters(Signal("pump_1", "V"), "back_calculation")]
+    ['low_limit', 'high_limit', 'tracking_time']
     """
-    return [replace(signal, name=f"{signal.name}_{number}") for signal in entries]
-
-
-def output_parameters(number: int, signal: Signal, anti_windup: AntiWindup) -> list[Signal]:
-    """Return low_limit_i and high_limit_i, and tracking_time_i for back-calculation.
-
-    Examples
-    --------
-    >>> [p.name for p in output_parameters(1, Signal("pump_1", "V"), "back_calculation")]
-    ['low_limit_1', 'high_limit_1', 'tracking_time_1']
-    """
-    parameters = limit_parameters(number, signal)
+    parameters = limit_parameters(signal)
     if anti_windup == "back_calculation":
-        parameters.append(tracking_time(number))
+        parameters.append(tracking_time(signal))
     return parameters
-
-
-def integral_state(number: int, signal: Signal) -> Signal:
-    """Return integral_i.
-
-    Examples
-    --------
-    >>> integral_state(1, Signal("pump_1", "V")).unit
-    'V'
-    """
-    return numbered([integral_of(signal)], number)[0]
 
 
 def integral_of(signal: Signal) -> Signal:
@@ -190,45 +211,45 @@ def integral_of(signal: Signal) -> Signal:
     return Signal("integral", signal.unit, description=f"integral part of {signal.name}")
 
 
-def last_output(number: int, signal: Signal) -> Signal:
-    """Return last_output_i.
+def last_output(signal: Signal) -> Signal:
+    """Return last_output of a process signal.
 
     Examples
     --------
-    >>> last_output(1, Signal("pump_1", "V", initial=3.0)).initial
+    >>> last_output(Signal("pump_1", "V", initial=3.0)).initial
     3.0
     """
     return Signal(
-        f"last_output_{number}",
+        path(signal, "last_output"),
         signal.unit,
         initial=signal.initial,
         description=f"{signal.name} in the last sample",
     )
 
 
-def output_state(number: int, signal: Signal) -> list[Signal]:
-    """Return integral_i and last_output_i.
+def output_state(signal: Signal) -> list[Signal]:
+    """Return integral and last_output.
 
     Examples
     --------
-    >>> [state.name for state in output_state(1, Signal("pump_1", "V"))]
-    ['integral_1', 'last_output_1']
+    >>> [state.name for state in output_state(Signal("pump_1", "V"))]
+    ['pump_1.integral', 'pump_1.last_output']
     """
-    return [integral_state(number, signal), last_output(number, signal)]
+    return [*owned(signal, [integral_of(signal)]), last_output(signal)]
 
 
-def output_signals(number: int, signal: Signal) -> list[Signal]:
-    """Return manipulated_i and status_i.
+def output_signals(signal: Signal) -> list[Signal]:
+    """Return out and status.
 
     Examples
     --------
-    >>> [output.name for output in output_signals(1, Signal("pump_1", "V"))]
-    ['manipulated_1', 'status_1']
+    >>> [output.name for output in output_signals(Signal("pump_1", "V"))]
+    ['pump_1.out', 'pump_1.status']
     """
     return [
-        like(signal, f"manipulated_{number}", signal.description or f"value of {signal.name}"),
+        like(signal, path(signal, "out"), signal.description or f"value of {signal.name}"),
         Signal(
-            f"status_{number}",
+            path(signal, "status"),
             low=0.0,
             high=255.0,
             kind="integer",
@@ -261,7 +282,7 @@ def gain(name: str, unit: str, initial: float, description: str) -> Signal:
 
     Examples
     --------
-    >>> gain("bias_1", "V", 3.0, "output at the operating point").initial
+    >>> gain("pump_1.bias", "V", 3.0, "output at the operating point").initial
     3.0
     """
     return Signal(
@@ -282,10 +303,48 @@ def coefficient(name: str, unit: str, description: str) -> Signal:
 
     Examples
     --------
-    >>> coefficient("transition_1_1", "1", "effect of memory 1 on itself").digits
+    >>> coefficient("transition", "1", "effect of a memory on itself").digits
     9
     """
     return replace(gain(name, unit, 0.0, description), digits=9)
+
+
+def number_of(
+    matrix: str, to: Signal, by: Signal, description: str, *times: str, digits: int = 6
+) -> Signal:
+    """Return a number of a matrix, with the unit of what it does to one signal by another.
+
+    Parameters
+    ----------
+    matrix : str
+    to, by : Signal
+    description : str
+    *times : str
+        Further units in the denominator.
+    digits : int
+        That a design gives to it.
+
+    Examples
+    --------
+    >>> found = number_of("feedback", Signal("pump", "V"), Signal("level", "m"), "")
+    >>> found.name, found.unit
+    ('pump.feedback.level', 'V/m')
+    """
+    unit = ratio_of_units(to.unit, by.unit, *times)
+    found = gain(effect(to, matrix, by), unit, 0.0, description)
+    return replace(found, matrix=matrix, digits=digits)
+
+
+def at_rest(signal: Signal, part: str) -> Signal:
+    """Return the parameter of what a signal is at the operating point.
+
+    Examples
+    --------
+    >>> at_rest(Signal("pump_1", "V"), "bias").name
+    'pump_1.bias'
+    """
+    words = f"{signal.name} at the operating point"
+    return gain(path(signal, part), signal.unit, 0.0, words)
 
 
 def size(name: str, unit: str, description: str) -> Signal:
@@ -293,7 +352,7 @@ def size(name: str, unit: str, description: str) -> Signal:
 
     Examples
     --------
-    >>> size("largest_error_1", "V", "largest acceptable error of level_1").low
+    >>> size("largest_error", "V", "largest acceptable error of level_1").low
     1e-12
     """
     return Signal(
@@ -306,7 +365,7 @@ def duration(name: str, description: str) -> Signal:
 
     Examples
     --------
-    >>> duration("integral_time_1", "integral time").unit
+    >>> duration("integral_time", "integral time").unit
     's'
     """
     return Signal(
@@ -324,7 +383,7 @@ def like_parameter(parameter: Signal, name: str) -> Signal:
 
     Examples
     --------
-    >>> like_parameter(gain("proportional_gain_1", "V/m", 1.0, ""), "last_gain_1").unit
+    >>> like_parameter(gain("proportional_gain", "V/m", 1.0, ""), "last_gain").unit
     'V/m'
     """
     return replace(parameter, name=name)
@@ -335,7 +394,7 @@ def setpoint_source(name: str, measurement: Signal, *, remote: bool = False) -> 
 
     Examples
     --------
-    >>> setpoint_source("setpoint_source_1", Signal("level"), remote=True).initial
+    >>> setpoint_source("setpoint_source", Signal("level"), remote=True).initial
     1.0
     """
     return Signal(
@@ -353,7 +412,7 @@ def like(signal: Signal, name: str, description: str) -> Signal:
 
     Examples
     --------
-    >>> like(Signal("level_1", "V", high=10.0), "setpoint_1", "setpoint of level_1").high
+    >>> like(Signal("level_1", "V", high=10.0), "level_1.sp", "setpoint of level_1").high
     10.0
     """
     return Signal(

@@ -9,19 +9,19 @@ from functools import cache
 import casadi as ca
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.ports import called, numbered, truth
+from clepsydra.controllers.blocks.ports import as_parts, called, parts_of, truth
 from clepsydra.controllers.blocks.validity import is_number
 from clepsydra.controllers.polynomial_controller import (
     IncrementalLoop,
     PolynomialShape,
     Read,
+    check_shapes,
     joined,
     law_inputs,
     read,
 )
-from clepsydra.controllers.state_reading import weighted_sum
 from clepsydra.program.block import Block
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
@@ -76,12 +76,11 @@ class PredictorShape:
 
 
 def smith_predictor_law(
+    measured: Sequence[Signal | str],
+    manipulated: Sequence[Signal | str],
     shapes: Sequence[PredictorShape],
-    *,
-    measured: Sequence[Signal] | None = None,
-    manipulated: Sequence[Signal] | None = None,
 ) -> StepLaw:
-    """Write the step law of digital Smith predictors, loop i by measurement_i and manipulated_i.
+    """Write the step law of digital Smith predictors, one from each measurement to an output.
 
     The model without delay has the gain B(1) z^-1 in the place of B, so that the primary
     controller need not invert the zeros of B; what B and the delay do is added behind it::
@@ -99,22 +98,22 @@ def smith_predictor_law(
 
     Parameters
     ----------
+    measured, manipulated : sequence of Signal or str
+        The process signals of each loop: they lend their names, units and ranges.
     shapes : sequence of PredictorShape
         One for each loop.
-    measured, manipulated : sequence of Signal, optional
-        The process signals of loop 1, 2, …: they lend their units and ranges.
 
     Returns
     -------
     StepLaw
-        Inputs as of a polynomial controller; its parameters, and model_gain_i = B(1),
-        model_feedback_i_j = a_j, model_share_i_j = β_j, bias_i = u°, with error feedback
-        error_feedback_i = κ and reference_measurement_i = y°; outputs manipulated_i, status_i.
+        As of a polynomial controller, with the parameters model_gain = B(1), model_feedback.J =
+        a_j and model_share.J = β_j of each measurement and bias = u° of each output, with error
+        feedback also error_feedback = κ and reference = y° of the measurement.
 
     Raises
     ------
     InputError
-        There is no loop, or the signals are not one for each loop.
+        There is no loop, or the signals or shapes are not one for each loop.
 
     References
     ----------
@@ -127,40 +126,36 @@ def smith_predictor_law(
     --------
     A model at rest, one sample at an error of 1 with r0 = 0.5:
 
-    >>> law = smith_predictor_law([PredictorShape(PolynomialShape(0), order=1, tail=1, delay=3)])
-    >>> given = dict(setpoint_1=6, measurement_1=5, sensor_1=1, mode_1=1, time_step=1)
-    >>> values = dict(reference_gain_1=0.5, model_gain_1=0.1, model_feedback_1_1=-0.9,
-    ...               model_share_1_1=1, bias_1=3, low_limit_1=0, high_limit_1=10)
-    >>> before = dict(last_output_1=3)
+    >>> shape = PredictorShape(PolynomialShape(0), order=1, tail=1, delay=3)
+    >>> law = smith_predictor_law(["level"], ["pump"], [shape])
+    >>> given = dict(sp=6, pv=5, good=1, mode=1, time_step=1)
+    >>> values = {"level.reference_gain": 0.5, "level.model_gain": 0.1,
+    ...           "level.model_feedback.1": -0.9, "level.model_share.1": 1, "pump.bias": 3,
+    ...           "pump.low_limit": 0, "pump.high_limit": 10}
+    >>> before = {"pump.last_output": 3}
     >>> state, outputs, _ = law.function(
     ...     [before.get(entry.name, 0) for entry in law.state],
-    ...     [given.get(signal.name, 0) for signal in law.inputs],
+    ...     [given.get(signal.part, 0) for signal in law.inputs],
     ...     [values[signal.name] for signal in law.parameters],
     ... )
     >>> float(outputs[0]), dict(zip([x.name for x in law.state], map(float, state.elements())))
-    (3.5, {'model_1_1': 0.05, 'delayed_model_1': 0.0, 'last_output_1': 3.5})
+    (3.5, {'level.model.1': 0.05, 'level.delayed_model': 0.0, 'pump.last_output': 3.5})
     """
-    count = len(shapes)
-    measured = signals.wired_signals("measurement", count, measured, "Smith predictor, measured")
-    manipulated = signals.wired_signals(
-        "output", count, manipulated, "Smith predictor, manipulated"
-    )
-    loops = [
-        _PredictedLoop(i, *parts)
-        for i, parts in enumerate(zip(shapes, measured, manipulated, strict=True), start=1)
-    ]
+    pairs = signals.paired(measured, manipulated, "Smith predictor")
+    check_shapes(shapes, pairs, "Smith predictor")
+    loops = [_PredictedLoop(shape, *pair) for shape, pair in zip(shapes, pairs, strict=True)]
     return step_law(
         "smith_predictor",
-        inputs=law_inputs(measured, manipulated),
+        inputs=law_inputs(pairs),
         parameters=[p for loop in loops for p in loop.parameters()],
         state=[s for loop in loops for s in loop.states()],
         outputs=[o for loop in loops for o in loop.controller.outputs()],
         equations=lambda symbols: joined([loop.step(symbols) for loop in loops]),
-        description=_words(shapes),
+        description=_words(loops),
     )
 
 
-def _words(shapes: Sequence[PredictorShape]) -> tuple[str, ...]:
+def _words(loops: Sequence[_PredictedLoop]) -> tuple[str, ...]:
     found = [
         "Model without delay: x⁺ = −Σ a_j x(k−j+1) + B(1) (u − u°); with it ŷ = Σ β_j x(k−d−j+1); "
         "prediction ŷp = y + x − ŷ. B(1) is model_gain, a_j model_feedback, β_j model_share, u° "
@@ -169,9 +164,9 @@ def _words(shapes: Sequence[PredictorShape]) -> tuple[str, ...]:
         "limits, ∇ being the difference between two samples: r0 is reference_gain, g_j "
         "measurement_gain, s_j setpoint_gain, p_j increment_gain.",
     ]
-    delays = ", ".join(f"{shape.delay} of loop {i}" for i, shape in enumerate(shapes, start=1))
+    delays = ", ".join(f"{loop.shape.delay} of {loop.measured.name}" for loop in loops)
     found.append(f"Delay d in samples: {delays}.")
-    if any(shape.error_feedback for shape in shapes):
+    if any(loop.shape.error_feedback for loop in loops):
         found.append(
             "Where a model integrates, κ e joins its input, e = y − y° − ŷ: κ is error_feedback."
         )
@@ -180,117 +175,103 @@ def _words(shapes: Sequence[PredictorShape]) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class _PredictedLoop:
-    number: int
     shape: PredictorShape
     measured: Signal
     moved: Signal
 
     @property
     def controller(self) -> IncrementalLoop:
-        return IncrementalLoop(
-            self.number, self.shape.controller, self.measured, self.moved, "prediction"
-        )
+        return IncrementalLoop(self.shape.controller, self.measured, self.moved, "prediction")
 
     def parameters(self) -> list[Signal]:
-        i, y, u = self.number, self.measured, self.moved
-        per_input = signals.ratio_of_units(y.unit, u.unit)
+        y, u, shape = self.measured, self.moved, self.shape
+        gain, coefficient, per = signals.gain, signals.coefficient, signals.ratio_of_units
         found = [
-            signals.coefficient(f"model_gain_{i}", per_input, f"what {u.name} adds in a sample"),
-            *(
-                signals.coefficient(
-                    f"model_feedback_{i}_{j}", "1", f"a{j} of the model of {y.name}"
-                )
-                for j in range(1, self.shape.order + 1)
+            coefficient(
+                path(y, "model_gain"), per(y.unit, u.unit), f"what {u.name} adds in a sample"
             ),
             *(
-                signals.coefficient(
-                    f"model_share_{i}_{j}", "1", f"b{j} / B(1) of the model of {y.name}"
-                )
-                for j in range(1, self.shape.tail + 1)
+                coefficient(name, "1", f"a{j} of the model of {y.name}")
+                for j, name in enumerate(elements(path(y, "model_feedback"), shape.order), start=1)
             ),
-            signals.gain(f"bias_{i}", u.unit, 0.0, f"{u.name} at the operating point"),
+            *(
+                coefficient(name, "1", f"b{j} / B(1) of the model of {y.name}")
+                for j, name in enumerate(elements(path(y, "model_share"), shape.tail), start=1)
+            ),
+            gain(path(u, "bias"), u.unit, 0.0, f"{u.name} at the operating point"),
         ]
-        if self.shape.error_feedback:
+        if shape.error_feedback:
+            words = f"what the predicted error of {y.name} adds to the model's input"
             found += [
-                signals.gain(
-                    f"error_feedback_{i}",
-                    signals.ratio_of_units(u.unit, y.unit),
-                    0.0,
-                    f"what the predicted error of {y.name} adds to the model's input",
-                ),
-                signals.gain(
-                    f"reference_measurement_{i}", y.unit, 0.0, f"{y.name} at the operating point"
-                ),
+                gain(path(y, "error_feedback"), per(u.unit, y.unit), 0.0, words),
+                gain(path(y, "reference"), y.unit, 0.0, f"{y.name} at the operating point"),
             ]
         return self.controller.parameters() + found
 
     def states(self) -> list[Signal | DelayRing]:
-        i, y = self.number, self.measured
+        y, shape = self.measured, self.shape
 
         def of_model(name: str, when: str) -> Signal:
             return Signal(name, y.unit, description=f"model of {y.name} without delay, {when}")
 
         found: list[Signal | DelayRing] = [
-            of_model(f"model_{i}_{j}", f"{j - 1} samples ago" if j > 1 else "now")
-            for j in range(1, self.shape.order + 1)
+            of_model(name, f"{ago} samples ago" if ago else "now")
+            for ago, name in enumerate(elements(path(y, "model"), shape.order))
         ]
-        if self.shape.delay:
-            ring = of_model(f"delayed_model_{i}", f"{self.shape.delay} samples ago")
-            found.append(DelayRing(ring, self.shape.delay))
+        if shape.delay:
+            ring = of_model(path(y, "delayed_model"), f"{shape.delay} samples ago")
+            found.append(DelayRing(ring, shape.delay))
         found += [
-            of_model(f"past_model_{i}_{j}", f"{self.shape.delay + j} samples ago")
-            for j in range(1, self.shape.tail)
+            of_model(name, f"{shape.delay + j} samples ago")
+            for j, name in enumerate(elements(path(y, "past_model"), shape.tail - 1), start=1)
         ]
-        if self.shape.error_feedback:
-            found.append(
-                Signal(
-                    f"model_error_{i}", y.unit, description=f"last error of the model of {y.name}"
-                )
-            )
+        if shape.error_feedback:
+            words = f"last error of the model of {y.name}"
+            found.append(Signal(path(y, "model_error"), y.unit, description=words))
         return [*found, *self.controller.states()]
 
     def step(self, symbols: Symbols) -> Equations:
         """Predict, let the primary controller act, and move the model on."""
-        i, shape = self.number, self.shape
+        y, u, shape = self.measured, self.moved, self.shape
         predictor, model = _prediction(shape), _model(shape)
         plain = read(symbols, self.controller)
-        names = {f"past_{j}": f"past_model_{i}_{j}" for j in range(1, shape.tail)}
-        names |= {f"model_{j}": f"model_{i}_{j}" for j in range(1, shape.order + 1)}
-        names |= {f"share_{j}": f"model_share_{i}_{j}" for j in range(1, shape.tail + 1)}
-        names |= {f"feedback_{j}": f"model_feedback_{i}_{j}" for j in range(1, shape.order + 1)}
-        # Names of two numbers last: model_2 of loop 1 is no other loop's first.
-        given = dict(numbered(symbols, (*model.inputs, *model.state), i))
-        given |= {local: symbols[name] for local, name in names.items()}
-        given["delayed"] = symbols[f"delayed_model_{i}" if shape.delay else f"model_{i}_1"]
-        given |= {"measurement": plain.measurement, "known": plain.measurement_known}
-        first = called(predictor, f"{self.measured.identifier}_prediction", given).outputs
-        prediction = first["prediction"]
-        named = {
-            **plain.named,
-            f"model_output_{i}": first["model_output"],
-            f"prediction_{i}": prediction,
+        ports = (*predictor.inputs, *model.inputs, *model.state)
+        now, delayed = symbols[path(y, "model.1")], path(y, "delayed_model")
+        given = {
+            **parts_of(y, symbols, ports),
+            **parts_of(u, symbols, ports),
+            "delayed": symbols[delayed] if shape.delay else now,
+            "measurement": plain.measurement,
+            "known": plain.measurement_known,
         }
+        first = called(predictor, f"{y.identifier}_prediction", given).outputs
+        prediction = first["prediction"]
         predicted = Read(
             prediction,
             plain.setpoint,
             ca.logic_and(plain.measurement_known, is_number(prediction)),
             plain.numbers,
             plain.sensor,
-            named,
+            {**plain.named, **as_parts(y, first)},
         )
         following = self.controller.step(symbols, predicted)
-        given |= {**first, "manipulated": following.outputs[f"manipulated_{i}"]}
-        moved = called(model, f"{self.measured.identifier}_model", given).next_state
-        state = {names.get(n, f"{n}_{i}"): value for n, value in moved.items()}
+        given |= {**first, "manipulated": following.outputs[path(u, "out")]}
+        state = as_parts(y, called(model, f"{y.identifier}_model", given).next_state)
         if shape.delay:
-            state[f"delayed_model_{i}"] = symbols[f"model_{i}_1"]
+            state[delayed] = now
         return Equations(
             {**following.next_state, **state}, following.outputs, following.intermediates
         )
 
 
-def _row(name: str, first: int, count: int) -> list[Signal]:
-    return [Signal(f"{name}_{j}") for j in range(first, count + 1)]
+def _row(name: str, count: int) -> list[Signal]:
+    return [Signal(each) for each in elements(name, count)]
+
+
+def _weighted_sum(s: Symbols, weights: str, values: Sequence[ca.SX]) -> ca.SX:
+    names = elements(weights, len(values))
+    first, *others = (s[name] * value for name, value in zip(names, values, strict=True))
+    return sum(others, start=first)
 
 
 @cache
@@ -301,10 +282,10 @@ def _prediction(shape: PredictorShape) -> Block:
         f"smith_prediction_{tail}",
         (
             Signal("measurement"),
-            Signal("model_1", description="the model without delay"),
+            Signal("model.1", description="the model without delay"),
             Signal("delayed", description="the same, a delay ago"),
-            *_row("past", 1, tail - 1),
-            *_row("share", 1, tail),
+            *_row("past_model", tail - 1),
+            *_row("model_share", tail),
         ),
         (),
         (Signal("model_output"), Signal("prediction")),
@@ -314,9 +295,9 @@ def _prediction(shape: PredictorShape) -> Block:
 
 
 def _predicted(s: Symbols, tail: int) -> Equations:
-    past = [s[f"past_{j}"] for j in range(1, tail)]
-    output = weighted_sum(s, "share", [s["delayed"], *past])
-    prediction = s["measurement"] + (s["model_1"] - output)
+    past = [s[name] for name in elements("past_model", tail - 1)]
+    output = _weighted_sum(s, "model_share", [s["delayed"], *past])
+    prediction = s["measurement"] + (s["model.1"] - output)
     return Equations({}, {"model_output": output, "prediction": prediction})
 
 
@@ -324,7 +305,7 @@ def _predicted(s: Symbols, tail: int) -> Equations:
 def _model(shape: PredictorShape) -> Block:
     """Return the block of the model without delay, moved by what was applied."""
     corrects = shape.error_feedback
-    errors = ("model_output", "measurement", "error_feedback", "reference_measurement")
+    errors = ("model_output", "measurement", "error_feedback", "reference")
     return Block(
         f"smith_model_{shape.order}_{shape.tail}{'_with_error' if corrects else ''}",
         (
@@ -332,13 +313,13 @@ def _model(shape: PredictorShape) -> Block:
             Signal("bias"),
             Signal("delayed", description="the model, a delay ago"),
             Signal("model_gain"),
-            *_row("feedback", 1, shape.order),
+            *_row("model_feedback", shape.order),
             *(map(Signal, errors) if corrects else ()),
             *([truth("known", "the measurement is a number from a sound sensor")] * corrects),
         ),
         (
-            *_row("model", 1, shape.order),
-            *_row("past", 1, shape.tail - 1),
+            *_row("model", shape.order),
+            *_row("past_model", shape.tail - 1),
             *([Signal("model_error")] * corrects),
         ),
         (),
@@ -348,19 +329,19 @@ def _model(shape: PredictorShape) -> Block:
 
 
 def _model_moved(s: Symbols, shape: PredictorShape) -> Equations:
-    model = [s[f"model_{j}"] for j in range(1, shape.order + 1)]
-    past = [s["delayed"], *(s[f"past_{j}"] for j in range(1, shape.tail))]
+    names, past_names = elements("model", shape.order), elements("past_model", shape.tail - 1)
+    model, past = [s[name] for name in names], [s["delayed"], *(s[name] for name in past_names)]
     moved = s["manipulated"] - s["bias"]
     state = {}
     if shape.error_feedback:
-        surprise = s["measurement"] - s["reference_measurement"] - s["model_output"]
+        surprise = s["measurement"] - s["reference"] - s["model_output"]
         known = ca.logic_and(s["known"], is_number(surprise))
         state["model_error"] = ca.if_else(known, surprise, s["model_error"])
         moved = moved + s["error_feedback"] * state["model_error"]
-    value = s["model_gain"] * moved - weighted_sum(s, "feedback", model)
+    value = s["model_gain"] * moved - _weighted_sum(s, "model_feedback", model)
     # In step with the ring, which goes on in every scan.
     goes_on = is_number(value)
-    memory = {f"model_{j}": new for j, new in enumerate([value, *model[:-1]], start=1)}
-    memory |= {f"past_{j}": past[j - 1] for j in range(1, shape.tail)}
+    memory = dict(zip(names, [value, *model], strict=False))
+    memory |= dict(zip(past_names, past, strict=False))
     state |= {name: ca.if_else(goes_on, new, s[name]) for name, new in memory.items()}
     return Equations(state, {})

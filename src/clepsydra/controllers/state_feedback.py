@@ -6,26 +6,24 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import tracking_share
 from clepsydra.controllers.blocks.output_stage import output_stage
 from clepsydra.controllers.blocks.validity import is_time_step
 from clepsydra.controllers.observers.structure import ObserverStructure
-from clepsydra.controllers.state_reading import StateSignals, weighted_sum
+from clepsydra.controllers.state_reading import StateSignals
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
 FAMILY = "state feedback"
 
 
 def state_feedback_law(
-    measurements: int,
-    outputs: int,
-    controlled: Sequence[int],
+    measured: Sequence[Signal | str],
+    manipulated: Sequence[Signal | str],
+    controlled: Sequence[str],
     *,
     observer: ObserverStructure | None = None,
-    measured: Sequence[Signal] | None = None,
-    manipulated: Sequence[Signal] | None = None,
 ) -> StepLaw:
     """Write the step law of state feedback with a precompensator.
 
@@ -47,28 +45,24 @@ def state_feedback_law(
 
     Parameters
     ----------
-    measurements, outputs : int
-        Numbers of measurements and of manipulated variables.
-    controlled : sequence of int
-        For setpoint_1, setpoint_2, … the number (from 1) of its measurement.
+    measured, manipulated : sequence of Signal or str
+        The process signals: they lend their names, units and ranges.
+    controlled : sequence of str
+        The measurements that have setpoints.
     observer : ObserverStructure, optional
         Without it the measurements are the state.
-    measured, manipulated : sequence of Signal, optional
-        The process signals: they lend their units and ranges.
 
     Returns
     -------
     StepLaw
-        Inputs setpoint_j, measurement_j, sensor_j, mode_i, manual_i, tracking_i and
-        time_step [s]; parameters reference_measurement_j, feedback_i_j, precompensator_i_j,
-        bias_i, fading_time_i [s], low_limit_i, high_limit_i and those of the observer
-        (`observers.current_observer`); state integral_i, last_output_i, estimate_j; outputs
-        manipulated_i, status_i.
+        Inputs, state and outputs as for `lqi_law`; parameters reference of each measurement,
+        feedback.STATE, precompensator.MEASUREMENT, bias, fading_time [s], low_limit and
+        high_limit of each output, and those of the observer (`observers.current_observer`).
 
     Raises
     ------
     InputError
-        A setpoint belongs to no measurement, or the signals do not match the numbers.
+        A setpoint belongs to no measurement, or a signal is named twice.
 
     References
     ----------
@@ -78,33 +72,28 @@ def state_feedback_law(
     --------
     One sample with F = 2, N = 3, u° = 3, y° = 4 at a measurement of 4.5 and setpoint of 5:
 
-    >>> law = state_feedback_law(1, 1, [1])
-    >>> given = dict(setpoint_1=5, measurement_1=4.5, sensor_1=1, mode_1=1, time_step=1)
-    >>> values = dict(reference_measurement_1=4, feedback_1_1=2, precompensator_1_1=3, bias_1=3,
-    ...               fading_time_1=10, low_limit_1=0, high_limit_1=10)
+    >>> law = state_feedback_law(["level"], ["pump"], ["level"])
+    >>> given = dict(sp=5, pv=4.5, good=1, mode=1, time_step=1)
+    >>> values = {"level.reference": 4, "pump.feedback.level": 2, "pump.bias": 3,
+    ...           "pump.precompensator.level": 3, "pump.fading_time": 10, "pump.low_limit": 0,
+    ...           "pump.high_limit": 10}
     >>> state, outputs, _ = law.function(
     ...     [0, 0],
-    ...     [given.get(signal.name, 0) for signal in law.inputs],
+    ...     [given.get(signal.part, 0) for signal in law.inputs],
     ...     [values[signal.name] for signal in law.parameters],
     ... )
     >>> float(outputs[0])
     5.0
     """
-    state = StateSignals(
-        signals.wired_signals("measurement", measurements, measured, "state feedback, measured"),
-        signals.wired_signals("output", outputs, manipulated, "state feedback, manipulated"),
-        tuple(controlled),
-        observer,
-    )
+    state = StateSignals.of(measured, manipulated, controlled, observer, "state feedback")
     parameters = state.reference_parameters()
-    for i, output in enumerate(state.manipulated, start=1):
+    for u in state.manipulated:
         parameters += [
-            *state.feedback_parameters(i),
-            *_precompensator(i, output, state),
-            signals.duration(
-                f"fading_time_{i}", f"time in which a bumpless start of {output.name} fades"
-            ),
-            *signals.output_parameters(i, output, "conditional_integration"),
+            *state.feedback_parameters(u),
+            signals.at_rest(u, "bias"),
+            *(_precompensator(u, y) for y in state.followed),
+            fading_time(u),
+            *signals.output_parameters(u, "conditional_integration"),
         ]
     return step_law(
         "state_feedback",
@@ -116,40 +105,42 @@ def state_feedback_law(
     )
 
 
-def _precompensator(i: int, output: Signal, state: StateSignals) -> list[Signal]:
-    followed = [state.measured[number - 1] for number in state.controlled]
-    return [
-        signals.gain(
-            f"precompensator_{i}_{j}",
-            signals.ratio_of_units(output.unit, measurement.unit),
-            0.0,
-            f"gain from the setpoint of {measurement.name} to {output.name}",
-        )
-        for j, measurement in enumerate(followed, start=1)
-    ]
+def _precompensator(u: Signal, y: Signal) -> Signal:
+    words = f"gain from the setpoint of {y.name} to {u.name}"
+    return signals.number_of("precompensator", u, y, words)
+
+
+def fading_time(u: Signal) -> Signal:
+    """Return fading_time of an output.
+
+    Examples
+    --------
+    >>> fading_time(Signal("pump")).name
+    'pump.fading_time'
+    """
+    words = f"time in which a bumpless start of {u.name} fades"
+    return signals.duration(path(u, "fading_time"), words)
 
 
 def _equations(symbols: Symbols, state: StateSignals) -> Equations:
     reading = state.read(symbols)
-    wishes = [
-        setpoint - symbols[f"reference_measurement_{number}"]
-        for setpoint, number in zip(reading.setpoints, state.controlled, strict=True)
-    ]
+    wishes = {
+        path(y, "wish"): setpoint - symbols[path(y, "reference")]
+        for y, setpoint in reading.setpoints.items()
+    }
     time_step = ca.if_else(is_time_step(symbols["time_step"]), symbols["time_step"], 1)
-    stages = []
-    intermediates = {f"wish_{j}": value for j, value in enumerate(wishes, start=1)}
-    for i, output in enumerate(state.manipulated, start=1):
-        feedback = weighted_sum(symbols, f"feedback_{i}", reading.state)
-        feedforward = weighted_sum(symbols, f"precompensator_{i}", wishes)
-        intermediates |= {f"feedback_{i}": feedback, f"feedforward_{i}": feedforward}
-        share = tracking_share(time_step, symbols[f"fading_time_{i}"])
+    stages, intermediates = [], dict(wishes)
+    for u in state.manipulated:
+        feedback = state.fed_back(symbols, u, reading)
+        ahead = state.of_controlled(symbols, u, "precompensator", list(wishes.values()))
+        intermediates |= {path(u, "feedback"): feedback, path(u, "feedforward"): ahead}
+        share = tracking_share(time_step, symbols[path(u, "fading_time")])
         stages.append(
             output_stage(
                 symbols,
-                i,
-                output,
-                proportional=symbols[f"bias_{i}"] - feedback + feedforward,
-                increment=-share * symbols[f"integral_{i}"],
+                u,
+                proportional=symbols[path(u, "bias")] - feedback + ahead,
+                increment=-share * symbols[path(u, "integral")],
                 signals_are_numbers=reading.signals_are_numbers,
                 sensors_are_good=reading.sensors_are_good,
                 anti_windup="conditional_integration",

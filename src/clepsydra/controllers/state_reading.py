@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.output_stage import OutputStage, stage_equations
 from clepsydra.controllers.blocks.validity import all_of, is_number, value_or_zero
@@ -31,8 +32,8 @@ class StateReading:
     state : list of casadi.SX
         The state's deviation from the operating point: of the measurements themselves, or of
         what an observer estimates.
-    setpoints, measurements : list of casadi.SX
-        Zero where they are no numbers.
+    setpoints, measurements : dict
+        By the name of the measurement, zero where they are no numbers.
     signals_are_numbers, sensors_are_good : casadi.SX
     named : dict
         Names for values on the way.
@@ -40,16 +41,23 @@ class StateReading:
     Examples
     --------
     >>> true = ca.SX(1)
-    >>> StateReading([ca.SX(0.5)], [ca.SX(5)], [ca.SX(4.5)], true, true, {}).state
-    [SX(0.5)]
+    >>> reading = StateReading(
+    ...     [ca.SX(0.5)], {"level": ca.SX(5)}, {"level": ca.SX(4.5)}, true, true, {})
+    >>> reading.errors
+    {'level.error': SX(0.5)}
     """
 
     state: list[ca.SX]
-    setpoints: list[ca.SX]
-    measurements: list[ca.SX]
+    setpoints: dict[str, ca.SX]
+    measurements: dict[str, ca.SX]
     signals_are_numbers: ca.SX
     sensors_are_good: ca.SX
     named: dict[str, ca.SX]
+
+    @property
+    def errors(self) -> dict[str, ca.SX]:
+        """The error of each controlled measurement."""
+        return {path(y, "error"): r - self.measurements[y] for y, r in self.setpoints.items()}
 
 
 @dataclass(frozen=True)
@@ -59,8 +67,8 @@ class StateSignals:
     Parameters
     ----------
     measured, manipulated : tuple of Signal
-    controlled : tuple of int
-        For setpoint_1, setpoint_2, … the number (from 1) of its measurement.
+    controlled : tuple of str
+        The measurements that have setpoints.
     observer : ObserverStructure or None
         None where the measurements show the whole state.
 
@@ -71,23 +79,40 @@ class StateSignals:
 
     Examples
     --------
-    >>> state = StateSignals((Signal("level", "V"),), (Signal("pump", "V"),), (1,))
-    >>> [signal.name for signal in state.inputs()]
-    ['setpoint_1', 'measurement_1', 'sensor_1', 'mode_1', 'manual_1', 'tracking_1', 'time_step']
+    >>> state = StateSignals((Signal("level", "V"),), (Signal("pump", "V"),), ("level",))
+    >>> [signal.name for signal in state.inputs()][:4]
+    ['level.sp', 'level.pv', 'level.good', 'pump.mode']
     """
 
     measured: tuple[Signal, ...]
     manipulated: tuple[Signal, ...]
-    controlled: tuple[int, ...]
+    controlled: tuple[str, ...]
     observer: ObserverStructure | None = None
 
+    @classmethod
+    def of(
+        cls,
+        measured: Sequence[Signal | str],
+        manipulated: Sequence[Signal | str],
+        controlled: Sequence[str],
+        observer: ObserverStructure | None,
+        place: str,
+    ) -> Self:
+        """Return those of a law, where a signal that has but a name is of unit 1."""
+        return cls(
+            signals.process_signals(measured, f"{place}, measured"),
+            signals.process_signals(manipulated, f"{place}, manipulated"),
+            tuple(controlled),
+            observer,
+        )
+
     def __post_init__(self) -> None:
-        known = range(1, len(self.measured) + 1)
-        if not self.controlled or any(number not in known for number in self.controlled):
+        known = [signal.name for signal in self.measured]
+        if not self.controlled or any(name not in known for name in self.controlled):
             raise InputError(
                 "state feedback, controlled",
                 self.controlled,
-                f"numbers of measurements from 1 to {len(self.measured)}",
+                f"some of the measurements {', '.join(known)}",
                 "give for each setpoint the measurement that follows it",
             )
         heard = len(self.measured), len(self.manipulated)
@@ -104,80 +129,76 @@ class StateSignals:
         """What is fed back."""
         return self.measured if self.observer is None else self.observer.estimated
 
+    @property
+    def followed(self) -> list[Signal]:
+        """The measurements that have setpoints."""
+        known = {signal.name: signal for signal in self.measured}
+        return [known[name] for name in self.controlled]
+
     def inputs(self) -> list[Signal]:
-        """Return setpoint_j, measurement_j, sensor_j, mode_i, manual_i, tracking_i, time_step."""
+        """Return setpoints, then pv and good, then mode, manual and tracking, and time_step."""
         return [
-            *signals.setpoint_inputs([self.measured[number - 1] for number in self.controlled]),
+            *signals.setpoint_inputs(self.followed),
             *signals.measurement_inputs(self.measured),
             *signals.output_inputs(self.manipulated),
         ]
 
     def reference_parameters(self) -> list[Signal]:
-        """Return reference_measurement_j, and the matrices of the observer."""
-        references = [
-            signals.gain(
-                f"reference_measurement_{j}",
-                measurement.unit,
-                0.0,
-                f"{measurement.name} at the operating point",
-            )
-            for j, measurement in enumerate(self.measured, start=1)
-        ]
+        """Return reference of each measurement, and the matrices of the observer."""
+        references = [signals.at_rest(y, "reference") for y in self.measured]
         if self.observer is None:
             return references
         return references + observer_parameters(self.observer, self.measured, self.manipulated)
 
-    def feedback_parameters(self, i: int) -> list[Signal]:
-        """Return feedback_i_j for every quantity of the state, and bias_i."""
-        output = self.manipulated[i - 1]
-        feedback = [
-            signals.gain(
-                f"feedback_{i}_{j}",
-                signals.ratio_of_units(output.unit, quantity.unit),
-                0.0,
-                f"feedback gain from {quantity.name} to {output.name}",
-            )
-            for j, quantity in enumerate(self.state, start=1)
+    def feedback_parameters(self, u: Signal) -> list[Signal]:
+        """Return feedback of an output for every quantity of the state."""
+        return [
+            signals.number_of("feedback", u, x, f"feedback gain from {x.name} to {u.name}")
+            for x in self.state
         ]
-        at_rest = f"{output.name} at the operating point"
-        return [*feedback, signals.gain(f"bias_{i}", output.unit, 0.0, at_rest)]
+
+    def integral_parameters(self, u: Signal) -> list[Signal]:
+        """Return integral_gain of an output for every controlled measurement."""
+        return integral_gains(u, self.followed)
+
+    def fed_back(self, symbols: Symbols, u: Signal, reading: StateReading) -> ca.SX:
+        """Return F x of an output."""
+        names = [effect(u, "feedback", x) for x in self.state]
+        return weighted_sum(symbols, names, reading.state)
+
+    def of_controlled(
+        self, symbols: Symbols, u: Signal, matrix: str, values: Sequence[ca.SX]
+    ) -> ca.SX:
+        """Return the row of an output in a matrix by the controlled measurements, times values."""
+        return weighted_sum(symbols, [effect(u, matrix, y) for y in self.controlled], values)
 
     def states(self) -> list[Signal]:
-        """Return integral_i and last_output_i, and estimate_j of the observer."""
-        own = [
-            state
-            for i, output in enumerate(self.manipulated, start=1)
-            for state in signals.output_state(i, output)
-        ]
+        """Return integral and last_output of each output, and the estimates of the observer."""
+        own = [state for u in self.manipulated for state in signals.output_state(u)]
         return own if self.observer is None else own + observer_state(self.observer)
 
     def outputs(self) -> list[Signal]:
-        """Return manipulated_i and status_i."""
-        return [
-            result
-            for i, output in enumerate(self.manipulated, start=1)
-            for result in signals.output_signals(i, output)
-        ]
+        """Return out and status of each output."""
+        return [result for u in self.manipulated for result in signals.output_signals(u)]
 
     def read(self, symbols: Symbols) -> StateReading:
         """Return what is known of the state in this sample."""
-        p = len(self.measured)
-        raw = [symbols[f"measurement_{j}"] for j in range(1, p + 1)]
-        raw += [symbols[f"setpoint_{j}"] for j in range(1, len(self.controlled) + 1)]
+        names, p = [signal.name for signal in self.measured], len(self.measured)
+        raw = [symbols[path(y, "pv")] for y in names]
+        raw += [symbols[path(y, "sp")] for y in self.controlled]
         valid = [is_number(value) for value in raw]
         numbers = [value_or_zero(*pair) for pair in zip(raw, valid, strict=True)]
-        good = all_of([symbols[f"sensor_{j}"] for j in range(1, p + 1)])
-        deviations = [
-            measurement - symbols[f"reference_measurement_{j}"]
-            for j, measurement in enumerate(numbers[:p], start=1)
-        ]
-        state, named = deviations, {}
+        good = all_of([symbols[path(y, "good")] for y in names])
+        measurements = dict(zip(names, numbers[:p], strict=True))
+        state = [value - symbols[path(y, "reference")] for y, value in measurements.items()]
+        named: dict[str, ca.SX] = {}
         if self.observer is not None:
             known = ca.logic_and(all_of(valid[:p]), good)
-            state, surprise = corrected(symbols, self.observer, self.measured, deviations, known)
-            named = {f"surprise_{j}": value for j, value in enumerate(surprise, start=1)}
-        named |= {f"deviation_{j}": value for j, value in enumerate(state, start=1)}
-        return StateReading(state, numbers[p:], numbers[:p], all_of(valid), good, named)
+            state, surprise = corrected(symbols, self.observer, self.measured, state, known)
+            named = {path(y, "surprise"): e for y, e in zip(names, surprise, strict=True)}
+        named |= {path(x, "deviation"): e for x, e in zip(self.state, state, strict=True)}
+        setpoints = dict(zip(self.controlled, numbers[p:], strict=True))
+        return StateReading(state, setpoints, measurements, all_of(valid), good, named)
 
     def equations(
         self,
@@ -190,21 +211,34 @@ class StateSignals:
         ended = stage_equations(stages, reading.named | intermediates)
         if self.observer is None:
             return ended
-        moves = [stage.manipulated - symbols[f"bias_{stage.number}"] for stage in stages]
+        moves = [stage.manipulated - symbols[path(stage.moved, "bias")] for stage in stages]
         following = predicted(symbols, self.observer, self.manipulated, reading.state, moves)
         return Equations({**ended.next_state, **following}, ended.outputs, ended.intermediates)
 
 
-def weighted_sum(symbols: Symbols, prefix: str, values: Sequence[ca.SX]) -> ca.SX:
-    """Return prefix_1 · values[0] + prefix_2 · values[1] + …
+def integral_gains(u: Signal, followed: Sequence[Signal], when: str = "") -> list[Signal]:
+    """Return integral_gain of an output for every controlled measurement.
 
     Examples
     --------
-    >>> gains = {"feedback_1_1": ca.DM(2.0), "feedback_1_2": ca.DM(3.0)}
-    >>> float(weighted_sum(gains, "feedback_1", [ca.DM(10.0), ca.DM(1.0)]))
+    >>> integral_gains(Signal("pump", "V"), [Signal("level", "m")])[0].unit
+    'V/(m s)'
+    """
+    words = "integral gain from the error of"
+    return [
+        signals.number_of("integral_gain", u, y, f"{words} {y.name} to {u.name}{when}", "s")
+        for y in followed
+    ]
+
+
+def weighted_sum(symbols: Symbols, names: Sequence[str], values: Sequence[ca.SX]) -> ca.SX:
+    """Return the sum of the signals of these names times the values.
+
+    Examples
+    --------
+    >>> gains = {"pump.feedback.tank_1": ca.DM(2.0), "pump.feedback.tank_2": ca.DM(3.0)}
+    >>> float(weighted_sum(gains, list(gains), [ca.DM(10.0), ca.DM(1.0)]))
     23.0
     """
-    total = symbols[f"{prefix}_1"] * values[0]
-    for number, value in enumerate(values[1:], start=2):
-        total = total + symbols[f"{prefix}_{number}"] * value
-    return total
+    first, *others = (symbols[name] * value for name, value in zip(names, values, strict=True))
+    return sum(others, first)

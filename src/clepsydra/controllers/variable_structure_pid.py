@@ -70,15 +70,14 @@ def _without_anti_windup(form: PidForm) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class VariableStructureBlock(PidBlock):
-    """A PID loop with saturation_rate_k, the α of its integral.
+    """A PID loop with saturation_rate, the α of its integral.
 
     Examples
     --------
     >>> form = variable_structure_form(PidForm())
-    >>> block = VariableStructureBlock("level", 1, form, Signal("level", "m"), 1,
-    ...                                Signal("pump", "V"), 1, 1)
+    >>> block = VariableStructureBlock.of(Signal("level", "m"), form, Signal("pump", "V"))
     >>> [signal.name for signal in block.parameters()][-1]
-    'saturation_rate_1'
+    'level.saturation_rate'
     """
 
     def own_parameters(self) -> list[Signal]:
@@ -105,13 +104,11 @@ def saturation_rate(moved: Signal) -> Signal:
 
 
 def variable_structure_pid_law(
-    loops: int,
+    measured: Sequence[Signal | str],
+    manipulated: Sequence[Signal | str],
     form: PidForm | None = None,
-    *,
-    measured: Sequence[Signal] | None = None,
-    manipulated: Sequence[Signal] | None = None,
 ) -> StepLaw:
-    """Write the step law of variable-structure PID, loop i from measurement_i to manipulated_i.
+    """Write the step law of variable-structure PID, a loop from each measurement to an output.
 
     With η the integral of the error and K_I the integral gain the document has
 
@@ -123,16 +120,15 @@ def variable_structure_pid_law(
 
     Parameters
     ----------
-    loops : int
+    measured, manipulated : sequence of Signal or str
+        The process signals of each loop: they lend their names, units and ranges.
     form : PidForm, optional
         PI control in the isa form if omitted; its own anti-windup does not count.
-    measured, manipulated : sequence of Signal, optional
-        The process signals of loop 1, 2, …: they lend their units and ranges.
 
     Returns
     -------
     StepLaw
-        As that of `multiloop_pid_law`, with saturation_rate_i [1/s].
+        As that of `multiloop_pid_law`, with saturation_rate [1/s] of each measurement.
 
     Raises
     ------
@@ -148,31 +144,28 @@ def variable_structure_pid_law(
     --------
     2 above a limit of 10 with α = 0.25 1/s: half a unit is taken back in a second.
 
-    >>> law = variable_structure_pid_law(1)
-    >>> given = dict(setpoint_1=1, measurement_1=0, sensor_1=1, mode_1=1, time_step=1)
-    >>> values = dict(proportional_gain_1=2, integral_time_1=10, setpoint_weight_1=1,
-    ...               saturation_rate_1=0.25, low_limit_1=0, high_limit_1=10)
-    >>> start = dict(integral_1=10, last_proportional_gain_1=2, last_setpoint_weight_1=1)
+    >>> law = variable_structure_pid_law(["level"], ["pump"])
+    >>> given = dict(sp=1, pv=0, good=1, mode=1, time_step=1)
+    >>> values = dict(proportional_gain=2, integral_time=10, setpoint_weight=1,
+    ...               saturation_rate=0.25, low_limit=0, high_limit=10)
+    >>> start = dict(integral=10, last_proportional_gain=2, last_setpoint_weight=1)
     >>> state, outputs, _ = law.function(
-    ...     [start.get(signal.name, 0) for signal in law.state],
-    ...     [given.get(signal.name, 0) for signal in law.inputs],
-    ...     [values[signal.name] for signal in law.parameters],
+    ...     [start.get(signal.part, 0) for signal in law.state],
+    ...     [given.get(signal.part, 0) for signal in law.inputs],
+    ...     [values[signal.part] for signal in law.parameters],
     ... )
     >>> float(outputs[0]), float(state[0])
     (10.0, 9.5)
     """
     chosen = variable_structure_form(form or PidForm())
-    measured = signals.wired_signals("measurement", loops, measured, "PID law, measured")
-    manipulated = signals.wired_signals("output", loops, manipulated, "PID law, manipulated")
-    blocks: list[PidBlock | OutputBlock] = []
-    for i, (measurement, output) in enumerate(zip(measured, manipulated, strict=True), start=1):
-        blocks.append(VariableStructureBlock(f"loop {i}", i, chosen, measurement, i, output, i, i))
-        blocks.append(OutputBlock(i, output, f"loop {i}"))
+    pairs = signals.paired(measured, manipulated, "PID law")
+    loops = [VariableStructureBlock.of(y, chosen, output) for y, output in pairs]
+    followed = {measurement.name: measurement for measurement, _ in pairs}
     return structure_law(
         f"variable_structure_{chosen.actions.lower()}",
-        blocks,
-        controlled=measured,
-        measured=measured,
+        [block for loop in loops for block in (loop, OutputBlock(loop.moved, loop.name))],
+        setpoints=followed,
+        measured=list(followed.values()),
     )
 
 

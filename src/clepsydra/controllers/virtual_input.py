@@ -8,7 +8,7 @@ from typing import Literal, get_args
 import casadi as ca
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import (
     AntiWindup,
@@ -106,8 +106,6 @@ class VirtualInput:
 
     Parameters
     ----------
-    number : int
-        j, from 1.
     measurement : Signal
         y
     degree : int
@@ -121,13 +119,12 @@ class VirtualInput:
     Examples
     --------
     >>> level, pump = Signal("level", "V"), Signal("pump", "V")
-    >>> [p.name for p in VirtualInput(1, level, 2, "variable_structure", "virtual", pump
-    ...                               ).parameters()]
-    ['virtual_gain_1', 'virtual_integral_gain_1', 'setpoint_weight_1', 'virtual_damping_1_1', \
-'saturation_rate_1']
+    >>> found = VirtualInput(level, 2, "variable_structure", "virtual", pump)
+    >>> [parameter.name for parameter in found.parameters()]
+    ['level.virtual_gain', 'level.virtual_integral_gain', 'level.setpoint_weight', \
+'level.virtual_damping.1', 'level.saturation_rate']
     """
 
-    number: int
     measurement: Signal
     degree: int
     anti_windup: str
@@ -135,7 +132,11 @@ class VirtualInput:
     moved: Signal
 
     def _named(self, what: str) -> str:
-        return f"{what}_{self.number}"
+        return path(self.measurement, what)
+
+    @property
+    def _damping(self) -> list[str]:
+        return elements(self._named("virtual_damping"), self.degree - 1)
 
     @property
     def unit(self) -> str:
@@ -163,11 +164,11 @@ class VirtualInput:
                 description=f"share of the setpoint {of} in the proportional part",
             ),
         ]
-        for k in range(1, self.degree):
+        for k, damping in enumerate(self._damping, start=1):
             unit = rate_unit("1", self.degree - k)
-            found.append(signals.gain(name("virtual_damping") + f"_{k}", unit, 0.0, f"m_{k} {of}"))
+            found.append(signals.gain(damping, unit, 0.0, f"m_{k} {of}"))
         if self.anti_windup == "back_calculation":
-            found.append(signals.tracking_time(self.number))
+            found.append(signals.tracking_time(self.measurement))
         if self.anti_windup == "variable_structure":
             found.append(self._alpha())
         return found
@@ -194,8 +195,7 @@ class VirtualInput:
 
     @property
     def _remembered(self) -> list[str]:
-        damping = [self._named("virtual_damping") + f"_{k}" for k in range(1, self.degree)]
-        return [self._named("virtual_gain"), self._named("setpoint_weight"), *damping]
+        return [self._named("virtual_gain"), self._named("setpoint_weight"), *self._damping]
 
     def state(self) -> list[Signal]:
         """Return the integral, whether it was in force, and the gains of the last sample."""
@@ -214,7 +214,7 @@ class VirtualInput:
                 kind="boolean",
                 description=f"{self.moved.name} was in automatic in the last sample",
             ),
-            *(signals.like_parameter(known[name], f"last_{name}") for name in self._remembered),
+            *(signals.like_parameter(known[name], _last(name)) for name in self._remembered),
         ]
 
     def nonintegral(
@@ -230,13 +230,12 @@ class VirtualInput:
             y, dy/dt, …, of the degrees below r.
         former : bool
         """
-        prefix = "last_" if former else ""
-        gain = symbols[f"{prefix}{self._named('virtual_gain')}"]
-        weight = symbols[f"{prefix}{self._named('setpoint_weight')}"]
+        gain, weight, *damping = (
+            symbols[_last(name) if former else name] for name in self._remembered
+        )
         value = gain * (weight * setpoint - derivatives[0])
-        for k, derivative in enumerate(derivatives[1:], start=1):
-            damping = symbols[f"{prefix}{self._named('virtual_damping')}_{k}"]
-            value = value - damping * derivative
+        for share, derivative in zip(damping, derivatives[1:], strict=True):
+            value = value - share * derivative
         return value
 
     def integral(self, symbols: Symbols, now: ca.SX, former: ca.SX, standing: ca.SX) -> ca.SX:
@@ -289,8 +288,8 @@ class VirtualInput:
             name("was_in_force"): usable,
         }
         for parameter in self._remembered:
-            value, last = symbols[parameter], symbols[f"last_{parameter}"]
-            state[f"last_{parameter}"] = ca.if_else(is_number(value), value, last)
+            value, last = symbols[parameter], symbols[_last(parameter)]
+            state[_last(parameter)] = ca.if_else(is_number(value), value, last)
         return state
 
     def _under_anti_windup(
@@ -324,3 +323,9 @@ class VirtualInput:
         back = ca.if_else(excess < 0, -taken, taken)
         winds = winds_up(increment, virtual, applied.cut, applied.middle)
         return ca.if_else(winds, integral - back, integral + increment)
+
+
+def _last(parameter: str) -> str:
+    """Return the name of the state that remembers a parameter."""
+    found = Signal(parameter)
+    return path(found.owner, f"last_{found.part}")

@@ -5,41 +5,57 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import path
+from clepsydra.controllers.signals import owners
 from clepsydra.program.step_law import StepLaw
 
 
+def wired_setpoints(law: StepLaw, free: Collection[str]) -> tuple[str, ...]:
+    """Return whose setpoints a loop wires: those of a law's inputs that are not free.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> wired_setpoints(multiloop_pid_law(["level"], ["pump"]), {"level.sp": 3.0})
+    ()
+    """
+    return tuple(y for y in owners(law.inputs, "sp") if path(y, "sp") not in free)
+
+
 def input_wires(
-    measurements: Sequence[str], setpoints: Sequence[str], manipulated: Sequence[str]
+    law: StepLaw, measurements: Sequence[str], setpoints: Sequence[str], manipulated: Sequence[str]
 ) -> dict[str, str]:
     """Return law input to the loop's signal; the time step is not wired.
 
     Examples
     --------
-    >>> input_wires(["level_1"], [], ["pump_1"])["mode_1"]
+    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> law = multiloop_pid_law(["level"], ["pump"])
+    >>> input_wires(law, ["level_1"], [], ["pump_1"])["pump.mode"]
     'pump_1.mode'
     """
     wires: dict[str, str] = {}
-    for number, name in enumerate(measurements, 1):
-        wires |= {f"measurement_{number}": name, f"sensor_{number}": f"{name}.sensor"}
-    for number, name in enumerate(setpoints, 1):
-        wires[f"setpoint_{number}"] = f"{name}.setpoint"
-    for number, name in enumerate(manipulated, 1):
-        for what in ("mode", "manual", "tracking"):
-            wires[f"{what}_{number}"] = f"{name}.{what}"
+    for owner, name in zip(owners(law.inputs, "pv"), measurements, strict=False):
+        wires |= {path(owner, "pv"): name, path(owner, "good"): path(name, "sensor")}
+    for owner, name in zip(owners(law.inputs, "sp"), setpoints, strict=False):
+        wires[path(owner, "sp")] = path(name, "setpoint")
+    for owner, name in zip(owners(law.outputs, "out"), manipulated, strict=False):
+        wires |= {path(owner, what): path(name, what) for what in ("mode", "manual", "tracking")}
     return wires
 
 
-def output_wires(manipulated: Sequence[str]) -> dict[str, str]:
+def output_wires(law: StepLaw, manipulated: Sequence[str]) -> dict[str, str]:
     """Return law output to the loop's signal.
 
     Examples
     --------
-    >>> output_wires(["pump_1"])
-    {'manipulated_1': 'pump_1', 'status_1': 'pump_1.status'}
+    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> output_wires(multiloop_pid_law(["level"], ["pump"]), ["pump_1"])
+    {'pump.out': 'pump_1', 'pump.status': 'pump_1.status'}
     """
     wires: dict[str, str] = {}
-    for number, name in enumerate(manipulated, 1):
-        wires |= {f"manipulated_{number}": name, f"status_{number}": f"{name}.status"}
+    for owner, name in zip(owners(law.outputs, "out"), manipulated, strict=False):
+        wires |= {path(owner, "out"): name, path(owner, "status"): path(name, "status")}
     return wires
 
 
@@ -75,7 +91,8 @@ def check_wiring(
     Examples
     --------
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> check_wiring(multiloop_pid_law(2), ["level_1"], ["level_1"], ["pump_1"], "PI")
+    >>> law = multiloop_pid_law(["level_1", "level_2"], ["pump_1", "pump_2"])
+    >>> check_wiring(law, ["level_1"], ["level_1"], ["pump_1"], "PI")
     Traceback (most recent call last):
         ...
     clepsydra.base.errors.InputError: PI, measurements: got ['level_1'], expected 2 names, one \
@@ -83,25 +100,26 @@ for each measurement of the law; name them.
     """
     inputs = [signal.name for signal in law.inputs]
     outputs = [signal.name for signal in law.outputs]
-    for what, names, known, prefix in (
-        ("measurements", measurements, inputs, "measurement_"),
-        ("setpoints", setpoints, inputs, "setpoint_"),
-        ("manipulated", manipulated, outputs, "manipulated_"),
+    for what, names, known, part, words in (
+        ("measurements", measurements, law.inputs, "pv", "measurement"),
+        ("setpoints", setpoints, law.inputs, "sp", "setpoint"),
+        ("manipulated", manipulated, law.outputs, "out", "manipulated"),
     ):
-        count = sum(name.startswith(prefix) and name not in free for name in known)
+        count = sum(path(owner, part) not in free for owner in owners(known, part))
         names_given = isinstance(names, (tuple, list)) and all(isinstance(n, str) for n in names)
         if not names_given or len(names) != count:
             raise InputError(
                 f"{place}, {what}",
                 list(names) if names_given else names,
-                f"{count} names, one for each {prefix.removesuffix('_')} of the law",
+                f"{count} names, one for each {words} of the law",
                 "name them",
             )
     if len(set(manipulated)) < len(manipulated):
         raise InputError(
             f"{place}, manipulated", list(manipulated), "each name once", "move each input once"
         )
-    wired = input_wires(measurements, setpoints, manipulated) | output_wires(manipulated)
+    wired = input_wires(law, measurements, setpoints, manipulated)
+    wired |= output_wires(law, manipulated)
     for name in free:
         if name not in inputs or name in wired:
             raise InputError(

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import shell_sources, with_plant_shell
+from clepsydra.controllers.signals import owners
 from clepsydra.deploy.printing.identifiers import identifier_of
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.linear.operating_point import OperatingPoint
@@ -115,14 +117,18 @@ def _at_rest(controller: Controller, point: OperatingPoint) -> Program:
     """Return the program whose setpoints and outputs start where the process rests."""
     program = controller.program()
     at = point.as_dict()
-    setpoints = {f"setpoint_{j}": at[name] for j, name in enumerate(controller.setpoints, start=1)}
+    wires = controller.input_wires
+    setpoints = {
+        signal.name: at[Signal(wires[signal.name]).owner]
+        for signal in program.inputs
+        if signal.part == "sp" and signal.name not in controller.free_inputs
+    }
     begins = controller.initial_state
     outputs = tuple(
-        replace(signal, initial=begins.get(f"last_output_{number}", signal.initial))
-        if kind == "manipulated"
+        replace(signal, initial=begins.get(path(signal.owner, "last_output"), signal.initial))
+        if signal.part == "out"
         else signal
         for signal in program.outputs
-        for kind, _, number in [signal.name.rpartition("_")]
     )
     return replace(with_defaults(program, setpoints), outputs=outputs)
 
@@ -131,7 +137,8 @@ def _sources(controller: Controller, program: Program) -> dict[str, str]:
     """Return where the numbers come from that no designer chose."""
     sources = {entry.name: "at a cold start" for entry in program.state}
     sources |= dict.fromkeys(controller.initial_state, "at the operating point")
-    for number, name in enumerate(controller.manipulated, start=1):
-        for limit in (f"low_limit_{number}", f"high_limit_{number}"):
-            sources[limit] = f"range of {name} in the process file"
+    outputs = owners(controller.law.outputs, "out")
+    for output, name in zip(outputs, controller.manipulated, strict=True):
+        for end in ("low", "high"):
+            sources[path(output, f"{end}_limit")] = f"range of {name} in the process file"
     return sources

@@ -120,7 +120,7 @@ def design_amigo(
     >>> import clepsydra as cl
     >>> analysis = cl.load("equalisation-tank").analysis
     >>> controller = design_amigo(analysis.model, analysis.pairing, as_published=True)
-    >>> round(controller.values["integral_time_1"], 6)
+    >>> round(controller.values["level.integral_time"], 6)
     402.0
     """
     return design_by_rule(

@@ -120,7 +120,7 @@ def design_lqi(
     --------
     >>> import clepsydra as cl
     >>> controller = design_lqi(cl.load("quadruple-tank").linear)
-    >>> round(controller.values["integral_gain_1_1"], 3)
+    >>> round(controller.values["pump_1.integral_gain.level_1"], 3)
     0.093
     """
     return weighed_lqi(model, maximum_errors, maximum_moves, anti_windup).controller

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.rounding import rounded, rounded_matrix
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.parameters import check_parameters
 from clepsydra.controllers.pid_parameters import GAINS
 from clepsydra.controllers.signals import ratio_of_units
@@ -55,16 +54,16 @@ def designed_values(
     >>> from clepsydra.linear.equilibrium import find_equilibrium
     >>> from clepsydra.process.reader import load_process
     >>> point = find_equilibrium(load_process("quadruple-tank"))
-    >>> law = multiloop_pid_law(1)
+    >>> law = multiloop_pid_law(["level_1"], ["pump_1"])
     >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
-    >>> found = designed_values(law, values | {"integral_time_1": 200.0 / 3.0}, point, "SIMC")
-    >>> found["integral_time_1"]
+    >>> time = "level_1.integral_time"
+    >>> designed_values(law, values | {time: 200.0 / 3.0}, point, "SIMC")[time]
     66.6667
-    >>> designed_values(law, values | {"integral_time_1": 2e-8}, point, "SIMC")
+    >>> designed_values(law, values | {time: 2e-8}, point, "SIMC")
     Traceback (most recent call last):
         ...
-    clepsydra.designs.applicability.NotApplicable: SIMC is not applicable: its integral_time_1 \
-would be 2e-08, and a controller takes a number from 1e-06 to 1e+09 s.
+    clepsydra.designs.applicability.NotApplicable: SIMC is not applicable: its \
+level_1.integral_time would be 2e-08, and a controller takes a number from 1e-06 to 1e+09 s.
     """
     return applicable_values(law, rounded_values(law, values, point), method)
 
@@ -102,7 +101,7 @@ def rounded_values(
     See `designed_values`.
     """
     loops = {
-        f"{gain}_{block.number}": (block.measurement, block.moved)
+        path(block.owner, gain): (block.measurement, block.moved)
         for block in law.blocks
         if isinstance(block, PidBlock) and has_range(block.measurement) and has_range(block.moved)
         for gain in GAINS
@@ -131,24 +130,24 @@ def rounded_numbers(
     >>> from clepsydra.linear.equilibrium import find_equilibrium
     >>> from clepsydra.process.reader import load_process
     >>> point = find_equilibrium(load_process("quadruple-tank"))
-    >>> row = [Signal("feedback_1_1", "V/V"), Signal("feedback_1_2", "V/V")]
-    >>> rounded_numbers(row, {"feedback_1_1": 2.0 / 3.0, "feedback_1_2": 1e-16}, point)
-    {'feedback_1_1': 0.666667, 'feedback_1_2': 0.0}
+    >>> row = [Signal(f"pump.feedback.{name}", "V/V", matrix="feedback") for name in "xy"]
+    >>> rounded_numbers(row, {"pump.feedback.x": 2.0 / 3.0, "pump.feedback.y": 1e-16}, point)
+    {'pump.feedback.x': 0.666667, 'pump.feedback.y': 0.0}
     """
     given, units = _given(point), _sizes_of_units(point.process)
     found, largest = dict(numbers), dict[str, float]()
     designed = [entry for entry in entries if numbers[entry.name] not in given]
     for entry in designed:
         share = abs(numbers[entry.name]) / units.get(entry.unit, 1.0)
-        largest[_kind(entry)] = max(largest.get(_kind(entry), 0.0), share)
+        largest[kind(entry)] = max(largest.get(kind(entry), 0.0), share)
     for entry in designed:
         number = float(numbers[entry.name])
-        ends = (loops or {}).get(entry.name.partition("_at_")[0])
+        ends = (loops or {}).get(entry.name)
         if ends is not None:
             percent = rounded(percent_gain(number, *ends), entry.digits)
             found[entry.name] = gain_from_percent(percent, *ends)
         else:
-            size = largest[_kind(entry)] * units.get(entry.unit, 1.0)
+            size = largest[kind(entry)] * units.get(entry.unit, 1.0)
             found[entry.name] = rounded(number, entry.digits, size)
     return found
 
@@ -165,9 +164,16 @@ def rounded_symmetric(matrix: np.ndarray) -> np.ndarray:
     return rounded_matrix(matrix, _DIGITS, np.outer(roots, roots))
 
 
-def _kind(parameter: Signal) -> str:
-    """Return the matrix that a number is one of: feedback of feedback_1_2."""
-    return re.sub(r"(_\d+)+(?=$|_at_)", "", parameter.name)
+def kind(parameter: Signal) -> str:
+    """Return the matrix or vector that a number is one of, or what it is of its owner.
+
+    Examples
+    --------
+    >>> kind(Signal("pump.feedback.level", matrix="feedback")), kind(Signal("pump.bias"))
+    ('feedback', 'bias')
+    """
+    of_vector = parameter.part.isdigit()
+    return parameter.matrix or (Signal(parameter.owner).part if of_vector else parameter.part)
 
 
 def _given(point: OperatingPoint) -> set[float]:

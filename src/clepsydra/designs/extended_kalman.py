@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import effect, path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
@@ -41,12 +42,16 @@ from clepsydra.designs.states.linear_quadratic import (
 from clepsydra.designs.states.nonlinear_lqi_values import (
     constant_values,
     gain_values,
-    output_state,
     output_values,
 )
 from clepsydra.designs.states.observed_process import ObservedProcess, observed_process
 from clepsydra.designs.states.slowing_down import note_on_slowing, slow_down
-from clepsydra.designs.states.state_controllers import lqi_controller, sensitivity_peak
+from clepsydra.designs.states.state_controllers import (
+    lqi_controller,
+    output_at_rest,
+    parts_values,
+    sensitivity_peak,
+)
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise, operating_point_of
 
@@ -73,7 +78,7 @@ class FoundFilter(NamedTuple):
     >>> import clepsydra as cl
     >>> model = cl.load("quadruple-tank").linear
     >>> found = extended_kalman(model, process_equations(model), None, 30.0, "by hand")
-    >>> round(found.values["sensor_noise_1"], 6)  # [V]
+    >>> round(found.values["level_1.sensor_noise"], 6)  # [V]
     0.05
     """
 
@@ -161,7 +166,7 @@ def design_lqi_extended_kalman(
     asked = deviations.slower(found.factor)
     law = nonlinear_lqi_law(found_filter.observer, anti_windup)
     values = found_filter.values | constant_values(found_filter.observer)
-    values |= gain_values(gains) | output_values(
+    values |= gain_values(equations, gains) | output_values(
         equations, [asked.horizon] * len(model.inputs), anti_windup
     )
     values = designed_values(law, values, equations.point, NAME)
@@ -182,7 +187,7 @@ def design_lqi_extended_kalman(
         ),
         law=law,
         values=values,
-        initial_state=output_state(equations) | found_filter.state,
+        initial_state=output_at_rest(equations.point, equations.inputs) | found_filter.state,
         measurements=found_filter.observer.measurements,
         setpoints=model.outputs,
         manipulated=model.inputs,
@@ -249,18 +254,18 @@ def extended_kalman(
     root = math.sqrt(horizon)
     moves = np.sqrt(input_variances(observed)) * root
     sizes = np.array([steps[name] * root for name in loads])
-    values = {f"input_noise_{i}": float(value) for i, value in enumerate(moves, start=1)}
-    values |= {f"load_noise_{i}": float(value) for i, value in enumerate(sizes, start=1)}
     deviations = np.sqrt(np.diag(noise.measurement))
-    values |= {f"sensor_noise_{k}": float(value) for k, value in enumerate(deviations, start=1)}
+    values = parts_values("input_noise", equations.inputs, moves)
+    values |= parts_values("load_noise", loads, sizes)
+    values |= parts_values("sensor_noise", observed.measurements, deviations)
     estimation, covariance = _stationary(observed, acting, equations, moves, sizes, loads, noise)
     covariance = rounded_symmetric(covariance)
     states = equations.states
-    memory = {f"estimate_{j}": at[name] for j, name in enumerate(states, start=1)}
+    memory = {path(name, "estimate"): at[name] for name in states}
     memory |= {
-        f"covariance_{j + 1}_{k + 1}": float(covariance[j, k])
-        for j in range(len(states))
-        for k in range(j, len(states))
+        effect(x, "covariance", other): float(covariance[j, k])
+        for j, x in enumerate(states)
+        for k, other in list(enumerate(states))[j:]
     }
     return FoundFilter(observer, values, memory, estimation, noise.words)
 
@@ -316,7 +321,7 @@ def notes_on_filter(found: FoundFilter) -> tuple[str, ...]:
     >>> model = cl.load("quadruple-tank").linear
     >>> found = extended_kalman(model, process_equations(model), None, 30.0, "by hand")
     >>> notes_on_filter(found)[1]
-    'It runs the equations of the process in every sample, in 1 step, with the numbers model_*.'
+    'It runs the equations of the process in every sample, in 1 step, with the numbers model.*.'
     """
     names = found.observer.measurements
     sensors = "1 sensor" if len(names) == 1 else f"{len(names)} sensors"
@@ -325,7 +330,7 @@ def notes_on_filter(found: FoundFilter) -> tuple[str, ...]:
     return (
         f"Needs {sensors}: {', '.join(names)}; a fault of {which} holds every output.",
         "It runs the equations of the process in every sample, in "
-        f"{steps} step{'' if steps == 1 else 's'}, with the numbers model_*.",
+        f"{steps} step{'' if steps == 1 else 's'}, with the numbers model.*.",
     )
 
 

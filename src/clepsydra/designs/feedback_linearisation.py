@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import elements, path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.feedback_linearisation import FAMILY, feedback_linearisation_law
@@ -244,7 +245,7 @@ def feedback_linearisation_controller(
     >>> model = cl.load("three-tanks").linear
     >>> controller = feedback_linearisation_controller(
     ...     model, relative_degree(model), [settings_for(30.0, 3)], anti_windup="none", rates=[1])
-    >>> round(controller.values["virtual_integral_gain_1"] * 30**4, 5)
+    >>> round(controller.values["level_3.virtual_integral_gain"] * 30**4, 5)
     1.0
     """
     point = operating_point_of(model)
@@ -263,32 +264,33 @@ def feedback_linearisation_controller(
     if observer is not None and correction is not None:
         values |= observer.values(correction)
     state: dict[str, float] = {}
-    for j, chosen in enumerate(settings):
-        place = j + 1
+    for j, (y, chosen) in enumerate(zip(model.outputs, settings, strict=True)):
         values |= {
-            f"virtual_gain_{place}": chosen.gain,
-            f"virtual_integral_gain_{place}": chosen.integral_gain,
-            f"setpoint_weight_{place}": chosen.setpoint_weight,
-            f"smallest_effect_{place}": smallest[j],
+            path(y, "virtual_gain"): chosen.gain,
+            path(y, "virtual_integral_gain"): chosen.integral_gain,
+            path(y, "setpoint_weight"): chosen.setpoint_weight,
+            path(y, "smallest_effect"): smallest[j],
         }
-        values |= {f"virtual_damping_{place}_{k}": m for k, m in enumerate(chosen.damping, start=1)}
+        damping = elements(path(y, "virtual_damping"), len(chosen.damping))
+        values |= dict(zip(damping, chosen.damping, strict=True))
         if anti_windup == "variable_structure":
             what = "saturation_rate" if alpha_on == "virtual" else "saturation_feedback"
-            values[f"{what}_{place}"] = float(rates[j])
+            values[path(y, what)] = float(rates[j])
         if anti_windup == "back_calculation":
-            values[f"tracking_time_{place}"] = 1.0 / rates[j]
-    for i, name in enumerate(model.inputs, start=1):
+            values[path(y, "tracking_time")] = 1.0 / rates[j]
+    for name in model.inputs:
         signal = process.signal(name)
-        values |= {f"low_limit_{i}": signal.low, f"high_limit_{i}": signal.high}
-        state[f"last_output_{i}"] = at[name]
+        values |= {path(name, "low_limit"): signal.low, path(name, "high_limit"): signal.high}
+        state[path(name, "last_output")] = at[name]
     if observer is not None:
-        state |= {f"estimate_{k}": at[name] for k, name in enumerate(observer.estimated, start=1)}
+        for signal, name in zip(observer.state(), observer.estimated, strict=True):
+            state[signal.name] = at[name]
     values = designed_values(law, values, operating_point_of(model), METHOD)
-    for place, name in enumerate(model.outputs, start=1):
+    for y in model.outputs:
         # At rest ν is zero: the integral holds what the setpoint weight leaves.
-        left = 1.0 - values[f"setpoint_weight_{place}"]
-        state[f"virtual_integral_{place}"] = values[f"virtual_gain_{place}"] * left * at[name]
-        state[f"was_in_force_{place}"] = 1.0
+        left = 1.0 - values[path(y, "setpoint_weight")]
+        state[path(y, "virtual_integral")] = values[path(y, "virtual_gain")] * left * at[y]
+        state[path(y, "was_in_force")] = 1.0
     return Controller(
         name=NAME,
         family=FAMILY,

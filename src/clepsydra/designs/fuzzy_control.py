@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 
 import casadi as ca
 import numpy as np
 
+from clepsydra.base.signal import path
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.fuzzy.inference import surface
@@ -80,27 +82,26 @@ def standard_sets() -> dict[str, Membership]:
     }
 
 
-def standard_system(loops: int = 1, points: int = 101) -> FuzzySystem:
-    """Return the standard table for some loops: e_i and de_i to du_i.
+def standard_system(
+    loops: Sequence[tuple[str, str]] = (("level", "pump"),), points: int = 101
+) -> FuzzySystem:
+    """Return the standard table for some loops: error and change of one signal, rate of another.
 
     Examples
     --------
-    >>> system = standard_system(2)
-    >>> len(system.rules), [variable.name for variable in system.inputs]
-    (50, ['e_1', 'de_1', 'e_2', 'de_2'])
+    >>> system = standard_system([("level_1", "pump_1"), ("level_2", "pump_2")])
+    >>> len(system.rules), [variable.name for variable in system.inputs][:3]
+    (50, ['level_1.error', 'level_1.change', 'level_2.error'])
     """
-    numbers = range(1, loops + 1)
-    sets = standard_sets()
-    return FuzzySystem(
-        tuple(
-            LinguisticVariable(f"{name}_{i}", -1.0, 1.0, sets)
-            for i in numbers
-            for name in ("e", "de")
-        ),
-        tuple(LinguisticVariable(f"du_{i}", -1.0, 1.0, sets) for i in numbers),
-        tuple(r for i in numbers for r in standard_rules(f"e_{i}", f"de_{i}", f"du_{i}", f"L{i}R")),
-        points,
-    )
+    sets, rules = standard_sets(), list[Rule]()
+    inputs, outputs = list[LinguisticVariable](), list[LinguisticVariable]()
+    for measured, moved in loops:
+        names = path(measured, "error"), path(measured, "change"), path(moved, "rate")
+        *read, rate = (LinguisticVariable(name, -1.0, 1.0, sets) for name in names)
+        inputs += read
+        outputs.append(rate)
+        rules += standard_rules(*names, path(measured, "R"))
+    return FuzzySystem(tuple(inputs), tuple(outputs), tuple(rules), points)
 
 
 @cache
@@ -172,7 +173,7 @@ def design_fuzzy_pi(
     >>> import clepsydra as cl
     >>> analysis = cl.load("quadruple-tank").analysis
     >>> controller = design_fuzzy_pi(analysis.model, analysis.pairing)
-    >>> controller.family, controller.values["input_gain_1"]
+    >>> controller.family, controller.values["level_1.error.gain"]
     ('fuzzy', 0.2)
     """
     share = positive_number(
@@ -187,32 +188,30 @@ def design_fuzzy_pi(
     process, at = point.process, point.as_dict()
     measured = [process.signal(name) for name in linear.measurements]
     moved = [process.signal(name) for name in linear.manipulated]
-    numbers = range(1, len(moved) + 1)
     law = fuzzy_law(
-        standard_system(len(moved)),
-        [FuzzyInput(what, i) for i in numbers for what in ("error", "measurement_rate")],
-        [FuzzyOutput("increment") for _ in numbers],
-        measured=measured,
-        manipulated=moved,
+        measured,
+        moved,
+        standard_system(list(zip(linear.measurements, linear.manipulated, strict=True))),
+        [FuzzyInput(w, y) for y in linear.measurements for w in ("error", "measurement_rate")],
+        [FuzzyOutput("increment")] * len(moved),
         name="fuzzy_pi",
     )
     by_error, by_change = slopes_at_rest()
     values = {parameter.name: parameter.initial for parameter in law.parameters}
-    for i, (measurement, output) in enumerate(zip(measured, moved, strict=True), start=1):
-        gain = linear.values[f"proportional_gain_{i}"]
-        time = linear.values[f"integral_time_{i}"]
-        scale = 1.0 / (share * measurement.span)
+    for y, u in zip(measured, moved, strict=True):
+        gain = linear.values[path(y, "proportional_gain")]
+        time = linear.values[path(y, "integral_time")]
+        scale = 1.0 / (share * y.span)
         values |= {
-            f"input_gain_{2 * i - 1}": scale,
-            f"input_gain_{2 * i}": -scale * time * by_error / by_change,
-            f"output_gain_{i}": gain / (time * scale * by_error),
-            f"low_limit_{i}": output.low,
-            f"high_limit_{i}": output.high,
+            path(y, "error.gain"): scale,
+            path(y, "change.gain"): -scale * time * by_error / by_change,
+            path(u, "output_gain"): gain / (time * scale * by_error),
+            path(u, "low_limit"): u.low,
+            path(u, "high_limit"): u.high,
         }
     values = designed_values(law, values, operating_point_of(model), METHOD)
-    inputs = {f"setpoint_{i}": at[name] for i, name in enumerate(linear.setpoints, 1)}
-    inputs |= {f"measurement_{i}": at[name] for i, name in enumerate(linear.measurements, 1)}
-    inputs |= {f"tracking_{i}": at[name] for i, name in enumerate(linear.manipulated, 1)}
+    inputs = {path(y, what): at[y.name] for y in measured for what in ("sp", "pv")}
+    inputs |= {path(u, "tracking"): at[u.name] for u in moved}
     large = ", ".join(f"{in_shown_unit(y, share * y.span)} of {y.name}" for y in measured)
     return Controller(
         name="Fuzzy PI",

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import path
 from clepsydra.base.words import listed, time_text
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
@@ -15,7 +16,7 @@ from clepsydra.controllers.gain_scheduling import FAMILY, scheduled_law, schedul
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.applicability import NotApplicable, reasons_about
 from clepsydra.designs.bryson import acceptable_deviations, design_lqi
-from clepsydra.designs.designed_values import designed_values
+from clepsydra.designs.designed_values import designed_values, kind
 from clepsydra.designs.loops.detuning import Detuned, detune
 from clepsydra.designs.loops.law_settings import law_settings
 from clepsydra.designs.loops.multiloop import MultiloopPid, PairedLoop, checked_form
@@ -105,8 +106,9 @@ def design_gain_scheduled_pid(
     >>> analysis = cl.load("averaging-tank").analysis
     >>> controller = design_gain_scheduled_pid(
     ...     analysis.model, analysis.pairing, over="volume", points=[1.0, 2.0, 3.0])
-    >>> loop = controller.setpoints.index("concentration") + 1
-    >>> [round(controller.values[f"proportional_gain_{loop}_at_{k}"], 3) for k in (1, 2, 3)]
+    >>> from clepsydra.base.signal import elements
+    >>> table = elements("concentration.proportional_gain.at", 3)
+    >>> [round(controller.values[name], 3) for name in table]
     [1.0, 2.0, 3.0]
     """
     form, actions = checked_form(form, PID_METHOD)
@@ -139,12 +141,12 @@ def design_gain_scheduled_pid(
 
     def values_at(place: LinearModel) -> dict[str, float]:
         settings = detuned(loops_at(place), times).settings
-        return {
-            f"{name}_{i}": value
-            for i, setting in enumerate(settings, start=1)
+        found = {
+            path(output, name): value
+            for output, setting in zip(outputs, settings, strict=True)
             for name, value in law_settings(setting, chosen, PID_METHOD).items()
-            if f"{name}_{i}" in plain.values
         }
+        return {name: value for name, value in found.items() if name in plain.values}
 
     words = "; ".join(
         f"{loop.pair}: closed-loop time constant {time_text(time)}"
@@ -204,7 +206,8 @@ def design_gain_scheduled_lqi(
     >>> import clepsydra as cl
     >>> model = cl.load("quadruple-tank").linear
     >>> controller = design_gain_scheduled_lqi(model, over="level_1", points=[4.0, 8.0])
-    >>> [controller.values[f"schedule_point_{k}"] for k in (1, 2)]
+    >>> from clepsydra.base.signal import elements
+    >>> [controller.values[name] for name in elements("schedule.point", 2)]
     [4.0, 8.0]
     """
     with _named(LQI_METHOD):
@@ -227,14 +230,15 @@ def design_gain_scheduled_lqi(
         )
         if found.measurements != plain.measurements:
             raise NotApplicable(LQI_METHOD, "other states act on the outputs at other points")
-        kinds = ("feedback_", "integral_gain_", "tracking_time_")
-        return {name: value for name, value in found.values.items() if name.startswith(kinds)}
+        kinds = {p.name: kind(p) for p in found.law.parameters}
+        scheduled = ("feedback", "integral_gain", "tracking_time")
+        return {name: value for name, value in found.values.items() if kinds[name] in scheduled}
 
     def law(schedule: Schedule, names: Sequence[str]) -> StepLaw:
         return scheduled_lqi_law(
             [process.signal(name) for name in plain.measurements],
             [process.signal(name) for name in plain.manipulated],
-            [plain.measurements.index(name) + 1 for name in plain.setpoints],
+            plain.setpoints,
             schedule,
             anti_windup,
         )
@@ -273,25 +277,26 @@ def _designed(
         )
     over, plan, between = planned_points(model, scheduled, wish)
     signal = process.signal(over)
-    wired = plain.measurements if wish.follows == "measurement" else plain.setpoints
-    schedule = Schedule(f"{wish.follows}_{wired.index(over) + 1}", signal, len(plan))
+    followed = path(over, "pv" if wish.follows == "measurement" else "sp")
+    schedule = Schedule(followed, signal, len(plan))
     names = [
         name
         for name in plan[0].values
-        if every or largest_change(plan[0].values, plan, [name]) > 1e-9
+        if every or largest_change(plan[0].values, plan, {name: name}) > 1e-9
     ]
     law = law_of(schedule, names)
     fixed = {p.name for p in law.parameters}
     values = {name: value for name, value in plain.values.items() if name in fixed}
-    for k, point in enumerate(plan, start=1):
-        values[f"schedule_point_{k}"] = point.place
-        values |= {f"{name}_at_{k}": point.values[name] for name in names}
-    values["schedule_filter_time"] = _filter_time(plan, process.sampling_period)
+    values |= zip(schedule.places, (point.place for point in plan), strict=True)
+    for name in names:
+        values |= zip(schedule.values(name), (point.values[name] for point in plan), strict=True)
+    kinds = scheduled.kinds
+    values["schedule.filter_time"] = _filter_time(plan, kinds, process.sampling_period)
     values = designed_values(law, values, operating_point_of(model), scheduled.method)
     at = operating_point_of(model).as_dict()
-    rest = {f"setpoint_{j}": at[name] for j, name in enumerate(plain.setpoints, start=1)}
-    rest |= {f"measurement_{j}": at[name] for j, name in enumerate(plain.measurements, start=1)}
-    rest |= {f"tracking_{i}": at[name] for i, name in enumerate(plain.manipulated, start=1)}
+    rest = {path(name, "sp"): at[name] for name in plain.setpoints}
+    rest |= {path(name, "pv"): at[name] for name in plain.measurements}
+    rest |= {path(name, "tracking"): at[name] for name in plain.manipulated}
     peaks = ", ".join(f"{point.peak:.2f} at {in_shown_unit(signal, point.place)}" for point in plan)
     highest = max(between, default=max(point.peak for point in plan))
     return Controller(
@@ -309,19 +314,20 @@ def _designed(
         setpoints=plain.setpoints,
         manipulated=plain.manipulated,
         notes=(
-            f"{_listed(names)} follow {over} by tables; a change of them alone moves no output.",
+            f"{_listed([kinds[name] for name in names])} follow {over} by tables; a change of "
+            "them alone moves no output.",
             *peaks_elsewhere(model, scheduled, over, plan),
         ),
         slowed=plain.slowed,
     )
 
 
-def _filter_time(plan: Sequence[PlannedPoint], period: float) -> float:
+def _filter_time(plan: Sequence[PlannedPoint], kinds: Mapping[str, str], period: float) -> float:
     times = [
         value
         for point in plan
         for name, value in point.values.items()
-        if name.startswith(("integral_time_", "tracking_time_"))
+        if kinds[name] in ("integral_time", "tracking_time")
     ]
     return max(period, _FILTER * min(times, default=10.0 * period / _FILTER))
 
@@ -354,7 +360,7 @@ def _named(method: str) -> Iterator[None]:
         raise NotApplicable(method, refusal.reason) from None
 
 
-def _listed(names: Sequence[str]) -> str:
-    kinds = list(dict.fromkeys(name.rstrip("0123456789_").replace("_", " ") for name in names))
-    words = f"{kinds[0]}s" if len(kinds) == 1 else listed(kinds)
+def _listed(kinds: Sequence[str]) -> str:
+    found = list(dict.fromkeys(kind.replace("_", " ") for kind in kinds))
+    words = f"{found[0]}s" if len(found) == 1 else listed(found)
     return words[0].upper() + words[1:]

@@ -7,6 +7,7 @@ import math
 from itertools import chain
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import elements
 from clepsydra.base.words import time_text
 from clepsydra.controllers.conditioned_linear import FAMILY, conditioned_linear_law
 from clepsydra.controllers.conditioned_linear import MOST_STATES as MOST_STATES_OF_A_LAW
@@ -28,7 +29,12 @@ from clepsydra.designs.loops.control_authority import check_ranges
 from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.designs.loops.pairing import Pairing
 from clepsydra.designs.simc import design_simc
-from clepsydra.designs.states.state_controllers import sensitivity_peak
+from clepsydra.designs.states.state_controllers import (
+    output_at_rest,
+    parts_values,
+    rest_values,
+    sensitivity_peak,
+)
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
@@ -186,26 +192,21 @@ def _reduced(
 def _controller(model: LinearModel, plant: ShapedPlant, robust: RobustController) -> Controller:
     """Return observer and pre-compensator as one law, at rest at the operating point."""
     point = operating_point_of(model)
-    process, at = point.process, point.as_dict()
     shaping = plant.precompensator
-    matrices = conditioned_matrices(plant, robust)
-    law = conditioned_linear_law(
-        matrices,
-        measured=[process.signal(name) for name in shaping.outputs],
-        manipulated=[process.signal(name) for name in shaping.inputs],
+    measured, moved = (
+        [point.process.signal(name) for name in names]
+        for names in (shaping.outputs, shaping.inputs)
     )
-    values = matrices.values()
-    initial = {f"memory_{j}": 0.0 for j in range(1, matrices.states + 1)}
+    matrices = conditioned_matrices(plant, robust)
+    law = conditioned_linear_law(measured, moved, matrices)
     fading = max(1.0 / plant.crossover, plant.period)
-    for i, name in enumerate(shaping.inputs, start=1):
-        signal = process.signal(name)
-        values |= {
-            f"bias_{i}": at[name],
-            f"fading_time_{i}": fading,
-            f"low_limit_{i}": signal.low,
-            f"high_limit_{i}": signal.high,
-        }
-        initial |= {f"integral_{i}": 0.0, f"last_output_{i}": at[name]}
+    values = {
+        **matrices.values(measured, moved),
+        **rest_values(point, shaping.inputs),
+        **parts_values("fading_time", shaping.inputs, [fading] * len(moved)),
+    }
+    initial = dict.fromkeys(elements("memory", matrices.states), 0.0)
+    initial |= output_at_rest(point, shaping.inputs)
     values = designed_values(law, values, point, METHOD)
     return Controller(
         name=f"{METHOD} on {shaping.name}",

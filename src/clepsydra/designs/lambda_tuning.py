@@ -122,7 +122,7 @@ def design_lambda(
     >>> analysis = cl.load("equalisation-tank").analysis
     >>> controller = design_lambda(
     ...     analysis.model, analysis.pairing, closed_loop_time_constant=3600.0)
-    >>> round(controller.values["integral_time_1"], 6)
+    >>> round(controller.values["level.integral_time"], 6)
     7230.0
     """
     together = MultiloopPid(model, pairing, pi_only(form, METHOD), METHOD)

@@ -85,7 +85,7 @@ def design_lqr(
     --------
     >>> import clepsydra as cl
     >>> controller = design_lqr(cl.load("quadruple-tank").linear)
-    >>> round(controller.values["feedback_1_1"], 2)
+    >>> round(controller.values["pump_1.feedback.level_1"], 2)
     2.46
     """
     process = operating_point_of(model).process

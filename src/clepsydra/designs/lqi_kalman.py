@@ -83,7 +83,7 @@ def design_lqi_kalman(
     >>> import clepsydra as cl
     >>> model = cl.load("three-tanks").linear
     >>> controller = design_lqi_kalman(model, measurements=["level_3"])
-    >>> states = [name for name in controller.initial_state if name.startswith("estimate")]
+    >>> states = [name for name in controller.initial_state if name.endswith(".estimate")]
     >>> controller.measurements, len(states)
     (('level_3',), 3)
     """

@@ -15,6 +15,7 @@ from clepsydra.controllers.blocks.schedule import FEWEST_POINTS, MOST_POINTS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.designs.applicability import NotApplicable
+from clepsydra.designs.designed_values import kind
 from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.designs.request import in_shown_unit
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
@@ -43,7 +44,7 @@ class PlannedPoint(NamedTuple):
 
     Examples
     --------
-    >>> PlannedPoint(6.0, {"proportional_gain_1": 3.0}, 1.8).peak
+    >>> PlannedPoint(6.0, {"level.proportional_gain": 3.0}, 1.8).peak
     1.8
     """
 
@@ -92,6 +93,11 @@ class ScheduledDesign(NamedTuple):
     method: str
     name: str
     words: str
+
+    @property
+    def kinds(self) -> dict[str, str]:
+        """What each parameter is, the gains of one matrix being of one kind."""
+        return {parameter.name: kind(parameter) for parameter in self.plain.law.parameters}
 
 
 def planned_points(
@@ -151,7 +157,8 @@ def planned_points(
             [*found, PlannedPoint(rest, values, _peak(scheduled, model, values))],
             key=lambda point: point.place,
         )
-        change = largest_change(values, plan, list(values))
+        kinds = scheduled.kinds
+        change = largest_change(values, plan, {name: kinds[name] for name in values})
         if len(plan) >= FEWEST_POINTS and (best is None or change > best[0]):
             best = change, over, plan
     if best is None:
@@ -270,7 +277,7 @@ def peaks_elsewhere(
 
 
 def largest_change(
-    values: Mapping[str, float], plan: Sequence[PlannedPoint], names: Sequence[str]
+    values: Mapping[str, float], plan: Sequence[PlannedPoint], kinds: Mapping[str, str]
 ) -> float:
     """Return the largest change of a value over the points, a share of its largest magnitude.
 
@@ -281,19 +288,19 @@ def largest_change(
     values : mapping
         Values to compare with too.
     plan : sequence of PlannedPoint
-    names : sequence of str
+    kinds : mapping
+        Name to its kind, of those that count.
 
     Examples
     --------
-    >>> plan = [PlannedPoint(1.0, {"gain_1": 4.0}, 1.5), PlannedPoint(2.0, {"gain_1": 5.0}, 1.5)]
-    >>> largest_change({"gain_1": 4.5}, plan, ["gain_1"])
+    >>> plan = [PlannedPoint(1.0, {"gain": 4.0}, 1.5), PlannedPoint(2.0, {"gain": 5.0}, 1.5)]
+    >>> largest_change({"gain": 4.5}, plan, {"gain": "gain"})
     0.2
     """
     largest = 0.0
-    sizes = {name: max(abs(point.values[name]) for point in plan) for name in names}
-    for name in names:
-        kind = name.rstrip("0123456789_")
-        alike = max(size for other, size in sizes.items() if other.startswith(kind))
+    sizes = {name: max(abs(point.values[name]) for point in plan) for name in kinds}
+    for name, own in kinds.items():
+        alike = max(size for other, size in sizes.items() if kinds[other] == own)
         if sizes[name] < 0.05 * alike or sizes[name] == 0.0:
             continue
         numbers = [point.values[name] for point in plan] + [values[name]]

@@ -6,9 +6,11 @@ from collections.abc import Mapping, Sequence
 
 from clepsydra.base.arguments import require_type, sequence_of
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import path
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.python_law import PythonLaw
+from clepsydra.controllers.signals import owners
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.program.step_law import StepLaw
@@ -35,7 +37,7 @@ def own_controller(
     law : StepLaw
         Of `controllers.own_law.load_law`, say.
     measurements, setpoints, manipulated : sequence of str
-        Process signals of measurement_1, …, setpoint_1, … and manipulated_1, …
+        Process signals of each pv, sp and out of the law, in their order.
     values : mapping, optional
         Parameters that differ from their initial values; the limits of an output are the range
         of what it moves where nothing else is given.
@@ -57,13 +59,13 @@ def own_controller(
     >>> from clepsydra.base.signal import Signal
     >>> from clepsydra.controllers.python_law import python_law
     >>> law = python_law("still", lambda state, inputs, parameters, time_step:
-    ...                  ({}, {"manipulated_1": inputs["last_output_1"]}),
-    ...                  inputs=[Signal("measurement_1")], outputs=[Signal("manipulated_1")])
+    ...                  ({}, {"pump_1.out": inputs["pump_1.last_output"]}),
+    ...                  inputs=[Signal("level_1.pv")], outputs=[Signal("pump_1.out")])
     >>> controller = own_controller(
     ...     cl.load("quadruple-tank").linear, law, measurements=["level_1"],
     ...     setpoints=[], manipulated=["pump_1"])
     >>> controller.initial_state, controller.values
-    ({'last_output_1': 3.0}, {'low_limit_1': 0.0, 'high_limit_1': 10.0})
+    ({'pump_1.last_output': 3.0}, {'pump_1.low_limit': 0.0, 'pump_1.high_limit': 10.0})
     """
     require_type(law, StepLaw, "law", "a StepLaw", "read it with load_law(path)")
     for key, names in (
@@ -77,7 +79,7 @@ def own_controller(
     known = {parameter.name: parameter.initial for parameter in law.parameters}
     start = {entry.name: getattr(entry, "initial", 0.0) for entry in law.state}
     inputs = {signal.name: signal for signal in process.inputs}
-    for i, moved in enumerate(manipulated, start=1):
+    for owner, moved in zip(owners(law.outputs, "out"), manipulated, strict=False):
         if moved not in inputs:
             raise InputError(
                 f"{name}, manipulated", moved,
@@ -85,12 +87,12 @@ def own_controller(
                 suggestion(moved, inputs, "correct the name"),
             )  # fmt: skip
         own = {
-            f"low_limit_{i}": inputs[moved].low,
-            f"high_limit_{i}": inputs[moved].high,
+            path(owner, "low_limit"): inputs[moved].low,
+            path(owner, "high_limit"): inputs[moved].high,
         }
         known |= {limit: value for limit, value in own.items() if limit in known}
-        if f"last_output_{i}" in start:
-            start[f"last_output_{i}"] = at[moved]
+        if (last := path(owner, "last_output")) in start:
+            start[last] = at[moved]
     return Controller(
         name=name,
         family="own law",

@@ -158,7 +158,7 @@ def design_phase_margin(
     >>> import clepsydra as cl
     >>> analysis = cl.load("quadruple-tank").analysis
     >>> controller = design_phase_margin(analysis.model, analysis.pairing)
-    >>> round(controller.values["proportional_gain_1"], 6)
+    >>> round(controller.values["level_1.proportional_gain"], 6)
     3.0
     """
     _check(phase_margin, crossover)

@@ -131,7 +131,7 @@ def design_pole_placement(
     >>> import clepsydra as cl
     >>> model = cl.load("three-tanks").linear
     >>> controller = design_pole_placement(model, poles=[0.97, 0.95, 0.93])
-    >>> round(1e4 * controller.values["feedback_1_1"], 3)  # [cm²/s]
+    >>> round(1e4 * controller.values["feed.feedback.level_1"], 3)  # [cm²/s]
     2.779
     """
     process = operating_point_of(model).process
@@ -247,7 +247,7 @@ def _largest_bandwidth(observed: ObservedProcess, moves: np.ndarray) -> float:
     """Return the bandwidth at which a design step just does not saturate an input [rad/s]."""
     process = operating_point_of(observed.model).process
     steps = DESIGN_STEP * np.array([process.signal(name).span for name in observed.model.outputs])
-    rows = [number - 1 for number in observed.controlled]
+    rows = observed.controlled
 
     def demand(bandwidth: float) -> float:
         feedback, _ = _feedback(observed, Placed(None, None, bandwidth, OBSERVER_RATIO), moves)

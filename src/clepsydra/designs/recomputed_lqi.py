@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.observers.measured_state import MeasuredState, StateSource
 from clepsydra.controllers.process_equations import ProcessEquations, process_equations
-from clepsydra.controllers.recomputed_lqi import FAMILY, recomputed_lqi_law
+from clepsydra.controllers.recomputed_lqi import FAMILY, cost_names, recomputed_lqi_law
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.bryson import (
     acceptable_deviations,
@@ -43,12 +43,16 @@ from clepsydra.designs.states.linear_quadratic import (
 from clepsydra.designs.states.measured_states import with_outputs
 from clepsydra.designs.states.nonlinear_lqi_values import (
     gain_values,
-    output_state,
     output_values,
 )
 from clepsydra.designs.states.riccati import Regulator, optimal_regulator
 from clepsydra.designs.states.slowing_down import note_on_slowing, slow_down
-from clepsydra.designs.states.state_controllers import lqi_controller, sensitivity_peak
+from clepsydra.designs.states.state_controllers import (
+    lqi_controller,
+    output_at_rest,
+    parts_values,
+    sensitivity_peak,
+)
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 
@@ -146,8 +150,8 @@ def design_recomputed_lqi(
     >>> import clepsydra as cl
     >>> from clepsydra.designs.bryson import design_lqi
     >>> model = cl.load("averaging-tank").linear
-    >>> gains = [design_lqi(model).values["integral_gain_1_2"],
-    ...          design_recomputed_lqi(model).initial_state["integral_gain_1_2"]]
+    >>> gains = [design_lqi(model).values["inflow.integral_gain.volume"],
+    ...          design_recomputed_lqi(model).initial_state["inflow.integral_gain.volume"]]
     >>> [round(gain, 6) for gain in gains]
     [0.144569, 0.144569]
     """
@@ -179,7 +183,7 @@ def design_recomputed_lqi(
     found = slow_down(designed, lambda design: sensitivity_peak(design[0], model), NAME)
     asked = deviations.slower(found.factor)
     linear, stationary = found.design
-    times = [linear.values.get(f"tracking_time_{i + 1}", 1.0) for i in range(len(model.inputs))]
+    times = [linear.values.get(path(u, "tracking_time"), 1.0) for u in model.inputs]
     controller = recomputed_lqi_controller(
         equations, source, found_filter, stationary, asked.horizon, times, anti_windup, steps
     )
@@ -255,29 +259,28 @@ def recomputed_lqi_controller(
     _, doublings = steps_in_a_sample(equations, NAME)
     law = recomputed_lqi_law(source, anti_windup, doublings=doublings, steps=steps)
     values = {"input_filter_time": input_filter_time}
-    for what, numbers in (
-        ("largest_error", stationary.errors),
-        ("largest_move", stationary.moves),
-        ("horizon", stationary.horizons),
-        ("state_size", stationary.sizes),
+    for part, of, numbers in (
+        ("largest_error", equations.outputs, stationary.errors),
+        ("largest_move", equations.inputs, stationary.moves),
+        ("horizon", equations.outputs, stationary.horizons),
+        ("size", equations.states, stationary.sizes),
     ):
-        values |= {f"{what}_{j}": float(value) for j, value in enumerate(numbers, start=1)}
+        values |= parts_values(part, of, numbers)
     values |= output_values(equations, tracking_times, anti_windup)
-    initial = {parameter.name: parameter.initial for parameter in law.parameters}
-    values |= {name: value for name, value in initial.items() if name.startswith("model_")}
-    found = gain_values(stationary.gains)
+    constants = {parameter.name: parameter.initial for parameter in law.parameters}
+    found = gain_values(equations, stationary.gains)
     gains = [entry for entry in law.state if isinstance(entry, Signal) and entry.name in found]
-    state = output_state(equations) | rounded_numbers(gains, found, equations.point)
-    at = equations.point.as_dict()
-    state |= {f"filtered_input_{i}": at[name] for i, name in enumerate(equations.inputs, start=1)}
+    point = equations.point
+    state = output_at_rest(point, equations.inputs) | rounded_numbers(gains, found, point)
+    at = point.as_dict()
+    state |= {path(name, "filtered"): at[name] for name in equations.inputs}
     if found_filter is not None:
         values |= found_filter.values
         state |= found_filter.state
-    values = designed_values(law, values, equations.point, NAME)
+    values = designed_values(law, constants | values, point, NAME)
     size, cost = len(stationary.cost), rounded_symmetric(stationary.cost)
-    state |= {
-        f"cost_{j + 1}_{k + 1}": float(cost[j, k]) for j in range(size) for k in range(j, size)
-    }
+    entries = [float(cost[j, k]) for j in range(size) for k in range(j, size)]
+    state |= zip(cost_names(equations), entries, strict=True)
     return Controller(
         name=NAME,
         family=FAMILY,

@@ -135,7 +135,7 @@ def design_simc(
     >>> import clepsydra as cl
     >>> analysis = cl.load("quadruple-tank").analysis
     >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> round(controller.values["proportional_gain_1"], 6)
+    >>> round(controller.values["level_1.proportional_gain"], 6)
     3.0
     """
     form, actions = checked_form(form, METHOD)

@@ -9,6 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import elements, path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.smith_predictor import FAMILY, PredictorShape, smith_predictor_law
@@ -116,7 +117,7 @@ def design_smith_predictor(
     >>> controller = design_smith_predictor(
     ...     analysis.model, analysis.pairing, penalty=10 * 3600, assigned_poles=[0.5],
     ...     models=[printed])
-    >>> round(60 * controller.values["reference_gain_1"], 4)  # [m³/min/m]
+    >>> round(60 * controller.values["level_8.reference_gain"], 4)  # [m³/min/m]
     0.2232
     """
     if primary not in get_args(Primary):
@@ -146,9 +147,7 @@ def design_smith_predictor(
         for loop, pair, kappa in zip(gains_at(1.0), pairs, feedback, strict=True)
     ]
     law = smith_predictor_law(
-        shapes,
-        measured=[pair.output for pair in pairs],
-        manipulated=[pair.input for pair in pairs],
+        [pair.output for pair in pairs], [pair.input for pair in pairs], shapes
     )
     kind = "LQ" if primary == "polynomial" else "PI"
     given = request.in_words()
@@ -274,17 +273,18 @@ def _error_feedback(model: SampledModel) -> float:
 def _fixed(pairs: Sequence[ModelledPair], feedback: Sequence[float]) -> dict[str, float]:
     """Return the parameters of the models, of B, A and the operating point."""
     values: dict[str, float] = {}
-    for i, (pair, kappa) in enumerate(zip(pairs, feedback, strict=True), start=1):
-        model = pair.model
+    for pair, kappa in zip(pairs, feedback, strict=True):
+        y, model = pair.output, pair.model
         total = math.fsum(model.B)
-        values |= {f"model_gain_{i}": total, f"bias_{i}": pair.resting_input}
-        values |= {f"model_feedback_{i}_{j}": a for j, a in enumerate(model.denominator, start=1)}
-        values |= {
-            f"model_share_{i}_{j}": b / total for j, b in enumerate(model.numerator, start=1)
-        }
+        values |= {path(y, "model_gain"): total, path(pair.input, "bias"): pair.resting_input}
+        for part, numbers in (
+            ("model_feedback", model.denominator),
+            ("model_share", [b / total for b in model.numerator]),
+        ):
+            values |= dict(zip(elements(path(y, part), len(numbers)), numbers, strict=True))
         if kappa:
             values |= {
-                f"error_feedback_{i}": kappa, f"reference_measurement_{i}": pair.resting_output,
+                path(y, "error_feedback"): kappa, path(y, "reference"): pair.resting_output,
             }  # fmt: skip
     return values
 

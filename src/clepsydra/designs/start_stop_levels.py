@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import elements, path
 from clepsydra.base.units import from_si
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
@@ -104,20 +105,17 @@ class _Station:
         stages = self._stages(volume, capacity, starts_per_hour)
         manipulated = tuple(pump.name for pump in self.pumps)
         measured = self.process.signal(self.level)
-        law = start_stop_law(
-            len(self.pumps),
-            measured=measured,
-            manipulated=[self.process.signal(name) for name in manipulated],
-        )
+        law = start_stop_law([measured], [self.process.signal(name) for name in manipulated])
         values = {parameter.name: parameter.initial for parameter in law.parameters}
-        for j, (start, stop) in enumerate(stages, start=1):
-            values |= {f"start_level_{j}": self._shown(start), f"stop_level_{j}": self._shown(stop)}
-        for i, pump in enumerate(self.pumps, start=1):
-            values |= {f"running_value_{i}": pump.high, f"stopped_value_{i}": pump.low}
-            values |= {f"low_limit_{i}": pump.low, f"high_limit_{i}": pump.high}
+        for stage, (start, stop) in zip(elements("stage", len(stages)), stages, strict=True):
+            values[path(stage, "start_level")] = self._shown(start)
+            values[path(stage, "stop_level")] = self._shown(stop)
+        for pump in self.pumps:
+            values |= {path(pump.name, what): pump.high for what in ("running_value", "high_limit")}
+            values |= {path(pump.name, what): pump.low for what in ("stopped_value", "low_limit")}
         values = designed_values(law, values, self.point, METHOD)
-        at = self.point.as_dict()
-        resting = {f"tracking_{i}": pump.low for i, pump in enumerate(self.pumps, start=1)}
+        resting = {path(pump.name, "tracking"): pump.low for pump in self.pumps}
+        resting[path(measured, "pv")] = self.point.as_dict()[self.level]
         return Controller(
             name="Start/stop levels",
             family=FAMILY,
@@ -129,7 +127,7 @@ class _Station:
             ),
             law=law,
             values=values,
-            initial_state=state_at_rest(law, values, {"measurement_1": at[self.level], **resting}),
+            initial_state=state_at_rest(law, values, resting),
             measurements=(self.level,),
             setpoints=(),
             manipulated=manipulated,

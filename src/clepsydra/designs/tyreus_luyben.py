@@ -92,7 +92,7 @@ def design_tyreus_luyben(
     >>> import clepsydra as cl
     >>> analysis = cl.load("equalisation-tank").analysis
     >>> controller = design_tyreus_luyben(analysis.model, analysis.pairing, as_published=True)
-    >>> round(controller.values["integral_time_1"], 6)
+    >>> round(controller.values["level.integral_time"], 6)
     264.0
     """
     return design_by_rule(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from clepsydra.base.arguments import sequence_of
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.variable_structure_pid import (
@@ -58,7 +59,6 @@ def design_variable_structure_pid(
     Returns
     -------
     Controller
-        Loop i for the i-th pair.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def design_variable_structure_pid(
     >>> import clepsydra as cl
     >>> analysis = cl.load("quadruple-tank").analysis
     >>> controller = design_variable_structure_pid(analysis.model, analysis.pairing)
-    >>> controller.name, round(controller.values["saturation_rate_1"], 3)
+    >>> controller.name, round(controller.values["level_1.saturation_rate"], 3)
     ('PI, variable structure', 0.245)
     """
     chosen, _ = checked_form(form, METHOD)
@@ -127,13 +127,13 @@ def with_variable_structure(
     """
     process = operating_point_of(model).process
     law = variable_structure_pid_law(
-        len(base.manipulated),
+        [process.signal(name) for name in base.measurements],
+        [process.signal(name) for name in base.manipulated],
         form,
-        measured=[process.signal(name) for name in base.measurements],
-        manipulated=[process.signal(name) for name in base.manipulated],
     )
     values = base.values | {
-        f"saturation_rate_{number}": float(rate) for number, rate in enumerate(rates, start=1)
+        path(measured, "saturation_rate"): float(rate)
+        for measured, rate in zip(base.measurements, rates, strict=True)
     }
     values = designed_values(law, values, operating_point_of(model), METHOD)
     return dataclasses.replace(

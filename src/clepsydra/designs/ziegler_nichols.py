@@ -124,7 +124,7 @@ def design_ziegler_nichols(
     >>> import clepsydra as cl
     >>> analysis = cl.load("equalisation-tank").analysis
     >>> controller = design_ziegler_nichols(analysis.model, analysis.pairing, as_published=True)
-    >>> round(controller.values["integral_time_1"], 6)
+    >>> round(controller.values["level.integral_time"], 6)
     100.0
     """
     if experiment not in get_args(Experiment):

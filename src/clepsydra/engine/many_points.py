@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, elements
 from clepsydra.engine.kernel import Kernel
 from clepsydra.program.reader import program_of
 from clepsydra.program.step_law import StepLaw
@@ -52,9 +52,9 @@ def at_many_points(
         return np.zeros((len(rows), points))
     # Whole vectors by their place in the function; the program has a scalar for each entry.
     given = {
-        f"argument_{i}_{j}": value[j]
-        for i, value in enumerate(values)
-        for j in range(value.shape[0])
+        name: row
+        for names, value in zip(_names(function), values, strict=True)
+        for name, row in zip(names, value, strict=True)
     }
     inputs = {signal.name: given[signal.name] for signal in kernel.program.inputs}
     parameters = {signal.name: float(given[signal.name]) for signal in kernel.program.parameters}
@@ -62,11 +62,15 @@ def at_many_points(
     return np.array([found.output(signal.name)[0] for signal in rows])
 
 
+def _names(function: ca.Function) -> list[list[str]]:
+    """Return the names of the entries of each argument."""
+    arguments = elements("argument", function.n_in())
+    return [elements(name, function.numel_in(i)) for i, name in enumerate(arguments)]
+
+
 @lru_cache(maxsize=64)
 def _kernel(function: ca.Function, along: tuple[bool, ...], result: int) -> Kernel:
-    names = [
-        [f"argument_{i}_{j}" for j in range(function.numel_in(i))] for i in range(function.n_in())
-    ]
+    names = _names(function)
     moving = [name for each, moves in zip(names, along, strict=True) if moves for name in each]
     fixed = [name for each, moves in zip(names, along, strict=True) if not moves for name in each]
     state = ca.SX.sym("state", 0)
@@ -74,7 +78,7 @@ def _kernel(function: ca.Function, along: tuple[bool, ...], result: int) -> Kern
     scalars = {name: inputs[k] for k, name in enumerate(moving)}
     scalars |= {name: parameters[k] for k, name in enumerate(fixed)}
     values = function.call([ca.vertcat(*(scalars[name] for name in each)) for each in names])
-    outputs = [f"result_{k}" for k in range(function.numel_out(result))]
+    outputs = elements("result", function.numel_out(result))
     law = StepLaw(
         "at_many_points",
         tuple(map(Signal, moving)),

@@ -60,10 +60,10 @@ class Controller(Shown, inner.Controller):
         >>> import clepsydra as cl
         >>> pi = cl.design.simc(cl.load("quadruple-tank"))
         >>> bold = pi.with_values({"level_1": {"K": 6.0}})
-        >>> bold.values["proportional_gain_1"], pi.values["proportional_gain_1"]
+        >>> bold.values["level_1.proportional_gain"], pi.values["level_1.proportional_gain"]
         (6.0, 3.0)
         """
-        found = values_of(self, self.plant.process, values)
+        found = values_of(self, values)
         changed = lifted(
             Controller,
             self,
@@ -94,7 +94,7 @@ class Controller(Shown, inner.Controller):
             Text(f"{self.title} for {self.plant.name}", style="bold"),
             Text(self.design),
         ]
-        grid = settings_grid(self, self.plant.process)
+        grid = settings_grid(self)
         grids = law_grids(self, self.plant.process) if grid is None else [grid]
         parts += [grid_table(each) for each in grids]
         parts += [hanging(f"•  {note}") for note in self.notes]

@@ -55,7 +55,7 @@ class Identification(_Page, inner.Identification):
         ...     cl.simulate(plant, None, [cl.step("pump_1", "50 mV")]).save(f"{folder}/step.csv")
         ...     found = identify(f"{folder}/step.csv", "pump_1", "level_1")
         >>> pi = cl.design.simc(plant).with_values({"level_1": found.settings})
-        >>> round(pi.values["integral_time_1"])  # [s]
+        >>> round(pi.values["level_1.integral_time"])  # [s]
         63
         """
         model = self.for_control

@@ -16,8 +16,9 @@ from clepsydra.interface.events import Events
 from clepsydra.interface.plant import Plant
 from clepsydra.interface.quantities import Quantity, arguments, with_unit
 from clepsydra.interface.scenario import scenario_of
-from clepsydra.interface.settings import key_of, loops_of, unit_of
+from clepsydra.interface.settings import setting_of, unit_of
 from clepsydra.interface.shown import lifted
+from clepsydra.studies.file.law_parameters import loops_of
 from clepsydra.studies.file.tuning_reader import TUNING_KEYS, read_tuning
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.search import Progress
@@ -127,9 +128,9 @@ def tune(
     written: dict[str, Any] = {"objective": goal if isinstance(goal, str) else _plain(goal)}
     written |= _limits(limits or {}, plant)
     if parameters is not None:
-        written["parameters"] = _bounds(parameters, start, plant)
+        written["parameters"] = _bounds(parameters, start)
     table = arguments("tuning", written, TUNING_KEYS)
-    request = read_tuning(table, plant.process, loops_of(start, plant.process))
+    request = read_tuning(table, plant.process)
     found = request.run(
         start,
         plant.measured,
@@ -169,18 +170,18 @@ def _limits(limits: Mapping[str, Any], plant: Plant) -> dict[str, Any]:
     return found
 
 
-def _bounds(parameters: Mapping[str, Any], start: Controller, plant: Plant) -> dict[str, Any]:
+def _bounds(parameters: Mapping[str, Any], start: Controller) -> dict[str, Any]:
     """Return bounds as a study file has them: by its keys, in lists, with units."""
     place = "tuning, parameters"
     require_type(
         parameters, Mapping, place, "loops with their settings and bounds",
         'write as in {"level_1": {"K": ("1 %/%", "9 %/%")}}',
     )  # fmt: skip
-    loops = loops_of(start, plant.process)
+    loops = loops_of(start.law)
     found: dict[str, Any] = {}
     for name, value in parameters.items():
         if name in loops and isinstance(value, Mapping):
-            words = {word: key_of(start, loops[name], word, f"{place}, {name}") for word in value}
+            words = {word: setting_of(loops[name], word, f"{place}, {name}") for word in value}
             found[name] = {
                 key: _pair(value[word], unit_of(start, loops[name], key))
                 for word, key in words.items()

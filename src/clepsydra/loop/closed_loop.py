@@ -220,8 +220,8 @@ def controller_name(signal: str) -> str:
 
     Examples
     --------
-    >>> controller_name("integral_time_1")
-    'controller.integral_time_1'
+    >>> controller_name("level.integral_time")
+    'controller.level.integral_time'
     """
     return f"controller.{signal}"
 

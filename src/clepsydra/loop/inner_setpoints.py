@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.process.process import Process
@@ -28,7 +28,7 @@ class InnerSetpoint:
 
     Examples
     --------
-    >>> InnerSetpoint(Signal("flow.inner_setpoint", "m^3/s"), "flow", "working_setpoint_2",
+    >>> InnerSetpoint(Signal("flow.inner_setpoint", "m^3/s"), "flow", "inner.working_setpoint",
     ...               0.0, 0.1).high
     0.1
     """
@@ -57,16 +57,16 @@ def inner_loops(controller: Controller) -> list[tuple[PidBlock, str]]:
     []
     """
     return [
-        (block, controller.measurements[block.measured - 1])
+        (block, block.measurement.name)
         for block in controller.law.blocks
-        if isinstance(block, PidBlock) and isinstance(block.setpoint, str)
+        if isinstance(block, PidBlock) and block.inner
     ]
 
 
 def inner_setpoints(controller: Controller, process: Process) -> tuple[InnerSetpoint, ...]:
     """Return the setpoints that the blocks of a control scheme give to its inner loops.
 
-    Where two inner loops measure the same signal the number of the loop stands behind the name.
+    Where two inner loops measure the same signal the name of the loop stands behind it.
 
     Parameters
     ----------
@@ -88,9 +88,9 @@ def inner_setpoints(controller: Controller, process: Process) -> tuple[InnerSetp
     found = []
     for block, measurement in inner:
         y = process.signal(measurement)
-        number = f"_{block.number}" if loops[measurement] > 1 else ""
+        loop = f"_{block.owner}" if loops[measurement] > 1 else ""
         signal = Signal(
-            f"{measurement}.inner_setpoint{number}",
+            f"{measurement}.inner_setpoint{loop}",
             y.unit,
             y.display_unit,
             y.low,
@@ -98,8 +98,8 @@ def inner_setpoints(controller: Controller, process: Process) -> tuple[InnerSetp
             description=f"setpoint that {block.setpoint} gives for {measurement}",
         )
         low, high = (
-            controller.values[f"setpoint_{end}_limit_{block.number}"] for end in ("low", "high")
+            controller.values[path(block.owner, f"setpoint_{end}_limit")] for end in ("low", "high")
         )
-        state = f"working_setpoint_{block.number}"
+        state = path(block.owner, "working_setpoint")
         found.append(InnerSetpoint(signal, measurement, state, low, high))
     return tuple(found)

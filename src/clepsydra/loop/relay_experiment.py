@@ -9,8 +9,9 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.ports import as_parts
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
@@ -80,29 +81,30 @@ def relay_law(measured: Signal, manipulated: Signal) -> StepLaw:
     """
 
     def equations(symbols: Symbols) -> Equations:
-        error = symbols["setpoint_1"] - symbols["measurement_1"]
-        hysteresis = symbols["hysteresis_1"]
-        kept = ca.if_else(error < -hysteresis, 0, symbols["raised_1"])
+        error = symbols[path(measured, "sp")] - symbols[path(measured, "pv")]
+        hysteresis = symbols["hysteresis"]
+        kept = ca.if_else(error < -hysteresis, 0, symbols["raised"])
         raised = ca.if_else(error > hysteresis, 1, kept)
-        output = symbols["bias_1"] + symbols["amplitude_1"] * (2 * raised - 1)
+        output = symbols["bias"] + symbols["amplitude"] * (2 * raised - 1)
         automatic = ca.SX(STATUS_BITS["automatic"].value)
-        return Equations({"raised_1": raised}, {"manipulated_1": output, "status_1": automatic})
+        results = as_parts(manipulated, {"out": output, "status": automatic})
+        return Equations({"raised": raised}, results)
 
     return step_law(
         "relay",
         inputs=[
-            signals.like(measured, "setpoint_1", f"setpoint of {measured.name}"),
-            signals.like(measured, "measurement_1", f"measured {measured.name}"),
+            *signals.setpoint_inputs([measured]),
+            signals.measurement_inputs([measured])[0],
         ],
         parameters=[
-            signals.gain("bias_1", manipulated.unit, 0.0, "middle of the relay"),
-            signals.gain("amplitude_1", manipulated.unit, 1.0, "half the height of the relay"),
+            signals.gain("bias", manipulated.unit, 0.0, "middle of the relay"),
+            signals.gain("amplitude", manipulated.unit, 1.0, "half the height of the relay"),
             signals.gain(
-                "hysteresis_1", measured.unit, 0.0, "from the setpoint to a switching level"
+                "hysteresis", measured.unit, 0.0, "from the setpoint to a switching level"
             ),
         ],
-        state=[Signal("raised_1", low=0.0, high=1.0, description="the relay is up")],
-        outputs=signals.output_signals(1, manipulated),
+        state=[Signal("raised", low=0.0, high=1.0, description="the relay is up")],
+        outputs=signals.output_signals(manipulated),
         equations=equations,
     )
 
@@ -190,12 +192,12 @@ def relay_experiment(
         design="An experiment, not a controller to keep.",
         law=relay_law(measured, manipulated),
         values={
-            "bias_1": bias,
-            "amplitude_1": element.sign * size,
-            "hysteresis_1": float(hysteresis),
+            "bias": bias,
+            "amplitude": element.sign * size,
+            "hysteresis": float(hysteresis),
         },
         # At rest the error is zero, and the first sample stays up: that is the kick.
-        initial_state={"raised_1": 1.0},
+        initial_state={"raised": 1.0},
         measurements=(output,),
         setpoints=(output,),
         manipulated=(input_name,),

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.signals import owners
 from clepsydra.engine.many_points import at_many_points
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
@@ -84,9 +85,10 @@ class Run:
         signal = self.process.signal(name)
         if name not in self.controller.manipulated:
             return signal.low, signal.high
-        number, values = self.controller.manipulated.index(name) + 1, self.controller.values
-        low = max(signal.low, values.get(f"low_limit_{number}", -math.inf))
-        high = min(signal.high, values.get(f"high_limit_{number}", math.inf))
+        own = owners(self.controller.law.outputs, "out")[self.controller.manipulated.index(name)]
+        values = self.controller.values
+        low = max(signal.low, values.get(path(own, "low_limit"), -math.inf))
+        high = min(signal.high, values.get(path(own, "high_limit"), math.inf))
         # Limits that leave no room are none that a signal could stand between.
         return (low, high) if low < high else (signal.low, signal.high)
 

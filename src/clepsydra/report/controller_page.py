@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
+from clepsydra.controllers.signals import owners
 from clepsydra.program.called_blocks import without_untold
 from clepsydra.program.owned_state import with_owned_state
 from clepsydra.report.analysis_tables import Grid
@@ -147,16 +149,15 @@ def _wiring(controller: Controller, result: StudyResult) -> Facts:
     """Return what is connected to what, and how often the law runs."""
     signal = result.process.signal
     facts = [("runs every", time_text(result.scenario.sampling_period))]
-    for what, word, names in (
-        ("measurement", "measurement", controller.measurements),
-        ("setpoint", "setpoint of", controller.setpoints),
-        ("manipulated", "output", controller.manipulated),
+    law = controller.law
+    for part, ports, words, names in (
+        ("pv", law.inputs, "", controller.measurements),
+        ("sp", law.inputs, "setpoint of ", controller.setpoints),
+        ("out", law.outputs, "", controller.manipulated),
     ):
-        for number, name in enumerate(names, start=1):
-            shown = range_text(signal(name))
-            words = f"{word} {shown}" if what == "setpoint" else shown
-            facts.append((f"{what}_{number}", words))
-    for entry in controller.law.inputs:
+        for owner, name in zip(owners(ports, part), names, strict=True):
+            facts.append((path(owner, part), f"{words}{range_text(signal(name))}"))
+    for entry in law.inputs:
         if entry.name in controller.free_inputs:
             value = quantity_text(entry, controller.free_inputs[entry.name])
             facts.append((entry.name, f"{value} at rest"))

@@ -20,15 +20,15 @@ class ParameterTable:
     Parameters
     ----------
     columns : tuple of str
-        Last index of the parameters' names; one empty text for those without an index.
+        What the parameters belong to, or elements of them; one empty text for those of the law.
     rows : tuple of (name, unit, values)
         One value for each column.
 
     Examples
     --------
-    >>> table = ParameterTable(("1", "2"), (("integral_time", "s", ("30.00", "40.00")),))
+    >>> table = ParameterTable(("tank_1", "tank_2"), (("integral_time", "s", ("30.00", "40.00")),))
     >>> dict(zip(table.columns, table.rows[0][2]))
-    {'1': '30.00', '2': '40.00'}
+    {'tank_1': '30.00', 'tank_2': '40.00'}
     """
 
     columns: tuple[str, ...]
@@ -36,33 +36,29 @@ class ParameterTable:
 
 
 def parameter_tables(controller: Controller) -> list[ParameterTable]:
-    """Return the parameters of a controller, grouped by what their last index counts.
+    """Return the parameters of a controller, those that many things have in columns.
 
-    "integral_time_1" and "integral_time_2" become the row "integral_time" with columns 1 and 2;
-    "feedback_2_3" stands in the row "feedback_2", column 3.
+    "level_1.integral_time" and "level_2.integral_time" become the row "integral_time" with columns
+    level_1 and level_2; "pump_1.feedback.level_3" stands in the row "pump_1.feedback", column
+    level_3.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> controller = cl.design.simc(cl.load("quadruple-tank"))
     >>> [table.columns for table in parameter_tables(controller)]
-    [('1', '2')]
+    [('level_1', 'level_2'), ('pump_1', 'pump_2')]
     """
     units = {signal.name: signal.unit for signal in controller.law.parameters}
     grouped: dict[tuple[str, str], dict[str, float]] = {}
     for name, value in controller.values.items():
-        stem, _, index = name.rpartition("_")
-        stem, index = (stem, index) if index.isdigit() else (name, "")
-        grouped.setdefault((stem, units.get(name, "1")), {})[index] = value
+        owner, part, element = [*name.split(".", 2), "", ""][:3]
+        row, column = (f"{owner}.{part}", element) if element else (part or owner, part and owner)
+        grouped.setdefault((row, units.get(name, "1")), {})[column] = value
     tables: dict[tuple[str, ...], list[tuple[str, str, tuple[str, ...]]]] = {}
-    # Rows of one matrix, feedback_1 and feedback_2, follow each other.
-    firsts: dict[str, int] = {}
-    for stem, _ in grouped:
-        firsts.setdefault(stem.rstrip("0123456789"), len(firsts))
-    for stem, unit in sorted(grouped, key=lambda key: firsts[key[0].rstrip("0123456789")]):
-        values = grouped[stem, unit]
+    for (row, unit), values in grouped.items():
         numbers = tuple(number_text(value, 4) for value in values.values())
-        tables.setdefault(tuple(values), []).append((stem, unit_text(unit), numbers))
+        tables.setdefault(tuple(values), []).append((row, unit_text(unit), numbers))
     return [ParameterTable(columns, tuple(rows)) for columns, rows in tables.items()]
 
 

@@ -6,9 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.signals import owners
 from clepsydra.process.process import Process
+from clepsydra.program.entries import signal_of
 from clepsydra.report.analysis_tables import Grid
 from clepsydra.report.facts import DIGITS, Facts, known_signal, level_words
 from clepsydra.report.output_facts import output_facts
@@ -21,7 +23,6 @@ from clepsydra.report.quantities import (
 )
 from clepsydra.report.resolution import settled_gains
 
-_ESTIMATE = ("expected deviation of ", " from the operating point")
 _OBSERVER = (
     "Observer: x̂ = x̂⁻ + M (y − y° − C x̂⁻) with the measurements of this sample, then for the next "
     "one x̂⁻ = Φ x̂ + Γ (u − u°), u being what was applied."
@@ -52,11 +53,12 @@ values at the operating point.'
     """
     description = list(controller.law.description)
     values = controller.values
-    if "feedback_1_1" not in values:
+    parts = {part for name in values for part in name.split(".")}
+    if "feedback" not in parts:
         return description
-    observed = "transition_1_1" in values
+    observed = "transition" in parts
     state = "x = x̂" if observed else "x = y − y°"
-    if "integral_gain_1_1" in values:
+    if "integral_gain" in parts:
         words = f"u = u° − F x + I within the limits, I⁺ = I + Δt G (r − y), {state}, each sample."
     else:
         words = (
@@ -87,7 +89,7 @@ def law_grids(controller: Controller, process: Process) -> list[Grid]:
     >>> grid.head
     ('F, feedback', 'level_1 [V]', 'level_2 [V]', 'level_3 [V]', 'level_4 [V]')
     """
-    if "start_level_1" in controller.values:
+    if owners(controller.law.parameters, "start_level"):
         return [_stages(controller, process)]
     outputs = [process.signal(name) for name in controller.manipulated]
     measured = [process.signal(name) for name in controller.measurements]
@@ -97,7 +99,7 @@ def law_grids(controller: Controller, process: Process) -> list[Grid]:
     memory = [
         Signal(entry.name, entry.unit)
         for entry in controller.law.state
-        if isinstance(entry, Signal) and entry.name.startswith("memory_")
+        if isinstance(entry, Signal) and entry.owner == "memory"
     ]
     grids = []
     for stem, title, rows, columns in (
@@ -136,8 +138,8 @@ def law_facts(controller: Controller, process: Process) -> list[Facts]:
     values, found = controller.values, []
     references = tuple(
         (f"{name}°", quantity_text(process.signal(name), values[key], DIGITS))
-        for j, name in enumerate(controller.measurements, start=1)
-        if (key := f"reference_measurement_{j}") in values
+        for name in controller.measurements
+        if (key := path(name, "reference")) in values
     )
     if references:
         found.append(Facts("Operating point", references))
@@ -151,12 +153,13 @@ def law_facts(controller: Controller, process: Process) -> list[Facts]:
     )
     if common:
         found.append(Facts("Pumps", common))
-    for i, name in enumerate(controller.manipulated, start=1):
-        found.append(Facts(f"Output {name}", tuple(_output(i, process.signal(name), controller))))
-    return found
+    return found + [
+        Facts(f"Output {name}", tuple(_output(process.signal(name), controller)))
+        for name in controller.manipulated
+    ]
 
 
-def _output(number: int, signal: Signal, controller: Controller) -> list[tuple[str, str]]:
+def _output(signal: Signal, controller: Controller) -> list[tuple[str, str]]:
     values = controller.values
     facts = []
     for name, what in (
@@ -164,30 +167,28 @@ def _output(number: int, signal: Signal, controller: Controller) -> list[tuple[s
         ("running_value", "while it runs"),
         ("stopped_value", "while it stands"),
     ):
-        if f"{name}_{number}" in values:
-            text = quantity_text(signal, values[f"{name}_{number}"], DIGITS)
-            facts.append((what, text))
+        if (key := path(signal, name)) in values:
+            facts.append((what, quantity_text(signal, values[key], DIGITS)))
     facts += [
         fact
-        for fact in output_facts(number, signal, controller)
-        if fact[0] != "output at rest" or f"bias_{number}" not in values
+        for fact in output_facts(signal, controller)
+        if fact[0] != "output at rest" or path(signal, "bias") not in values
     ]
     for name, what in (("tracking_time", "tracking time"), ("fading_time", "fading time")):
-        if f"{name}_{number}" in values:
-            facts.append((what, setting_time(values[f"{name}_{number}"])))
-    if f"in_service_{number}" in values:
-        facts.append(("in service", "yes" if values[f"in_service_{number}"] else "no"))
+        if (key := path(signal, name)) in values:
+            facts.append((what, setting_time(values[key])))
+    if (key := path(signal, "in_service")) in values:
+        facts.append(("in service", "yes" if values[key] else "no"))
     return facts
 
 
 def _estimates(controller: Controller, process: Process) -> list[Signal]:
     """Return the quantities that an observer estimates."""
-    found = []
-    for state in controller.law.state:
-        if isinstance(state, Signal) and state.name.startswith("estimate_"):
-            name = state.description.removeprefix(_ESTIMATE[0]).removesuffix(_ESTIMATE[1])
-            found.append(known_signal(process, Signal(name or state.name, state.unit)))
-    return found
+    return [
+        known_signal(process, Signal(state.owner, state.unit))
+        for state in map(signal_of, controller.law.state)
+        if state.part == "estimate"
+    ]
 
 
 def _matrix(
@@ -198,14 +199,10 @@ def _matrix(
     controller: Controller,
 ) -> Grid | None:
     values = controller.values
-    if not any(name.startswith(f"{stem}_") for name in values) or not rows or not columns:
+    names = [[path(path(row, stem), column.name) for column in columns] for row in rows]
+    if not any(name in values for of_row in names for name in of_row):
         return None
-    gains = np.array(
-        [
-            [values.get(f"{stem}_{i}_{j}", 0.0) for j in range(1, len(columns) + 1)]
-            for i in range(1, len(rows) + 1)
-        ]
-    )
+    gains = np.array([[values.get(name, 0.0) for name in of_row] for of_row in names])
     shown = np.outer([display_factor(s) for s in rows], [1.0 / display_factor(s) for s in columns])
     shown *= settled_gains(gains, rows, columns)
     body = [
@@ -223,10 +220,11 @@ def _named(signal: Signal) -> str:
 def _stages(controller: Controller, process: Process) -> Grid:
     level, values = process.signal(controller.measurements[0]), controller.values
     rows = []
-    for j in range(1, len(controller.manipulated) + 1):
+    for number, stage in enumerate(owners(controller.law.parameters, "start_level"), start=1):
         start, stop = (
-            level_words(process, level, values[f"{what}_level_{j}"]) for what in ("start", "stop")
+            level_words(process, level, values[path(stage, f"{what}_level")])
+            for what in ("start", "stop")
         )
-        rows.append((f"stage {j}: {j} running", start, stop))
+        rows.append((f"stage {number}: {number} running", start, stop))
     title = f"Levels ({level.name})"
     return Grid(title, (title, "starts at", "stops at"), tuple(rows))

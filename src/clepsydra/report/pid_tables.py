@@ -104,7 +104,7 @@ def equation(form: PidForm) -> str:
 
 
 def _loop(block: PidBlock, controller: Controller, point: OperatingPoint) -> Facts:
-    number, form, values = block.number, block.form, controller.values
+    form, values = block.form, _values(block, controller)
     process = point.process
     measurement = known_signal(process, block.measurement)
     moved = known_signal(process, block.moved)
@@ -119,10 +119,15 @@ def _loop(block: PidBlock, controller: Controller, point: OperatingPoint) -> Fac
     if form.has_integral:
         facts.append(("anti-windup", IN_WORDS[form.winding]))
     if form.tracks_back:
-        facts.append(("tracking time", setting_time(values[f"tracking_time_{number}"])))
-    if block.direct is not None:
-        facts += output_facts(block.direct, moved, controller)
+        facts.append(("tracking time", setting_time(values["tracking_time"])))
+    if block.direct:
+        facts += output_facts(moved, controller)
     return Facts(f"{measurement.name} by {moved.name}", tuple(facts))
+
+
+def _values(block: PidBlock, controller: Controller) -> dict[str, float]:
+    """Return the settings of a loop by their names in it."""
+    return {each.part: controller.values[each.name] for each in block.parameters()}
 
 
 def _moves(block: PidBlock, moved: Signal, controller: Controller) -> str:
@@ -135,13 +140,14 @@ def _moves(block: PidBlock, moved: Signal, controller: Controller) -> str:
 def _setpoint(
     block: PidBlock, controller: Controller, measurement: Signal, point: OperatingPoint
 ) -> str:
-    if isinstance(block.setpoint, str):
+    if block.inner:
+        values = _values(block, controller)
         low, high = (
-            quantity_text(measurement, controller.values[f"setpoint_{end}_limit_{block.number}"], 4)
+            quantity_text(measurement, values[f"setpoint_{end}_limit"], 4)
             for end in ("low", "high")
         )
         return f"from {block.setpoint} (cascade), kept from {low} to {high}"
-    fixed = controller.free_inputs.get(f"setpoint_{block.setpoint}")
+    fixed = controller.free_inputs.get(block.setpoint)
     if fixed is not None:
         return f"fixed at {level_words(point.process, measurement, fixed)}"
     rest = level_words(point.process, measurement, point.as_dict()[measurement.name])
@@ -151,19 +157,19 @@ def _setpoint(
 
 def _isa_settings(block: PidBlock, controller: Controller) -> PidSettings | None:
     """Return the settings in ISA form; None where there is none."""
-    number, form, values = block.number, block.form, controller.values
-    gain = values[f"proportional_gain_{number}"]
+    form, values = block.form, _values(block, controller)
+    gain = values["proportional_gain"]
     if gain == 0.0:
         return None
     if form.algorithm == "parallel":
-        integral = values.get(f"integral_gain_{number}", 0.0)
-        derivative = values.get(f"derivative_gain_{number}", 0.0)
+        integral = values.get("integral_gain", 0.0)
+        derivative = values.get("derivative_gain", 0.0)
         try:
             return from_parallel(ParallelSettings(gain, integral, derivative))
         except InputError:
             return None
-    integral_time = values.get(f"integral_time_{number}", 0.0) or math.inf
-    derivative_time = values.get(f"derivative_time_{number}", 0.0)
+    integral_time = values.get("integral_time", 0.0) or math.inf
+    derivative_time = values.get("derivative_time", 0.0)
     if form.algorithm == "series":
         return from_series(SeriesSettings(gain, integral_time, derivative_time))
     return PidSettings(gain, integral_time, derivative_time)
@@ -174,7 +180,7 @@ def _gains(
 ) -> list[tuple[str, str]]:
     settings, form = _isa_settings(block, controller), block.form
     if settings is None:
-        proportional = controller.values[f"proportional_gain_{block.number}"]
+        proportional = _values(block, controller)["proportional_gain"]
         if proportional == 0.0:
             return [("gain K", "0: no proportional action")]
         words = "none: its gains have different signs"
@@ -256,15 +262,15 @@ def _parallel(shown: GainUnits, form: PidForm, factor: float, unit: str) -> str:
 
 def _options(block: PidBlock, controller: Controller, measurement: Signal) -> list[tuple[str, str]]:
     """Return filter, setpoint weight, shape of the error and ramp, each where there is one."""
-    number, values, form = block.number, controller.values, block.form
+    values, form = _values(block, controller), block.form
     factor, unit = display_factor(measurement), unit_text(measurement.shown_unit)
     facts = []
     if form.has_derivative:
-        seconds = values.get(f"filter_time_{number}")
+        seconds = values.get("filter_time")
         words = ""
         if seconds is None:
-            ratio = values[f"derivative_filter_{number}"]
-            seconds = values[f"derivative_time_{number}"] / ratio
+            ratio = values["derivative_filter"]
+            seconds = values["derivative_time"] / ratio
             words = f" (Td/{ratio:g})"
         facts.append(("derivative of", f"the {form.derivative_on}"))
         facts.append(("derivative filter", f"{setting_time(seconds)}{words}"))
@@ -275,7 +281,7 @@ def _options(block: PidBlock, controller: Controller, measurement: Signal) -> li
         ("squared_error_scale", "error with the nominal gain", factor, unit),
         ("setpoint_ramp", "setpoint moves at most", factor, f"{unit}/s"),
     ):
-        if f"{name}_{number}" in values:
-            shown = number_text(values[f"{name}_{number}"] * scale, DIGITS)
+        if name in values:
+            shown = number_text(values[name] * scale, DIGITS)
             facts.append((what, f"{shown} {of}".strip()))
     return facts

@@ -37,11 +37,13 @@ def scheme_blocks(controller: Controller, process: Process) -> list[Facts]:
     >>> controller = cl.design.simc(plant, decoupling="static")
     >>> blocks = scheme_blocks(controller, plant.process)
     >>> blocks[0].title, blocks[0].facts[1][0]
-    ('Decoupling of pump_1 (sum 1)', 'from pump_2')
+    ('Decoupling of pump_1 (pump_1 decoupled)', 'from pump_2')
     """
     direct = {
-        block.direct for block in controller.law.blocks if isinstance(block, PidBlock)
-    }  # fmt: skip
+        block.moved.name
+        for block in controller.law.blocks
+        if isinstance(block, PidBlock) and block.direct
+    }
     found = []
     for block in controller.law.blocks:
         if isinstance(block, FeedforwardBlock):
@@ -52,16 +54,16 @@ def scheme_blocks(controller: Controller, process: Process) -> list[Facts]:
             found.append(_selector(block))
         elif isinstance(block, SplitRangeBlock):
             found.append(_split_range(block, controller, process))
-        elif isinstance(block, OutputBlock) and block.number not in direct:
+        elif isinstance(block, OutputBlock) and block.name not in direct:
             signal = known_signal(process, block.signal)
-            facts = [("moved by", block.source), *output_facts(block.number, signal, controller)]
+            facts = [("moved by", block.source), *output_facts(signal, controller)]
             found.append(Facts(f"Output {signal.name}", tuple(facts)))
     return found
 
 
 def _feedforward(block: FeedforwardBlock, controller: Controller, process: Process) -> Facts:
     moved = known_signal(process, block.moved)
-    decouples = all(term.taken_from.startswith("last_output_") for term in block.terms)
+    decouples = not any(term.measured for term in block.terms)
     facts = [("adds to", block.source)]
     facts += [_term(term, moved, controller, process) for term in block.terms]
     what = "Decoupling" if decouples else "Feedforward"
@@ -71,32 +73,30 @@ def _feedforward(block: FeedforwardBlock, controller: Controller, process: Proce
 def _term(
     term: FeedforwardTerm, moved: Signal, controller: Controller, process: Process
 ) -> tuple[str, str]:
-    values, label = controller.values, term.label
+    values = {each.part: controller.values[each.name] for each in term.parameters()}
     signal = known_signal(process, term.signal)
-    gain = gain_text(values[f"feedforward_gain_{label}"], signal, moved)
-    reference = quantity_text(signal, values[f"feedforward_reference_{label}"], DIGITS)
+    gain = gain_text(values["gain"], signal, moved)
+    reference = quantity_text(signal, values["reference"], DIGITS)
     words = f"{gain} × ({signal.name} − {reference})"
     if term.dynamic:
-        lead, lag = (
-            number_text(values[f"feedforward_{what}_{label}"], DIGITS) for what in ("lead", "lag")
-        )
+        lead, lag = (number_text(values[what], DIGITS) for what in ("lead", "lag"))
         above, below = (f"(1 + {time} s · s)" if time != "0" else "" for time in (lead, lag))
         if above or below:
             words += f", through {above or '1'}" + (f"/{below}" if below else "")
-    if term.taken_from.startswith("last_output_"):
+    if not term.measured:
         words += ", the output applied in the last sample"
     return f"from {signal.name}", words
 
 
 def _ratio(block: RatioBlock, controller: Controller, process: Process) -> Facts:
     moved, wild = known_signal(process, block.moved), known_signal(process, block.wild)
-    values, number = controller.values, block.number
+    values = {each.part: controller.values[each.name] for each in block.parameters()}
     facts = [("asks for", f"ratio × {wild.name}")]
     if block.source is None:
-        facts.append(("ratio", gain_text(values[f"ratio_{number}"], wild, moved)))
+        facts.append(("ratio", gain_text(values["ratio"], wild, moved)))
     else:
         low, high = (
-            gain_text(values[f"{end}_ratio_{number}"], wild, moved) for end in ("lowest", "highest")
+            gain_text(values[f"{end}_ratio"], wild, moved) for end in ("lowest", "highest")
         )
         facts += [("ratio trimmed by", block.source), ("ratio between", f"{low} and {high}")]
     return Facts(f"Ratio of {moved.name} to {wild.name} ({block.name})", tuple(facts))
@@ -114,13 +114,11 @@ def _selector(block: SelectorBlock) -> Facts:
 def _split_range(block: SplitRangeBlock, controller: Controller, process: Process) -> Facts:
     facts = [("splits", f"{block.source}, 0 to 100 %")]
     for leg in block.legs:
-        signal, values = known_signal(process, leg.moved), controller.values
-        start, end = (
-            number_text(values[f"split_{what}_{leg.number}"], DIGITS) for what in ("start", "end")
-        )
+        signal = known_signal(process, leg.moved)
+        values = {each.part: controller.values[each.name] for each in leg.parameters()}
+        start, end = (number_text(values[what], DIGITS) for what in ("start", "end"))
         first, last = (
-            quantity_text(signal, values[f"split_at_{what}_{leg.number}"], DIGITS)
-            for what in ("start", "end")
+            quantity_text(signal, values[what], DIGITS) for what in ("at_start", "at_end")
         )
         words = f"from {first} at {start} % to {last} at {end} %, level beyond"
         facts.append((signal.name, words))

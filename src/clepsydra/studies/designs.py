@@ -45,7 +45,8 @@ def _differentiated(controller: Controller, analysis: Analysis) -> Controller:
     with a warning.
     """
     period = analysis.operating_point.process.sampling_period
-    times = [v for name, v in controller.values.items() if name.startswith("derivative_time_")]
+    law, values = controller.law, controller.values
+    times = [values[p.name] for p in law.parameters if p.part == "derivative_time"]
     if max(times) < period:
         raise NotApplicable(
             controller.name,

@@ -1,5 +1,6 @@
 """A controller behind a plant shell, run scan by scan by its law's own function."""
 
+from law_function import by_path
 from scan_rig import ScannedLaw
 
 from clepsydra import Signal
@@ -13,19 +14,22 @@ PUMP = Signal("pump_1", "V", low=0.0, high=10.0, initial=3.0)
 
 def one_loop(form=None, level=LEVEL, rate_limited=False, **values):
     """PI control of one level, at rest at 5 V and 3 V; 16 V of range are 16 mA."""
-    law = multiloop_pid_law(
-        1, form, measured=[level], manipulated=[PUMP], rate_limited=rate_limited
-    )
+    law = multiloop_pid_law([level], [PUMP], form, rate_limited=rate_limited)
     chosen = {parameter.name: parameter.initial for parameter in law.parameters}
-    chosen |= {"proportional_gain_1": 2.0, "integral_time_1": 40.0, "tracking_time_1": 10.0}
-    chosen |= {"derivative_time_1": 8.0, "derivative_filter_1": 5.0} | values
+    chosen |= {
+        "level_1.proportional_gain": 2.0,
+        "level_1.integral_time": 40.0,
+        "level_1.tracking_time": 10.0,
+    }
+    chosen |= {"level_1.derivative_time": 8.0, "level_1.derivative_filter": 5.0}
+    chosen |= by_path(law.parameters, values)
     chosen = {parameter.name: chosen[parameter.name] for parameter in law.parameters}
     state = {entry.name: entry.initial for entry in law.state}
-    state |= {"integral_1": 3.0, "last_output_1": 3.0, "filtered_signal_1": 5.0}
+    state |= {"level_1.integral": 3.0, "pump_1.last_output": 3.0, "level_1.filtered_signal": 5.0}
     state = {
         entry.name: state[entry.name]
         for entry in law.state
-        if entry.name.removeprefix("last_") not in chosen
+        if entry.name.replace("last_", "") not in chosen
     }
     return Controller(
         "PI, by hand", "multiloop PI", "By hand.", law, chosen, state, ("level_1",), ("level_1",),
@@ -33,7 +37,7 @@ def one_loop(form=None, level=LEVEL, rate_limited=False, **values):
     )  # fmt: skip
 
 
-AT_REST = {"setpoint_1": 5.0, "measurement_1": 5.0, "manual_1": 3.0, "tracking_1": 3.0}
+AT_REST = {"level_1.sp": 5.0, "level_1.pv": 5.0, "pump_1.manual": 3.0, "pump_1.tracking": 3.0}
 
 
 _shelled = {}

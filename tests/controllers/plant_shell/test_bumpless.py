@@ -36,7 +36,7 @@ BUMP = 1e-9
 def shelled(name, process):
     """The controller and behind a shell that fails safe at 40 % of its range, and its plant."""
     controller, plant = designed(name, process)
-    (signal,) = (s for s in controller.law.outputs if s.name == "manipulated_1")
+    signal = controller.law.outputs[0]
     safe = dict.fromkeys(controller.manipulated, signal.low + 0.4 * signal.span)
     shell = PlantShell(fail_safe=safe)
     return controller, with_plant_shell(controller, plant.process.sampling_period, shell), plant
@@ -46,36 +46,32 @@ class Rig:
     def __init__(self, name, process):
         self.controller, behind_shell, plant = shelled(name, process)
         self.period = plant.process.sampling_period
-        signals = {s.name: s for s in self.controller.law.outputs}
-        self.span = signals["manipulated_1"].span
-        low = signals["manipulated_1"].low
-        self.numbers = range(1, len(self.controller.manipulated) + 1)
+        first = self.controller.law.outputs[0]
+        self.span, low = first.span, first.low
         self.safe = low + 0.4 * self.span
         self.moved = low + 0.55 * self.span
         self.loop = ScannedLaw(behind_shell, self.period, **at_rest(behind_shell, plant))
         self.loop.scans(20)
 
     def all(self, what, value):
-        return {f"{what}_{i}": value for i in self.numbers}
+        return {f"{name}.{what}": value for name in self.controller.manipulated}
 
     def elsewhere(self, share=0.02):
         """Other measurements, and setpoints that ask for nothing more than these."""
         inputs = {s.name: s for s in self.controller.law.inputs}
         given = {}
-        for k in range(1, len(self.controller.measurements) + 1):
-            name = f"measurement_{k}"
+        for name in (f"{each}.pv" for each in self.controller.measurements):
             given[name] = self.loop.inputs[name] + share * inputs[name].span
-        for j, name in enumerate(self.controller.setpoints, start=1):
-            k = self.controller.measurements.index(name) + 1
-            given[f"setpoint_{j}"] = given[f"measurement_{k}"]
+        for name in self.controller.setpoints:
+            given[f"{name}.sp"] = given[f"{name}.pv"]
         return given
 
     def sensors(self, good):
-        count = len(self.controller.measurements)
-        return {f"sensor_{k}": float(good) for k in range(1, count + 1)}
+        return {f"{name}.good": float(good) for name in self.controller.measurements}
 
     def bump(self, outputs, value):
-        return max(abs(outputs[f"manipulated_{i}"] - value) for i in self.numbers) / self.span
+        moved = (outputs[f"{name}.out"] for name in self.controller.manipulated)
+        return max(abs(each - value) for each in moved) / self.span
 
 
 @pytest.mark.sampled
@@ -123,12 +119,13 @@ def test_a_warm_start_takes_up_the_present_measurement(name, process):
 def after_warm_start(rig, scans):
     """How far an output goes in the first scan in force after so many of taking up."""
     rig.loop.values["take_up_scans"] = scans
-    before = [rig.loop.scan()[f"manipulated_{i}"] for i in rig.numbers][-1]
+    last = f"{rig.controller.manipulated[-1]}.out"
+    before = [rig.loop.scan()[last] for _ in rig.controller.manipulated][-1]
     outputs = rig.loop.scan(start=1, **rig.elsewhere())
     for _ in range(int(scans)):
-        assert abs(outputs[f"manipulated_{rig.numbers[-1]}"] - before) <= BUMP * rig.span
+        assert abs(outputs[last] - before) <= BUMP * rig.span
         outputs = rig.loop.scan(start=0)
-    return abs(outputs[f"manipulated_{rig.numbers[-1]}"] - before) / rig.span
+    return abs(outputs[last] - before) / rig.span
 
 
 @pytest.mark.parametrize(("name", "process", "bound"), IN_TIME)
@@ -142,13 +139,13 @@ def test_a_law_that_remembers_measurements_takes_more_scans(name, process, bound
 
 def test_a_warm_start_waits_for_the_sensors():
     rig = Rig("PI, SIMC", "quadruple-tank")
-    before = rig.loop.scan()["manipulated_1"]
+    before = rig.loop.scan()["pump_1.out"]
     rig.loop.scan(start=1, **rig.sensors(False))
     rig.loop.scans(2, start=0)
     elsewhere = rig.elsewhere()
     for _ in range(3):
         outputs = rig.loop.scan(**rig.sensors(True), **elsewhere)
-        assert abs(outputs["manipulated_1"] - before) / rig.span <= BUMP
+        assert abs(outputs["pump_1.out"] - before) / rig.span <= BUMP
 
 
 def test_fail_safe_begins_and_ends_in_manual_where_the_hand_says():

@@ -73,13 +73,13 @@ def test_what_is_no_controller_or_no_settings_is_refused():
 def test_a_law_in_python_is_refused_with_the_remedy():
     law = python_law(
         "still",
-        lambda state, inputs, parameters, time_step: ({}, {"manipulated_1": 3.0}),
-        inputs=[Signal("measurement_1")],
-        outputs=[Signal("manipulated_1")],
+        lambda state, inputs, parameters, time_step: ({}, {"pump_1.out": 3.0}),
+        inputs=[Signal("level_1.pv")],
+        outputs=[Signal("pump_1.out")],
     )
     controller = Controller(
-        "still", "own law", "", law, {"low_limit_1": 0.0, "high_limit_1": 10.0},
-        {"last_output_1": 3.0}, ("level_1",), (), ("pump_1",),
+        "still", "own law", "", law, {"pump_1.low_limit": 0.0, "pump_1.high_limit": 10.0},
+        {"pump_1.last_output": 3.0}, ("level_1",), (), ("pump_1",),
     )  # fmt: skip
     with refused(remedy="write it as expressions, by step_law"):
         with_plant_shell(controller, 1.0)
@@ -92,14 +92,14 @@ def whole_law(inputs, **options):
         inputs=[Signal(name) for name in inputs],
         parameters=[Signal(name, initial=2.0) for name in options.get("parameters", ())],
         state=[],
-        outputs=[Signal("manipulated_1", "V", low=0.0, high=10.0), Signal("status_1")],
+        outputs=[Signal("pump_1.out", "V", low=0.0, high=10.0), Signal("pump_1.status")],
         equations=lambda s: Equations(
-            {}, {"manipulated_1": 4.0, "status_1": 17.0 - 16.0 * s.get("sensor_1", 1.0)}
+            {}, {"pump_1.out": 4.0, "pump_1.status": 17.0 - 16.0 * s.get("level_1.good", 1.0)}
         ),
     )
 
 
-ALL = ("measurement_1", "sensor_1", "mode_1", "manual_1", "tracking_1", "time_step")
+ALL = ("level_1.pv", "level_1.good", "pump_1.mode", "pump_1.manual", "pump_1.tracking", "time_step")
 
 
 def own_controller(law, **values):
@@ -116,14 +116,14 @@ def test_a_law_without_modes_is_refused():
 def test_a_law_without_limits_has_no_rate_limit_and_still_fails_safe():
     controller = own_controller(whole_law(ALL))
     shelled = with_plant_shell(controller, 1.0, PlantShell(fail_safe={"pump_1": 1.0}))
-    assert "rate_limit_1" not in shelled.values
+    assert "pump_1.rate_limit" not in shelled.values
     assert any("no limits of pump_1" in note for note in shelled.notes)
     with refused(expected="no limits"):
         with_plant_shell(controller, 1.0, PlantShell(rate_limit={"pump_1": 1.0}))
     loop = ScannedLaw(shelled, 1.0)
-    assert loop.scans(4, sensor_1=0, mode_1=1)["manipulated_1"] == 4.0
-    assert loop.scan()["manipulated_1"] == 1.0
-    assert loop.state["last_output_1"] == 1.0
+    assert loop.scans(4, level_1_good=0, pump_1_mode=1)["pump_1.out"] == 4.0
+    assert loop.scan()["pump_1.out"] == 1.0
+    assert loop.state["pump_1.last_output"] == 1.0
 
 
 def test_a_name_of_the_shell_in_the_law_is_refused():
@@ -148,13 +148,15 @@ def test_where_each_number_comes_from():
     sources = shell_sources(shelled)
     added = {p.name for p in shelled.law.parameters} - set(one_loop().values)
     assert set(sources) == added
-    assert sources["range_low_1"] == sources["rate_limit_1"] == "setting of the plant shell"
-    assert sources["sensor_delay_1"] == "default: 4 s"
-    assert sources["setpoint_rate_1"] == "default: no ramp"
+    assert (
+        sources["level_1.range_low"] == sources["pump_1.rate_limit"] == "setting of the plant shell"
+    )
+    assert sources["level_1.sensor_delay"] == "default: 4 s"
+    assert sources["level_1.setpoint_rate"] == "default: no ramp"
     plain = shell_sources(with_plant_shell(one_loop(), 1.0))
-    assert plain["range_high_1"] == "range of level_1 in the process file"
-    assert plain["rate_limit_1"] == "default: no rate limit"
-    assert plain["fail_safe_1"] == "default: low limit of pump_1"
+    assert plain["level_1.range_high"] == "range of level_1 in the process file"
+    assert plain["pump_1.rate_limit"] == "default: no rate limit"
+    assert plain["pump_1.fail_safe"] == "default: low limit of pump_1"
     assert shell_sources(one_loop()) == {}
 
 
@@ -165,9 +167,9 @@ def test_the_result_is_a_whole_controller():
     assert (shelled.name, shelled.family, shelled.design) == (bare.name, bare.family, bare.design)
     assert set(shelled.values) == {p.name for p in shelled.law.parameters}
     assert set(shelled.initial_state) == {s.name for s in shelled.law.state}
-    assert shelled.values["low_limit_1"] == bare.values["low_limit_1"]
+    assert shelled.values["pump_1.low_limit"] == bare.values["pump_1.low_limit"]
     assert shelled.program().name == "multiloop_pi_with_shell"
-    again = replace(shelled, values=shelled.values | {"sensor_delay_1": 2.0})
+    again = replace(shelled, values=shelled.values | {"level_1.sensor_delay": 2.0})
     assert again.program().parameters[-1].name == "take_up_scans"
 
 
@@ -176,8 +178,8 @@ def test_the_bits_fit_a_word_of_16_and_are_in_the_comment():
     assert values == [2**k for k in range(15)] and sum(values) < 2**15
     outputs = {s.name: s for s in with_plant_shell(one_loop(), 1.0).law.outputs}
     for bit in SHELL_STATUS_BITS.values():
-        assert f" {bit.value} " in outputs["status_1"].description
-    assert outputs["status_1"].kind == "integer"
+        assert f" {bit.value} " in outputs["pump_1.status"].description
+    assert outputs["pump_1.status"].kind == "integer"
 
 
 def test_free_outputs_are_wired_to_the_controller_and_checked():
@@ -186,8 +188,8 @@ def test_free_outputs_are_wired_to_the_controller_and_checked():
     law, signals = shelled.law, (["level_1"], ["level_1"], ["pump_1"])
     with refused(value="watchdog"):
         check_wiring(law, *signals, "PI", free=shelled.free_inputs)
-    for wrong in ("whatchdog", "status_1"):
+    for wrong in ("whatchdog", "pump_1.status"):
         with refused(place="free outputs"):
             check_wiring(law, *signals, "PI", free=shelled.free_inputs, free_outputs=(wrong,))
-    plain = multiloop_pid_law(1, measured=[LEVEL])
+    plain = multiloop_pid_law([LEVEL], ["pump_1"])
     check_wiring(plain, *signals, "PI")

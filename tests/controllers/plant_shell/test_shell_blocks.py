@@ -36,15 +36,15 @@ def scans(controller, count):
     period = controller.values["sampling_period"]
     found = {}
     for signal in controller.law.inputs:
-        stem = signal.name.rpartition("_")[0]
+        part = signal.part
         column = np.full(count, signal.initial)
-        if stem in ("measurement", "setpoint", "manual", "tracking"):
+        if part in ("pv", "sp", "manual", "tracking"):
             low, high = (end if np.isfinite(end) else 16.0 for end in (signal.low, signal.high))
             column = random.normal(0.5 * (low + high), 0.25 * abs(high - low), count)
             column[random.random(count) < 0.02] = np.nan
-        elif stem == "sensor":
+        elif part == "good":
             column = 1.0 * (random.random(count) < 0.95)
-        elif stem == "mode":
+        elif part == "mode":
             column = np.repeat(random.choice([0.0, 1.0, 1.0, 2.0, 3.0], count // 20), 20)
         elif signal.name == "time_step":
             column = np.where(random.random(count) < 0.9, period, np.nan)
@@ -88,11 +88,11 @@ def test_blocks_compute_the_bits_of_the_flat_law(name, process):
 def test_the_state_of_the_shell_lives_in_instances_named_after_the_signals():
     program = with_owned_state(shelled("PI, SIMC", "quadruple-tank").program())
     instances = [call.instance for call in program.calls]
-    for name in ("level_1_check", "level_1_ramp", "pump_2_command", "pump_2_status"):
+    for name in ("level_1_check", "level_1_ramp", "pump_2_command", "pump_2_status_word"):
         assert instances.count(name) == 1
     owned = owned_by_calls(program)
     left = [entry.name for place, entry in enumerate(program.state) if place not in owned]
-    assert left == ["last_output_1", "last_output_2"]
+    assert left == ["pump_1.last_output", "pump_2.last_output"]
     checks = [call.program for call in program.calls if call.instance.endswith("_check")]
     assert len(checks) == 2 and checks[0] == checks[1]
 
@@ -102,9 +102,10 @@ def test_a_law_that_tells_its_bits_is_not_asked_for_its_word():
 
     def telling(symbols):
         found = bare.law.equations(symbols)
-        word = found.outputs["status_1"]
+        word = found.outputs["pump_1.status"]
         told = {
-            f"told_{name}_1": ca.floor(word / bit.value) - 2 * ca.floor(word / (2 * bit.value)) == 1
+            f"pump_1.told_{name}": ca.floor(word / bit.value) - 2 * ca.floor(word / (2 * bit.value))
+            == 1
             for name, bit in STATUS_BITS.items()
         }
         return Equations(found.next_state, found.outputs, {**found.intermediates, **told})
@@ -119,10 +120,10 @@ def test_a_law_that_tells_its_bits_is_not_asked_for_its_word():
         call.program for call in structured_program_of(shelled.law).calls if call.instance == "law"
     )
     ports = {signal.name: signal.kind for signal in block.outputs}
-    assert "status_1" not in ports and ports["told_invalid_input_1"] == "boolean"
+    assert "pump_1.status" not in ports and ports["pump_1.told_invalid_input"] == "boolean"
     inputs, count = scans(shelled, 600), 600
     found, expected = (
-        Kernel(each.program()).run(count, inputs=inputs).output("status_1")[0]
+        Kernel(each.program()).run(count, inputs=inputs).output("pump_1.status")[0]
         for each in (shelled, shelled_loop(1.0).controller)
     )
     assert len(np.unique(expected)) > 20

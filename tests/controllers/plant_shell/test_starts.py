@@ -24,10 +24,9 @@ def random_scans(program, samples, seed):
     random = np.random.default_rng(seed)
     found = {}
     for signal in program.inputs:
-        stem = signal.name.rpartition("_")[0]
-        if stem == "mode":
+        if signal.part == "mode":
             found[signal.name] = random.choice([0.0, 1.0, 1.0, 1.0, 2.0], size=samples)
-        elif stem == "sensor":
+        elif signal.part == "good":
             found[signal.name] = (random.random(samples) < 0.9).astype(float)
         elif signal.name in ("start", "acknowledge"):
             found[signal.name] = np.zeros(samples)
@@ -75,32 +74,33 @@ def test_a_cold_start_is_a_fresh_start_in_every_bit(name, process, before):
         return
     # Without the cold start what went before is felt.
     joined["start"][before] = 0.0
-    other = Kernel(program).run(before + after, inputs=joined).output("manipulated_1")[0]
-    assert not np.array_equal(other[before:], fresh.output("manipulated_1")[0])
+    moved = program.outputs[0].name
+    other = Kernel(program).run(before + after, inputs=joined).output(moved)[0]
+    assert not np.array_equal(other[before:], fresh.output(moved)[0])
 
 
 @pytest.mark.parametrize("start", [1, 2])
 def test_a_start_forgets_how_long_a_fault_has_lasted(start):
     loop = shelled_loop(1.0)
-    loop.scans(4, sensor_1=0)
-    assert loop.state["fault_scans_1"] == 4.0
+    loop.scans(4, level_1_good=0)
+    assert loop.state["level_1.fault_scans"] == 4.0
     outputs = loop.scan(start=start)
-    assert loop.state["fault_scans_1"] == 1.0
-    assert not int(outputs["status_1"]) & 1024
+    assert loop.state["level_1.fault_scans"] == 1.0
+    assert not int(outputs["pump_1.status"]) & 1024
 
 
 @pytest.mark.parametrize(("start", "kept"), [(1, True), (2, False)])
 def test_a_warm_start_keeps_what_is_latched_and_a_cold_one_does_not(start, kept):
     loop = shelled_loop(1.0)
-    loop.scans(6, sensor_1=0)
-    outputs = loop.scan(start=start, sensor_1=1)
-    assert bool(int(outputs["status_1"]) & 1024) == kept
+    loop.scans(6, level_1_good=0)
+    outputs = loop.scan(start=start, level_1_good=1)
+    assert bool(int(outputs["pump_1.status"]) & 1024) == kept
 
 
 def test_a_warm_start_in_manual_leaves_the_hand_alone():
     loop = shelled_loop(1.0)
     loop.scan()
-    assert loop.scan(start=1, mode_1=0, manual_1=7.0)["manipulated_1"] == 7.0
+    assert loop.scan(start=1, pump_1_mode=0, pump_1_manual=7.0)["pump_1.out"] == 7.0
 
 
 def test_the_watchdog_counts_to_32767_and_over_again():
@@ -127,25 +127,25 @@ def test_a_watchdog_that_memory_spoilt_counts_on_within_its_range(spoilt):
 def test_the_scan_time_is_told_if_it_is_off_by_more_than_a_tenth(time_step, off):
     loop = shelled_loop(0.5)
     outputs = loop.scan(time_step=time_step)
-    assert ("scan_time_off" in read_status(int(outputs["status_1"]))) == off
+    assert ("scan_time_off" in read_status(int(outputs["pump_1.status"]))) == off
     # The scan of a start is not judged.
     outputs = loop.scan(start=1)
-    assert "scan_time_off" not in read_status(int(outputs["status_1"]))
+    assert "scan_time_off" not in read_status(int(outputs["pump_1.status"]))
 
 
 @pytest.mark.parametrize("time_step", [0.0, -1.0, math.nan, math.inf])
 def test_a_time_step_that_is_none_has_its_own_bit(time_step):
     outputs = shelled_loop(0.5).scan(time_step=time_step)
-    assert read_status(int(outputs["status_1"])) == ("automatic", "invalid_time_step")
+    assert read_status(int(outputs["pump_1.status"])) == ("automatic", "invalid_time_step")
 
 
 def test_the_measured_time_step_is_what_the_law_gets():
     """K/Ti e Δt with K = 2, Ti = 40 s, e = 1."""
     loop = shelled_loop(0.5)
     loop.scan()
-    before = loop.state["integral_1"]
-    loop.scan(setpoint_1=6.0, time_step=0.8)
-    assert loop.state["integral_1"] - before == pytest.approx(2.0 / 40.0 * 0.8, abs=1e-15)
+    before = loop.state["level_1.integral"]
+    loop.scan(level_1_sp=6.0, time_step=0.8)
+    assert loop.state["level_1.integral"] - before == pytest.approx(2.0 / 40.0 * 0.8, abs=1e-15)
 
 
 @pytest.mark.parametrize("start", [1, 2])
@@ -154,11 +154,11 @@ def test_a_start_that_is_held_acts_once(start):
     loop = shelled_loop(1.0)
     loop.scan()
     loop.scan(start=start)
-    moved = [loop.scan(measurement_1=4.0)["manipulated_1"] for _ in range(4)]
+    moved = [loop.scan(level_1_pv=4.0)["pump_1.out"] for _ in range(4)]
     # K e and K/Ti e Δt with K = 2, Ti = 40 s, e = 1, in the scan after the start with one of
     # taking up where it is warm: there the present error makes no bump.
     assert np.diff(moved)[1:] == pytest.approx([0.05] * 2, abs=1e-12)
-    told = [bool(int(loop.scan(sensor_1=0)["status_1"]) & 1024) for _ in range(6)]
+    told = [bool(int(loop.scan(level_1_good=0)["pump_1.status"]) & 1024) for _ in range(6)]
     assert told == [False] * 4 + [True] * 2
 
 
@@ -179,10 +179,10 @@ def test_only_a_change_of_start_to_one_or_two_is_a_start():
 
 def test_the_first_scan_of_a_new_block_may_be_a_start():
     loop = shelled_loop(1.0)
-    outputs = loop.scan(start=1, setpoint_1=9.0)
-    assert "following" in read_status(int(outputs["status_1"]))
-    assert outputs["manipulated_1"] == 3.0
-    assert shelled_loop(1.0).scan(setpoint_1=9.0)["manipulated_1"] != 3.0
+    outputs = loop.scan(start=1, level_1_sp=9.0)
+    assert "following" in read_status(int(outputs["pump_1.status"]))
+    assert outputs["pump_1.out"] == 3.0
+    assert shelled_loop(1.0).scan(level_1_sp=9.0)["pump_1.out"] != 3.0
 
 
 @pytest.mark.parametrize("scans", [1, 3])
@@ -192,8 +192,8 @@ def test_following_is_told_for_as_long_as_the_law_takes_up(scans):
     told = []
     for k in range(6):
         outputs = loop.scan(start=float(k == 1))
-        told.append("following" in read_status(int(outputs["status_1"])))
+        told.append("following" in read_status(int(outputs["pump_1.status"])))
     assert told == [1 <= k <= scans for k in range(6)]
     # A hand moves the output itself: nothing is taken up.
-    loop.scan(mode_1=0, start=0)
-    assert int(loop.scan(start=1)["status_1"]) == 0
+    loop.scan(pump_1_mode=0, start=0)
+    assert int(loop.scan(start=1)["pump_1.status"]) == 0

@@ -18,24 +18,24 @@ def unwired(**wired):
 
 
 def told(outputs) -> set[str]:
-    return set(read_status(int(outputs["status_1"])))
+    return set(read_status(int(outputs["pump_1.status"])))
 
 
 def test_nothing_wired_is_a_fault_and_the_fail_safe_value():
     block = unwired()
     for scan in range(8):
         outputs = block.scan()
-        assert outputs["manipulated_1"] == 1.5
+        assert outputs["pump_1.out"] == 1.5
         expected = {"sensor_fault", "invalid_time_step"}
         assert expected <= told(outputs) and "automatic" not in told(outputs)
         assert ("failed_safe" in told(outputs)) == (scan >= 4)
     # 4 mA are 0 V, and 16 V are 16 mA.
-    assert block.inputs["measurement_1"] == -4.0
+    assert block.inputs["level_1.pv"] == -4.0
 
 
-ALL = {"measurement_1": 5.0, "sensor_1": 1.0, "mode_1": 1.0, "time_step": 1.0}
+ALL = {"level_1.pv": 5.0, "level_1.good": 1.0, "pump_1.mode": 1.0, "time_step": 1.0}
 #: What is left unwired, and a bit that tells it.
-FORGOTTEN = {"measurement_1": "sensor_fault", "sensor_1": "sensor_fault",
+FORGOTTEN = {"level_1.pv": "sensor_fault", "level_1.good": "sensor_fault",
              "time_step": "invalid_time_step"}  # fmt: skip
 
 
@@ -52,4 +52,4 @@ def test_with_all_wires_it_is_healthy():
 def test_a_sensor_without_a_range_is_not_good_all_the_same():
     law = shelled_loop(1.0, level=Signal("level_1", "V")).controller.law
     found = {signal.name: signal.initial for signal in law.inputs}
-    assert found["sensor_1"] == 0.0 and found["mode_1"] == 0.0
+    assert found["level_1.good"] == 0.0 and found["pump_1.mode"] == 0.0

@@ -85,10 +85,7 @@ class Imported:
         kind = self.variables[name].type
         return getattr(self.fmu, f"{verb}{kind}"), self.variables[name].valueReference
 
-    def set(self, **values: float) -> None:
-        self.set_all(values)
-
-    def set_all(self, values: dict[str, float]) -> None:
+    def set(self, values: dict[str, float]) -> None:
         for name, value in values.items():
             function, reference = self._function("set", name)
             kind = self.variables[name].type

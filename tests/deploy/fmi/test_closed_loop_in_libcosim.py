@@ -53,12 +53,12 @@ def by_libcosim(tank_path, controller_path, levels) -> np.ndarray:
     controller, of_controller = added(controller_path, "controller")
     for k in (1, 2):
         execution.connect_real_variables(
-            tank, of_tank[f"level_{k}"], controller, of_controller[f"measurement_{k}"]
+            tank, of_tank[f"level_{k}"], controller, of_controller[f"level_{k}.pv"]
         )
         execution.connect_real_variables(
-            controller, of_controller[f"manipulated_{k}"], tank, of_tank[f"pump_{k}"]
+            controller, of_controller[f"pump_{k}.out"], tank, of_tank[f"pump_{k}"]
         )
-        setpoint = of_controller[f"setpoint_{k}"]
+        setpoint = of_controller[f"level_{k}.sp"]
         execution.real_initial_value(controller, setpoint, float(levels[k - 1]))
     observer, manipulator = CosimObserver.create_last_value(), CosimManipulator.create_override()
     execution.add_observer(observer)
@@ -66,10 +66,10 @@ def by_libcosim(tank_path, controller_path, levels) -> np.ndarray:
     rows = []
     for scan in range(SCANS):
         if scan == CHANGE:
-            manipulator.slave_real_values(controller, [of_controller["setpoint_1"]], [SETPOINT])
+            manipulator.slave_real_values(controller, [of_controller["level_1.sp"]], [SETPOINT])
         assert execution.step()
         measured = [of_tank[f"level_{k}"] for k in (1, 2)]
-        moved = [of_controller[f"manipulated_{k}"] for k in (1, 2)]
+        moved = [of_controller[f"pump_{k}.out"] for k in (1, 2)]
         rows.append(
             [
                 *observer.last_real_values(tank, measured),
@@ -82,13 +82,13 @@ def by_libcosim(tank_path, controller_path, levels) -> np.ndarray:
 def by_fmpy(tank_path, controller_path, folder, levels) -> np.ndarray:
     """Do the same step by step: both step together, then each gets what the other one shows."""
     tank, controller = Imported(tank_path, folder), Imported(controller_path, folder)
-    controller.set_all({f"setpoint_{k}": levels[k - 1] for k in (1, 2)})
+    controller.set({f"level_{k}.sp": levels[k - 1] for k in (1, 2)})
     tank.enter()
     controller.enter()
 
     def exchange():
-        controller.set_all({f"measurement_{k}": tank.get(f"level_{k}") for k in (1, 2)})
-        tank.set_all({f"pump_{k}": controller.get(f"manipulated_{k}") for k in (1, 2)})
+        controller.set({f"level_{k}.pv": tank.get(f"level_{k}") for k in (1, 2)})
+        tank.set({f"pump_{k}": controller.get(f"pump_{k}.out") for k in (1, 2)})
 
     exchange()
     tank.fmu.exitInitializationMode()
@@ -96,12 +96,12 @@ def by_fmpy(tank_path, controller_path, folder, levels) -> np.ndarray:
     rows = []
     for scan in range(SCANS):
         if scan == CHANGE:
-            controller.set(setpoint_1=SETPOINT)
+            controller.set({"level_1.sp": SETPOINT})
         for fmu in (tank, controller):
             fmu.step(float(scan), 1.0)
         exchange()
         shown = [tank.get(f"level_{k}") for k in (1, 2)]
-        rows.append([*shown, *(controller.get(f"manipulated_{k}") for k in (1, 2))])
+        rows.append([*shown, *(controller.get(f"pump_{k}.out") for k in (1, 2))])
     tank.close()
     controller.close()
     return np.array(rows)

@@ -63,7 +63,7 @@ def test_every_bit_is_that_of_the_engine(name, version, tmp_path):
     fmu = Imported(path, tmp_path).initialise()
     found = np.empty_like(expected)
     for scan in range(SCANS):
-        fmu.set_all({name: values[scan] for name, values in inputs.items()})
+        fmu.set({name: values[scan] for name, values in inputs.items()})
         fmu.step(scan * period, period)
         found[scan] = fmu.get_all(names)
     fmu.close()
@@ -95,7 +95,7 @@ def importing(request, paths):
 #: States of the loop that moves the first pump.
 INTEGRAL, LAST_OUTPUT = "pump_1_loop.integral", "pump_1_loop.last_output"
 #: A setpoint above its measurement.
-STEP = {"setpoint_1": 6.3, "measurement_1": 6.0, "setpoint_2": 6.0, "measurement_2": 6.0}
+STEP = {"level_1.sp": 6.3, "level_1.pv": 6.0, "level_2.sp": 6.0, "level_2.pv": 6.0}
 
 
 def test_a_state_has_the_name_of_the_instance_that_holds_it():
@@ -110,42 +110,42 @@ def test_a_state_has_the_name_of_the_instance_that_holds_it():
 def test_before_the_first_step_the_outputs_are_those_of_a_scan_that_leaves_no_trace(importing):
     fmu = importing()
     fmu.enter()
-    fmu.set_all(STEP)
-    before = fmu.get("manipulated_1"), fmu.get(LAST_OUTPUT)
-    fmu.set(setpoint_1=6.2)
-    assert fmu.get("manipulated_1") != before[0]
-    fmu.set(setpoint_1=6.3)
+    fmu.set(STEP)
+    before = fmu.get("pump_1.out"), fmu.get(LAST_OUTPUT)
+    fmu.set({"level_1.sp": 6.2})
+    assert fmu.get("pump_1.out") != before[0]
+    fmu.set({"level_1.sp": 6.3})
     fmu.fmu.exitInitializationMode()
-    assert (fmu.get("manipulated_1"), fmu.get(LAST_OUTPUT)) == before
+    assert (fmu.get("pump_1.out"), fmu.get(LAST_OUTPUT)) == before
     fmu.step(0.0, 1.0)
-    assert fmu.get("manipulated_1") == before[0]
+    assert fmu.get("pump_1.out") == before[0]
     assert fmu.get(LAST_OUTPUT) != before[1]
 
 
 def test_outputs_hold_while_inputs_change_between_the_scans(importing):
     fmu = importing().initialise()
-    fmu.set_all(STEP)
+    fmu.set(STEP)
     fmu.step(0.0, 1.0)
-    held = fmu.get("manipulated_1")
-    fmu.set(setpoint_1=9.0)
-    assert fmu.get("manipulated_1") == held
+    held = fmu.get("pump_1.out")
+    fmu.set({"level_1.sp": 9.0})
+    assert fmu.get("pump_1.out") == held
 
 
 def test_a_scan_runs_when_it_falls_due_however_the_steps_are_cut(importing):
     """Communication steps of a third and of three periods: one scan in each period."""
     whole, parts, long = (importing(name).initialise() for name in ("whole", "parts", "long"))
     for fmu in (whole, parts, long):
-        fmu.set_all(STEP)
+        fmu.set(STEP)
     seen = []
     for scan in range(6):
         whole.step(float(scan), 1.0)
         for part in range(3):
             parts.step(scan + part / 3, 1 / 3)
-            seen.append(parts.get("manipulated_1") == whole.get("manipulated_1"))
+            seen.append(parts.get("pump_1.out") == whole.get("pump_1.out"))
         if scan % 3 == 0:
             long.step(float(scan), 3.0)
     assert all(seen)
-    assert long.get("manipulated_1") == whole.get("manipulated_1")
+    assert long.get("pump_1.out") == whole.get("pump_1.out")
     assert long.get(INTEGRAL) == parts.get(INTEGRAL) == whole.get(INTEGRAL)
 
 
@@ -154,33 +154,33 @@ def test_parameters_are_set_before_the_start_and_tuned_later(importing):
     moves = {}
     for when in ("never", "before", "later"):
         fmu = importing(when)
-        gain = fmu.get("proportional_gain_1")
-        fmu.set(integral_time_1=1e9)
+        gain = fmu.get("level_1.proportional_gain")
+        fmu.set({"level_1.integral_time": 1e9})
         if when == "before":
-            fmu.set(proportional_gain_1=2 * gain)
+            fmu.set({"level_1.proportional_gain": 2 * gain})
         fmu.initialise()
-        fmu.set_all(STEP)
+        fmu.set(STEP)
         fmu.step(0.0, 1.0)
         if when == "later":
-            fmu.set(proportional_gain_1=2 * gain)
-            assert fmu.get("proportional_gain_1") == 2 * gain
+            fmu.set({"level_1.proportional_gain": 2 * gain})
+            assert fmu.get("level_1.proportional_gain") == 2 * gain
         fmu.step(1.0, 1.0)
-        first = fmu.get("manipulated_1")
-        fmu.set(setpoint_1=STEP["setpoint_1"] + 0.1)
+        first = fmu.get("pump_1.out")
+        fmu.set({"level_1.sp": STEP["level_1.sp"] + 0.1})
         fmu.step(2.0, 1.0)
-        moves[when] = (fmu.get("manipulated_1") - first) / (0.1 * gain)
-    weight = fmu.get("setpoint_weight_1")
+        moves[when] = (fmu.get("pump_1.out") - first) / (0.1 * gain)
+    weight = fmu.get("level_1.setpoint_weight")
     expected = {"never": weight, "before": 2 * weight, "later": 2 * weight}
     assert moves == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_state_is_set_before_the_start_only(importing):
     fmu = importing()
-    fmu.set_all({LAST_OUTPUT: 4.0})
+    fmu.set({LAST_OUTPUT: 4.0})
     fmu.initialise()
     assert fmu.get(LAST_OUTPUT) == 4.0
     with pytest.raises(FMICallException):
-        fmu.set_all({LAST_OUTPUT: 5.0})
+        fmu.set({LAST_OUTPUT: 5.0})
     assert fmu.get(LAST_OUTPUT) == 4.0
     assert "cannot be set now" in fmu.said[-1]
 
@@ -188,9 +188,9 @@ def test_a_state_is_set_before_the_start_only(importing):
 def run_on(fmu: Imported, first: int, scans: int) -> list[list[float]]:
     found = []
     for scan in range(first, first + scans):
-        fmu.set(setpoint_1=6.0 + np.sin(scan), measurement_1=6.0)
+        fmu.set({"level_1.sp": 6.0 + np.sin(scan), "level_1.pv": 6.0})
         fmu.step(float(scan), 1.0)
-        found.append(fmu.get_all(["manipulated_1", "manipulated_2", INTEGRAL]))
+        found.append(fmu.get_all(["pump_1.out", "pump_2.out", INTEGRAL]))
     return found
 
 
@@ -236,7 +236,7 @@ def test_reset_starts_anew_and_instances_know_nothing_of_each_other(importing):
         (lambda fmu: fmu.step(float("nan"), 1.0), "the communication point is"),
         (lambda fmu: fmu.step(0.0, 1e300), "too long"),
         (lambda fmu: fmu.fmu.exitInitializationMode(), "not allowed in this phase"),
-        (lambda fmu: fmu.set(manipulated_1=1.0), "cannot be set now"),
+        (lambda fmu: fmu.set({"pump_1.out": 1.0}), "cannot be set now"),
     ],
 )
 def test_what_cannot_be_done_is_refused_in_words(call, text, importing):
@@ -253,7 +253,7 @@ def test_an_unknown_variable_is_refused_with_its_number(importing):
     with pytest.raises(FMICallException):
         (fmu.fmu.getFloat64 if fmu.third else fmu.fmu.getReal)([number])
     assert f"value reference {number}" in fmu.said[-1]
-    mode = fmu.variables["mode_1"].valueReference
+    mode = fmu.variables["pump_1.mode"].valueReference
     with pytest.raises(FMICallException):
         (fmu.fmu.getFloat64 if fmu.third else fmu.fmu.getReal)([mode])
     assert f"value reference {mode}" in fmu.said[-1]

@@ -86,13 +86,13 @@ def test_inputs_start_as_in_every_other_export():
     model = controller_model(ready.program, ready.origin)
     starts = {
         name: model.variable(name).signal.initial
-        for name in ("sensor_1", "measurement_1", "mode_1", "manual_1", "time_step")
+        for name in ("level_1.good", "level_1.pv", "pump_1.mode", "pump_1.manual", "time_step")
     }
     assert starts == {
-        "sensor_1": 0.0,
-        "measurement_1": -2.5,
-        "mode_1": 0.0,
-        "manual_1": 0.0,
+        "level_1.good": 0.0,
+        "level_1.pv": -2.5,
+        "pump_1.mode": 0.0,
+        "pump_1.manual": 0.0,
         "time_step": 0.0,
     }
     assert model.step == 1.0
@@ -139,12 +139,12 @@ def test_outputs_of_co_simulation_hold_and_so_depend_on_nothing_between_steps(de
         first = description.initialUnknowns[0]
         names = {variable.name for variable in first.dependencies}
         assert {
-            "setpoint_1",
-            "measurement_1",
+            "level_1.sp",
+            "level_1.pv",
             "pump_1_loop.integral",
-            "proportional_gain_1",
+            "level_1.proportional_gain",
         } <= names
-        assert not names & {"setpoint_2", "proportional_gain_2"}
+        assert not names & {"level_2.sp", "level_2.proportional_gain"}
 
 
 def test_derivatives_depend_on_what_their_equations_read():

@@ -118,7 +118,7 @@ def exact(point, folder, version: str) -> int:
         equations.at_random(random)
         fmu.set_states(equations.c)
         names = [s.name for s in (*process.inputs, *process.disturbances)]
-        fmu.set_all(dict(zip(names, [*equations.u, *equations.d], strict=True)))
+        fmu.set(dict(zip(names, [*equations.u, *equations.d], strict=True)))
         expected = equations.call("rates")
         found = fmu.vector("Derivatives", size)
         assert np.array_equal(all_bits(found), all_bits(expected))
@@ -303,7 +303,7 @@ def test_the_modes_are_kept_apart(version, tanks):
         fmu.set_states(np.zeros(3))
     assert "the model has 4 of them, not 3" in fmu.said[-1]
     with pytest.raises(FMICallException):
-        fmu.set_all({"tank_1.area": 1.0})
+        fmu.set({"tank_1.area": 1.0})
     assert "cannot be set now" in fmu.said[-1]
     kept = fmu.state()
     fmu.set_states([0.1, 0.1, 0.05, 0.05])

@@ -33,7 +33,7 @@ def proven(point, substeps: int, folder, version: str, samples: int = SAMPLES) -
     assert fmu.get_all(names) == pytest.approx([s.initial for s in program.outputs], rel=1e-12)
     found = np.empty_like(expected)
     for sample in range(samples):
-        fmu.set_all({name: values[sample] for name, values in inputs.items()})
+        fmu.set({name: values[sample] for name, values in inputs.items()})
         fmu.step(sample * period, period)
         found[sample] = fmu.get_all(names)
     fmu.close()
@@ -79,7 +79,7 @@ def importing(request, paths):
 def test_steps_of_any_length_that_is_a_multiple_of_the_integration_step(importing):
     one, other = importing("one").initialise(10.0), importing("other").initialise(10.0)
     for fmu in (one, other):
-        fmu.set(pump_1=3.4)
+        fmu.set({"pump_1": 3.4})
     for sample in range(12):
         one.step(10.0 + sample, 1.0)
     time = 10.0
@@ -101,7 +101,7 @@ def test_another_step_is_refused_with_the_integration_step(length, importing):
 
 def test_the_outputs_at_the_start_follow_the_state_that_is_set(importing):
     fmu = importing()
-    fmu.set_all({"tank_1.level": 0.06, "level_1.gain": 100.0})
+    fmu.set({"tank_1.level": 0.06, "level_1.gain": 100.0})
     fmu.initialise()
     assert fmu.get("tank_1.level") == 0.06
     assert fmu.get("level_1") == pytest.approx(6.0, rel=1e-15)

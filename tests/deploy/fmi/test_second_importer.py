@@ -103,7 +103,7 @@ def test_a_controller_gives_the_same_numbers(version, simulator, tmp_path):
     found = simulated(simulator, path, "co-simulation", 1.0, float(STEPS), start=start)
     assert list(found["time"]) == list(range(STEPS + 1))
     fmu = Imported(path, tmp_path)
-    fmu.set_all(start)
+    fmu.set(start)
     fmu.initialise()
     for scan in range(STEPS + 1):
         for variable in model.outputs:
@@ -124,7 +124,7 @@ def test_a_process_gives_the_same_numbers(version, simulator, tmp_path):
     assert list(found["time"]) == list(time)
     fmu = Imported(path, tmp_path).initialise()
     for sample in range(STEPS):
-        fmu.set(feed=inputs["feed"][sample])
+        fmu.set({"feed": inputs["feed"][sample]})
         fmu.step(float(sample), 1.0)
         for variable in model.outputs:
             assert found[variable.name][sample + 1] == fmu.get(variable.name)

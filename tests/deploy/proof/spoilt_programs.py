@@ -17,9 +17,10 @@ from clepsydra.program.program import Conditional, Loop, Operation, Program
 
 @lru_cache
 def level_control() -> Program:
-    law = multiloop_pid_law(1, PidForm())
-    values = {"proportional_gain_1": 2.7, "integral_time_1": 31.0, "setpoint_weight_1": 0.7,
-              "high_limit_1": 10.0, "last_output_1": 3.0, "integral_1": 3.0}  # fmt: skip
+    law = multiloop_pid_law(["level_1"], ["pump_1"], PidForm())
+    values = {"level_1.proportional_gain": 2.7, "level_1.integral_time": 31.0,
+              "level_1.setpoint_weight": 0.7, "pump_1.high_limit": 10.0, "pump_1.last_output": 3.0,
+              "level_1.integral": 3.0}  # fmt: skip
     return with_defaults(program_of(law), values)
 
 

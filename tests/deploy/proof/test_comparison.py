@@ -98,13 +98,13 @@ def test_verdicts(difference, bound, verdict):
 def test_coverage_names_the_bits_that_lay_still():
     program = Program(
         "law", (), (), (),
-        (Signal("status_1", kind="integer", low=0.0, high=7.0), Signal("good", kind="boolean"),
+        (Signal("pump_1.status", kind="integer", low=0.0, high=7.0), Signal("good", kind="boolean"),
          Signal("y")),
         Block(0, (), ()),
     )  # fmt: skip
     seen = coverage(program, table([1, 1, 2.0], [3, 1, 2.0], [3, 1, np.nan]))
-    assert seen.seen == ("status_1 bit 1",)
-    assert seen.unseen == ("status_1 bit 0", "status_1 bit 2", "good")
+    assert seen.seen == ("pump_1.status bit 1",)
+    assert seen.unseen == ("pump_1.status bit 0", "pump_1.status bit 2", "good")
     assert seen.still == ("y",) and seen.moved == ()
     # A bit of a status word alone does not make a proof.
     assert seen.is_idle and "never moved: y" in seen.sentence

@@ -89,31 +89,31 @@ from clepsydra.program.step_law import Equations, step_law
 import casadi as ca
 
 def equations(s):
-    error = s["setpoint_1"] - s["measurement_1"]
+    error = s["level_1.sp"] - s["level_1.pv"]
     wanted = s["gain"] * error + s["summed"]
     rests = ca.logic_and(ca.fabs(error) < 0.01, s["quiet"] > 3)
     quiet = ca.if_else(ca.fabs(error) < 0.1, ca.fmin(s["quiet"] + 1, 9), 0)
-    moved = ca.if_else(rests, s["last_output_1"], wanted)
+    moved = ca.if_else(rests, s["pump_1.last_output"], wanted)
     following = ca.if_else(rests, s["summed"], s["summed"] + error * s["time_step"] / 30)
-    return Equations({"summed": following, "quiet": quiet}, {"manipulated_1": moved},
+    return Equations({"summed": following, "quiet": quiet}, {"pump_1.out": moved},
                      {"error": error, "rests": rests})
 
 law = step_law(
     "resting_pi",
-    inputs=[Signal("setpoint_1", "V"), Signal("measurement_1", "V"), Signal("time_step", "s"),
-            Signal("last_output_1", "V")],
+    inputs=[Signal("level_1.sp", "V"), Signal("level_1.pv", "V"), Signal("time_step", "s"),
+            Signal("pump_1.last_output", "V")],
     parameters=[Signal("gain", "V/V", initial=2.0)],
     state=[Signal("summed", "V", initial=3.0), Signal("quiet", low=0.0, high=9.0)],
-    outputs=[Signal("manipulated_1", "V")],
+    outputs=[Signal("pump_1.out", "V")],
     equations=equations,
 )
 """
 PYTHON_LAW = """\
-inputs = ["setpoint_1", "measurement_1"]
-outputs = ["manipulated_1"]
+inputs = ["level_1.sp", "level_1.pv"]
+outputs = ["pump_1.out"]
 
 def step(state, inputs, parameters, time_step):
-    return {}, {"manipulated_1": 3.0 + inputs["setpoint_1"] - inputs["measurement_1"]}
+    return {}, {"pump_1.out": 3.0 + inputs["level_1.sp"] - inputs["level_1.pv"]}
 """
 RULES = """\
 [inputs.e]

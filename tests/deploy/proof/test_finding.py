@@ -64,7 +64,7 @@ def test_the_worst_is_said_first_and_with_how_much(rows, said):
 @pytest.mark.parametrize("columns", [80, 100])
 @pytest.mark.parametrize("whole", [False, True])
 def test_no_name_is_broken(columns, whole):
-    still = {LONG: Coverage((), (), ("manipulated_2",), ("manipulated_1",))}
+    still = {LONG: Coverage((), (), ("pump_2.out",), ("pump_1.out",))}
     proof = Proof((row("C"), row("C", subject=LONG)), still)
     console = Console(width=columns, file=io.StringIO(), record=True)
     console.print(proof_screen(proof, whole=whole))
@@ -72,6 +72,6 @@ def test_no_name_is_broken(columns, whole):
     place = lines.index("LQG  equal in every bit: C")
     assert lines[place + 1 : place + 3] == [
         LONG,
-        "     equal in every bit: C; never moved: manipulated_2",
+        "     equal in every bit: C; never moved: pump_2.out",
     ]
     assert lines.count(LONG) == 1 + whole and ("LQG  0" in lines) is whole

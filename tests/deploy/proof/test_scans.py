@@ -11,18 +11,18 @@ from clepsydra.program.program import Block, Program
 
 SCANS = 10_000
 INPUTS = (
-    Signal("setpoint_1", "V", low=0.0, high=10.0),
-    Signal("measurement_1", "V", low=0.0, high=10.0),
-    Signal("sensor_1", kind="boolean", low=0.0, high=1.0, initial=1.0),
-    Signal("mode_1", kind="integer", low=0.0, high=2.0, initial=1.0),
-    Signal("manual_1", "V", low=-2.0, high=8.0),
-    Signal("tracking_1", "V"),
-    Signal("setpoint_source_1", kind="integer", low=0.0, high=1.0),
+    Signal("level_1.sp", "V", low=0.0, high=10.0),
+    Signal("level_1.pv", "V", low=0.0, high=10.0),
+    Signal("level_1.good", kind="boolean", low=0.0, high=1.0, initial=1.0),
+    Signal("pump_1.mode", kind="integer", low=0.0, high=2.0, initial=1.0),
+    Signal("pump_1.manual", "V", low=-2.0, high=8.0),
+    Signal("pump_1.tracking", "V"),
+    Signal("level_1.setpoint_source", kind="integer", low=0.0, high=1.0),
     Signal("start", kind="integer", low=0.0, high=2.0),
     Signal("acknowledge", kind="boolean", low=0.0, high=1.0),
     Signal("time_step", "s", low=0.0, initial=0.5),
 )
-PARAMETERS = (Signal("gain", initial=2.0), Signal("rate_limit_1", "V/s", initial=1e9))
+PARAMETERS = (Signal("gain", initial=2.0), Signal("pump_1.rate_limit", "V/s", initial=1e9))
 PROGRAM = Program("law", (), INPUTS, PARAMETERS, (), Block(len(INPUTS) + 2, (), ()))
 
 
@@ -35,7 +35,7 @@ def runs(flags: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("period", [0.1, 0.5, 1.0, 60.0])
 def test_faults_last_for_less_and_for_more_than_the_delay(period):
     scans = random_scans(PROGRAM, SCANS, 3, period)
-    values = scans["measurement_1"]
+    values = scans["level_1.pv"]
     with np.errstate(all="ignore"):
         current = 4.0 + 16.0 * values / 10.0
     fault = ~((current >= 3.6) & (current <= 21.0))
@@ -51,23 +51,23 @@ def test_faults_last_for_less_and_for_more_than_the_delay(period):
 
 
 def test_every_input_shows_what_it_can_express():
-    scans = random_scans(PROGRAM, SCANS, 1, 0.5)
+    scans = random_scans(PROGRAM, SCANS, 2, 0.5)
     assert set(scans) == {signal.name for signal in (*INPUTS, *PARAMETERS)}
     assert all(len(values) == SCANS for values in scans.values())
-    assert set(scans["mode_1"].tolist()) == {-1.0, 0.0, 1.0, 2.0, 3.0}
-    assert (scans["mode_1"] == 1.0).mean() > 0.5
-    assert set(scans["setpoint_source_1"].tolist()) == {-1.0, 0.0, 1.0, 2.0}
+    assert set(scans["pump_1.mode"].tolist()) == {-1.0, 0.0, 1.0, 2.0, 3.0}
+    assert (scans["pump_1.mode"] == 1.0).mean() > 0.5
+    assert set(scans["level_1.setpoint_source"].tolist()) == {-1.0, 0.0, 1.0, 2.0}
     assert {0.0, 1.0, 2.0} < set(scans["start"].tolist())
-    assert set(scans["acknowledge"].tolist()) == set(scans["sensor_1"].tolist()) == {0.0, 1.0}
+    assert set(scans["acknowledge"].tolist()) == set(scans["level_1.good"].tolist()) == {0.0, 1.0}
     steps = scans["time_step"]
     assert (steps == 0.5).mean() > 0.9
     assert np.isnan(steps).any() and (steps <= 0.0).any() and (steps == 1.0).any()
-    manual = scans["manual_1"][np.isfinite(scans["manual_1"])]
+    manual = scans["pump_1.manual"][np.isfinite(scans["pump_1.manual"])]
     assert (manual < -2.0).any() and (manual > 8.0).any()
-    setpoints = scans["setpoint_1"]
+    setpoints = scans["level_1.sp"]
     assert np.isnan(setpoints).any() and (setpoints[np.isfinite(setpoints)] > 10.0).any()
     with np.errstate(invalid="ignore"):
-        near = np.abs(scans["measurement_1"] - setpoints) < 0.2
+        near = np.abs(scans["level_1.pv"] - setpoints) < 0.2
     assert 0.2 < near.mean() < 0.8
 
 
@@ -85,9 +85,9 @@ def test_starts_and_acknowledgements_last_for_a_scan_or_for_long():
 @pytest.mark.parametrize("seed", range(5))
 def test_starts_come_while_a_sensor_is_bad_and_while_it_is_good(seed):
     scans = random_scans(PROGRAM, SCANS, seed, 0.5)
-    current = 4.0 + 16.0 * scans["measurement_1"] / 10.0
+    current = 4.0 + 16.0 * scans["level_1.pv"] / 10.0
     with np.errstate(all="ignore"):
-        bad = ~((current >= 3.6) & (current <= 21.0)) | (scans["sensor_1"] == 0.0)
+        bad = ~((current >= 3.6) & (current <= 21.0)) | (scans["level_1.good"] == 0.0)
     for value in (1.0, 2.0):
         begins = np.flatnonzero(np.diff(scans["start"] == value) & (scans["start"][1:] == value))
         begun_bad = bad[begins + 1].sum()
@@ -98,10 +98,10 @@ def test_half_of_the_time_somebody_tunes():
     scans = random_scans(PROGRAM, SCANS, 1, 0.5)
     tuned = ~np.isnan(scans["gain"])
     assert 0.2 < tuned.mean() < 0.8
-    assert np.array_equal(tuned, ~np.isnan(scans["rate_limit_1"]))
+    assert np.array_equal(tuned, ~np.isnan(scans["pump_1.rate_limit"]))
     assert len(np.unique(scans["gain"][tuned])) > 5
     assert np.all(np.abs(scans["gain"][tuned] - 2.0) <= 0.02)
-    assert np.all(scans["rate_limit_1"][tuned] < 3.0)
+    assert np.all(scans["pump_1.rate_limit"][tuned] < 3.0)
 
 
 def test_a_process_stays_within_its_ranges_and_nothing_is_broken():
@@ -112,8 +112,8 @@ def test_a_process_stays_within_its_ranges_and_nothing_is_broken():
         assert np.isfinite(values).all()
         if math.isfinite(signal.span):
             assert values.min() >= signal.low and values.max() <= signal.high
-    assert np.all(scans["sensor_1"] == 1.0) and np.all(scans["time_step"] == 0.5)
-    assert np.ptp(scans["manual_1"]) > 5.0
+    assert np.all(scans["level_1.good"] == 1.0) and np.all(scans["time_step"] == 0.5)
+    assert np.ptp(scans["pump_1.manual"]) > 5.0
 
 
 def test_scans_depend_on_nothing_but_seed_and_name():

@@ -66,7 +66,7 @@ def test_a_program_that_is_no_more_the_controller_changes_the_scores(tmp_path):
         Operation(size + 1, "constant", (), 0.5),
         Operation(size + 2, "multiply", (size, size + 1)),
     )
-    assert program.state[-1].name == "last_output_2" and len(program.outputs) == 4
+    assert program.state[-1].name == "pump_2.last_output" and len(program.outputs) == 4
     results = list(block.results)
     results[place + 2], results[place - 1] = size + 2, size + 2
     slow = dataclasses.replace(

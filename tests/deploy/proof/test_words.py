@@ -50,11 +50,11 @@ def test_what_single_precision_does_is_said_in_plain_numbers(
 
 
 def test_outputs_that_stand_still_are_named():
-    seen = Coverage(("status_1 bit 0",), (), ("manipulated_2",), ("manipulated_1",))
+    seen = Coverage(("pump_1.status bit 0",), (), ("pump_2.out",), ("pump_1.out",))
     proof = Proof((ROW,), {"PI": seen})
-    assert notes(proof) == ["PI: 1 of 1 status bits seen on and off; never moved: manipulated_2"]
+    assert notes(proof) == ["PI: 1 of 1 status bits seen on and off; never moved: pump_2.out"]
     assert proof.holds
-    still = Coverage(("status_1 bit 0",), (), ("manipulated_1", "manipulated_2"), ())
+    still = Coverage(("pump_1.status bit 0",), (), ("pump_1.out", "pump_2.out"), ())
     proof = Proof((ROW,), {"PI": still})
     assert not proof.holds and "no real output moved" in result_sentence(proof)
 

@@ -25,24 +25,24 @@ def records():
 def own_output(case):
     """The controller's law on the records [V], from rest and far from its limits."""
     numbers = case.settings
-    law = multiloop_pid_law(1, case.form, measured=[LEVEL], manipulated=[PUMP])
+    law = multiloop_pid_law([LEVEL], [PUMP], case.form)
     values = {parameter.name: parameter.initial for parameter in law.parameters}
     values |= {
-        "proportional_gain_1": numbers.gain,
-        "integral_time_1": numbers.integral_time,
-        "setpoint_weight_1": numbers.setpoint_weight,
-        "low_limit_1": -1e6,
-        "high_limit_1": 1e6,
+        "level.proportional_gain": numbers.gain,
+        "level.integral_time": numbers.integral_time,
+        "level.setpoint_weight": numbers.setpoint_weight,
+        "pump.low_limit": -1e6,
+        "pump.high_limit": 1e6,
     }
     if case.form.has_derivative:
-        values["derivative_time_1"] = numbers.derivative_time
-        values["derivative_filter_1"] = numbers.derivative_time / numbers.filter_time
+        values["level.derivative_time"] = numbers.derivative_time
+        values["level.derivative_filter"] = numbers.derivative_time / numbers.filter_time
     inputs = {signal.name: signal.initial for signal in law.inputs}
-    inputs |= {"setpoint_1": REST, "measurement_1": REST, "tracking_1": OUTPUT}
+    inputs |= {"level.sp": REST, "level.pv": REST, "pump.tracking": OUTPUT}
     state = list(state_at_rest(law, values, inputs).values())
     found = []
     for r, y in zip(*records(), strict=True):
-        inputs |= {"setpoint_1": r, "measurement_1": y, "time_step": PERIOD}
+        inputs |= {"level.sp": r, "level.pv": y, "time_step": PERIOD}
         state, outputs, _ = law.function(state, list(inputs.values()), list(values.values()))
         found.append(float(outputs[0]))
     return np.array(found)

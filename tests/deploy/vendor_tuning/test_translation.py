@@ -84,10 +84,12 @@ def test_pi_control_is_the_same_in_every_block_to_the_printed_digits(quadruple):
     ("key", "numbers"),
     [
         # K = 3 and Ti = 32.032 s and 42.4544 s, in hundredths of a minute.
-        ("rockwell-micrologix", {"integral_time_1": 0.53 * 60, "integral_time_2": 0.71 * 60}),
+        ("rockwell-micrologix",
+         {"level_1.integral_time": 0.53 * 60, "level_2.integral_time": 0.71 * 60}),
         # A band of 33.3 %, and tenths of a second.
-        ("omron-pidat", {"proportional_gain_1": 100 / 33.3, "proportional_gain_2": 100 / 33.3,
-                         "integral_time_1": 32.0, "integral_time_2": 42.5}),
+        ("omron-pidat", {"level_1.proportional_gain": 100 / 33.3,
+                         "level_2.proportional_gain": 100 / 33.3,
+                         "level_1.integral_time": 32.0, "level_2.integral_time": 42.5}),
     ],
 )  # fmt: skip
 def test_what_rounding_does_is_what_a_run_with_the_rounded_numbers_shows(quadruple, key, numbers):
@@ -149,9 +151,9 @@ def test_a_series_controller_is_the_series_block_to_the_printed_digits(three):
     values = controller.values
     assert {setting.name: setting.value for setting in row.filled.settings} == pytest.approx(
         {
-            "GAIN": values["proportional_gain_1"] * 0.7 / 1e-4,
-            "RESET": values["integral_time_1"],
-            "RATE": values["derivative_time_1"],
+            "GAIN": values["level_1.proportional_gain"] * 0.7 / 1e-4,
+            "RESET": values["level_1.integral_time"],
+            "RATE": values["level_1.derivative_time"],
             "ALPHA": 0.1,
         },
         rel=5e-5,
@@ -163,7 +165,7 @@ def test_the_time_at_a_limit_is_counted(three):
     controller = cl.design.simc(three, form=PidForm("PID"))
     scenario = default_scenario(three.linear)
     feed = Loop(controller, three.linear).run(scenario).values["feed"]
-    share = np.mean((feed == 0.0) | (feed == controller.values["high_limit_1"]))
+    share = np.mean((feed == 0.0) | (feed == controller.values["pump_1.high_limit"]))
     found = translate(controller, three.process, scenario)
     assert 0.0 < share == found.saturated
     assert f"{100 * share:.2g} % of its samples have an output at a limit" in found.as_markdown()
@@ -172,7 +174,9 @@ def test_the_time_at_a_limit_is_counted(three):
 def test_direct_action_of_a_basin():
     controller = designed("arrest_time", "equalisation-tank")
     found = translate(controller, "equalisation-tank")
-    assert found.tunings[0].action == "direct" and controller.values["proportional_gain_1"] < 0.0
+    assert (
+        found.tunings[0].action == "direct" and controller.values["level_1.proportional_gain"] < 0.0
+    )
     for row in found.rows:
         assert row.by_numbers < (5e-3 if row.block.key in COARSE else 1e-4), row.block.key
 

@@ -13,4 +13,4 @@ def tuning(gain=4.0, integral_time=120.0, derivative_time=0.0, filter_time=0.0, 
            form=None, measurement=LEVEL, moved=PUMP):  # fmt: skip
     actions = "PID" if derivative_time else "PI"
     settings = FilteredPid(gain, integral_time, derivative_time, filter_time, weight)
-    return StandardTuning(1, measurement, moved, form or PidForm(actions), settings, 1)
+    return StandardTuning("loop", measurement, moved, form or PidForm(actions), settings, True)

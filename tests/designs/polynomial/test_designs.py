@@ -164,14 +164,14 @@ def test_predictors_are_robust_by_default(late_tank, primary, pole):
     model = late_tank(pole, 6.0)
     controller = design_smith_predictor(model, PAIR, primary=primary)
     assert sampled_loop(controller, model).maximum_sensitivity <= 2.0 + 1e-9
-    assert ("error_feedback_1" in controller.values) == (pole == 0.0)
+    assert ("level.error_feedback" in controller.values) == (pole == 0.0)
 
 
 def test_a_pi_predictor_moves_its_input_over_its_room_at_a_tenth_of_the_range(late_tank):
     """5 m³/s for 1 m: the tank is so large that faster control would ask for more."""
     model = late_tank(-0.01, 2.0, area=50.0)
     controller = design_smith_predictor(model, PAIR, primary="PI")
-    assert controller.values["setpoint_gain_1_1"] == pytest.approx(5.0)
+    assert controller.values["level.setpoint_gain.1"] == pytest.approx(5.0)
 
 
 @pytest.mark.thorough
@@ -181,7 +181,7 @@ def test_error_feedback_is_the_rule_of_matausek_and_micic(late_tank):
     model = late_tank(0.0, delay)
     asked = {"penalty": 1e4, "assigned_poles": [0.99]}
     controller = design_smith_predictor(model, PAIR, **asked)
-    assert controller.values["error_feedback_1"] == pytest.approx(
+    assert controller.values["level.error_feedback"] == pytest.approx(
         1.0 / (2.0 * slope * (delay + 0.5)), rel=1e-3
     )
 

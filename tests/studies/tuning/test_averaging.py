@@ -60,8 +60,8 @@ def test_over_several_scenarios_the_largest_outflow_change_counts(basin, control
 @pytest.mark.thorough
 def test_a_limit_of_a_level_binds_where_the_level_stands_on_it(basin, controller):
     scenario = default_scenario(basin.linear)
-    gain = controller.values["proportional_gain_1"]
-    bounds = [TunedParameter("proportional_gain_1", 10.0 * gain, 0.1 * gain)]
+    gain = controller.values["level.proportional_gain"]
+    bounds = [TunedParameter("level.proportional_gain", 10.0 * gain, 0.1 * gain)]
     free, kept = (
         tune(
             controller, basin.linear, scenario, bounds, minimax(SCORES[1]),

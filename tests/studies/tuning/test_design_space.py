@@ -26,7 +26,7 @@ class Squared:
     def values(self, numbers):
         if numbers["root"] < LOWEST:
             raise NotApplicable("by hand", "too small")
-        return {"proportional_gain_1": self._gain * numbers["root"] ** 2}
+        return {"level.proportional_gain": self._gain * numbers["root"] ** 2}
 
     def words(self, process):
         return WeightWords()
@@ -39,7 +39,7 @@ def setting():
 
 
 def space_of(start) -> DesignSpace:
-    design = Squared(start.values["proportional_gain_1"])
+    design = Squared(start.values["level.proportional_gain"])
     return DesignSpace(start, (TunedParameter("root", 0.1, 3.0),), design)
 
 
@@ -50,22 +50,22 @@ def test_a_design_that_does_not_apply_is_never_the_best(setting):
     space = space_of(start)
     found = search(space, model, scenario, minimax("total_variation[outflow]"), generations=12)
     assert LOWEST <= found.tuned["root"] < 1.05 * LOWEST
-    assert found.controller.values["proportional_gain_1"] == pytest.approx(
-        start.values["proportional_gain_1"] * found.tuned["root"] ** 2
+    assert found.controller.values["level.proportional_gain"] == pytest.approx(
+        start.values["level.proportional_gain"] * found.tuned["root"] ** 2
     )
-    values = space.values_at(np.array([[0.0], [1.0]]))["proportional_gain_1"]
+    values = space.values_at(np.array([[0.0], [1.0]]))["level.proportional_gain"]
     assert np.isnan(values[0]) and values[1] == pytest.approx(
-        9.0 * start.values["proportional_gain_1"]
+        9.0 * start.values["level.proportional_gain"]
     )
 
 
 @pytest.mark.thorough
 def test_the_same_gain_is_found_by_way_of_a_number_and_by_itself(setting):
     start, model, scenario = setting
-    gain = start.values["proportional_gain_1"]
+    gain = start.values["level.proportional_gain"]
     objective = minimax("ise[level]")
     one = search(space_of(start), model, scenario, objective, generations=4)
-    law = LawSpace(start, (TunedParameter("proportional_gain_1", 9.0 * gain, 0.5 * gain),))
+    law = LawSpace(start, (TunedParameter("level.proportional_gain", 9.0 * gain, 0.5 * gain),))
     other = search(law, model, scenario, objective, generations=4)
     assert one.objective == pytest.approx(other.objective, rel=1e-7)
 
@@ -88,6 +88,6 @@ def test_gains_of_weights_change_smoothly_by_the_steps_that_a_search_takes():
         design.values({**design.numbers, "inputs.feed": weight * (1.0 + 1e-6 * i)})
         for i in range(3)
     ]
-    for name in ("feedback_1_1", "feedback_1_3", "integral_gain_1_1"):
+    for name in ("feed.feedback.level_1", "feed.feedback.level_3", "feed.integral_gain.level_3"):
         steps = np.diff([each[name] for each in gains])
         assert steps[0] != 0.0 and steps[1] == pytest.approx(steps[0], rel=1e-3), name

@@ -68,10 +68,10 @@ def test_of_lqi_all_weights_are_tuned_with_at_most_twice_the_moves(tmp_path):
 @pytest.mark.thorough
 def test_parameters_of_the_law_can_still_be_tuned(tmp_path):
     tail = """[controllers.tuned.tune.parameters]
-integral_gain_1_1 = ["1e-7 m^3/(s^2 m)", "0.1 m^3/(s^2 m)"]
+feed.integral_gain.level = ["1e-7 m^3/(s^2 m)", "0.1 m^3/(s^2 m)"]
 """
     (candidate,) = cl.study(written(tmp_path, tail)).ranking
-    assert list(candidate.tuning.tuned) == ["integral_gain_1_1"]
+    assert list(candidate.tuning.tuned) == ["feed.integral_gain.level"]
 
 
 @pytest.mark.sampled
@@ -85,7 +85,7 @@ integral_gain_1_1 = ["1e-7 m^3/(s^2 m)", "0.1 m^3/(s^2 m)"]
         ("inputs.feed = 5", "a list of a low and a high bound"),
         ("inputs.fed = [0.1, 5]", "perhaps 'inputs.feed' was meant"),
         ("states.vessel.level = [0.1, 5]", "in quotes where a name has a dot"),
-        ("inputs.feed = [1e6, 1e8]\nbias_1 = [0.1, 0.9]", "weights alone"),
+        ("inputs.feed = [1e6, 1e8]\nfeed.bias = [0.1, 0.9]", "weights alone"),
     ],
 )
 def test_wrong_bounds_of_weights_are_refused_with_their_line(tmp_path, line, said):

@@ -62,26 +62,21 @@ def tank(tmp_path_factory):
 
 
 def pid_controller(model, form=None, pairing=None, **values) -> Controller:
-    """Return multiloop PID controllers at rest, with all gains and times as given."""
+    """Return multiloop PID controllers at rest, with given settings, the same in each loop."""
     form = form or PidForm()
     point = model.point
     process, at = point.process, point.as_dict()
     pairs = pairing or list(zip(process.controlled, model.inputs, strict=True))
     outputs, inputs = zip(*pairs, strict=True)
     law = multiloop_pid_law(
-        len(pairs),
-        form,
-        measured=[process.signal(name) for name in outputs],
-        manipulated=[process.signal(name) for name in inputs],
+        [process.signal(name) for name in outputs], [process.signal(name) for name in inputs], form
     )
     given = {parameter.name: parameter.initial for parameter in law.parameters}
-    for i in range(1, len(pairs) + 1):
-        if f"tracking_time_{i}" in given:
-            given[f"tracking_time_{i}"] = values.get(f"integral_time_{i}", 60.0)
-    given |= values
-    rest = {f"tracking_{i}": at[name] for i, name in enumerate(inputs, 1)}
-    for i, name in enumerate(outputs, 1):
-        rest |= {f"setpoint_{i}": at[name], f"measurement_{i}": at[name]}
+    chosen = {"tracking_time": values.get("integral_time", 60.0), **values}
+    given |= {p.name: chosen[p.part] for p in law.parameters if p.part in chosen}
+    rest = {f"{name}.tracking": at[name] for name in inputs}
+    for name in outputs:
+        rest |= {f"{name}.sp": at[name], f"{name}.pv": at[name]}
     return Controller(
         "by hand", family(form), "By hand.", law, given, state_at_rest(law, given, rest),
         outputs, outputs, inputs,
@@ -96,7 +91,7 @@ def pid():
 @pytest.fixture
 def proportional():
     """Return a function (model, K) that makes a proportional controller."""
-    return lambda model, gain: pid_controller(model, PidForm("P"), proportional_gain_1=gain)
+    return lambda model, gain: pid_controller(model, PidForm("P"), proportional_gain=gain)
 
 
 def steps_of(model, size, signal=None, length=50) -> Scenario:

@@ -37,8 +37,8 @@ def test_wind_up_is_told_where_the_output_stood_at_its_limit(tank, pid, stepped)
         controller = pid(
             analysis.model,
             PidForm(anti_windup=anti_windup),
-            proportional_gain_1=2.0,
-            integral_time_1=20.0,
+            proportional_gain=2.0,
+            integral_time=20.0,
         )
         run = Loop(controller, analysis.model).run(stepped(analysis.model, step))
         return [w for w in run_warnings(run) if "winds up" in w]

@@ -37,7 +37,7 @@ def with_values(controller, **values):
 def scaled(controller, name, factor):
     """Return the controller with a parameter of all its loops multiplied."""
     return with_values(
-        controller, **{k: factor * v for k, v in controller.values.items() if k.startswith(name)}
+        controller, **{k: factor * v for k, v in controller.values.items() if k.endswith(name)}
     )
 
 
@@ -89,7 +89,7 @@ def test_a_law_that_leaves_small_errors_alone_has_no_linear_loop(tank, pid, step
     analysis = tank()
     form = PidForm("P", error="gap")
     for gap_gain, unstable in ((0.0, False), (0.5, True)):
-        values = {"proportional_gain_1": -1.0, "gap_1": 1.0, "gap_gain_1": gap_gain}
+        values = {"proportional_gain": -1.0, "gap": 1.0, "gap_gain": gap_gain}
         words = told(analysis, pid(analysis.model, form, **values), stepped(analysis.model, 0.1))
         assert any("is unstable" in w for w in words) == unstable, gap_gain
 
@@ -106,7 +106,7 @@ def two_tanks(moved, shown):
 )
 def test_a_mode_that_drifts_unseen_is_told(by_matrices, pid, moved, shown, said):
     model = by_matrices(*two_tanks(moved, shown))
-    controller = pid(model, PidForm("P"), proportional_gain_1=0.5)
+    controller = pid(model, PidForm("P"), proportional_gain=0.5)
     words = stability_warnings(controller, model, loop_response(controller, model), [])
     assert [w for w in words if "drifts to a limit" in w] == [
         w for w in words if said is not None and said in w
@@ -120,15 +120,15 @@ def law_with_pole(model, pole, gain=0.01) -> Controller:
     """Return a law x(k+1) = pole x + e, u = gain (e + x)."""
     law = step_law(
         "with_pole",
-        inputs=[Signal("setpoint_1"), Signal("measurement_1")],
+        inputs=[Signal("level_1.sp"), Signal("level_1.pv")],
         parameters=[],
         state=[Signal("x")],
-        outputs=[Signal("manipulated_1"), Signal("status_1")],
+        outputs=[Signal("pump_1.out"), Signal("pump_1.status")],
         equations=lambda s: Equations(
-            {"x": pole * s["x"] + s["setpoint_1"] - s["measurement_1"]},
+            {"x": pole * s["x"] + s["level_1.sp"] - s["level_1.pv"]},
             {
-                "manipulated_1": gain * (s["setpoint_1"] - s["measurement_1"] + s["x"]),
-                "status_1": 0,
+                "pump_1.out": gain * (s["level_1.sp"] - s["level_1.pv"] + s["x"]),
+                "pump_1.status": 0,
             },
         ),
     )
@@ -217,7 +217,7 @@ def test_a_small_phase_margin_is_told(tank, pid):
     model = tank(period=0.01).model
 
     def words(integral_time):
-        controller = pid(model, proportional_gain_1=1.0, integral_time_1=integral_time)
+        controller = pid(model, proportional_gain=1.0, integral_time=integral_time)
         return margin_warnings(loop_response(controller, model))
 
     k, Ti = 0.2, 1.0
@@ -243,14 +243,14 @@ def test_gains_that_are_wrong_all_at_once_are_told_where_no_channel_shows_it(by_
     smaller of the two steps, δ = 2 (f - 1)/(f + 1) of f = 1.0995 and 1/0.9005.
     """
     model = by_matrices(*satellite(10.0), period=1e-3)
-    controller = pid(model, PidForm("P"), proportional_gain_1=1.0, proportional_gain_2=1.0)
+    controller = pid(model, PidForm("P"), proportional_gain=1.0)
     words = margin_warnings(loop_response(controller, model))
     (warning,) = [w for w in words if "all measurements" in w]
     assert not any(w.startswith("The loop of") for w in words)
     factor = number_in(warning, r"by a factor of ([\d.]+)")
     assert 1.09 <= factor <= 1.0 / (1.0 - 1.0 / math.sqrt(101.0)) + 0.005
     calm = by_matrices(*satellite(0.5), period=1e-3)
-    controller = pid(calm, PidForm("P"), proportional_gain_1=1.0, proportional_gain_2=1.0)
+    controller = pid(calm, PidForm("P"), proportional_gain=1.0)
     assert margin_warnings(loop_response(controller, calm)) == []
 
 
@@ -279,13 +279,13 @@ def test_a_derivative_filter_faster_than_the_sampling_is_told(tank, pid, algorit
     form = PidForm("PID", algorithm=algorithm)
 
     def words(derivative, filter_time):
-        values = {"proportional_gain_1": 1.0}
+        values = {"proportional_gain": 1.0}
         if algorithm == "isa":
-            values |= {"integral_time_1": 50.0, "derivative_time_1": derivative}
-            values["derivative_filter_1"] = max(derivative, 1.0) / filter_time
+            values |= {"integral_time": 50.0, "derivative_time": derivative}
+            values["derivative_filter"] = max(derivative, 1.0) / filter_time
         else:
-            values |= {"integral_gain_1": 0.02, "derivative_gain_1": derivative}
-            values["filter_time_1"] = filter_time
+            values |= {"integral_gain": 0.02, "derivative_gain": derivative}
+            values["filter_time"] = filter_time
         controller = pid(model, form, **values)
         return sampling_warnings(controller, loop_response(controller, model))
 
@@ -309,8 +309,8 @@ def test_gains_in_percent_of_the_pumps_range_are_told(quadruple):
     both = words(scaled(controller, "proportional_gain", 10.0))
     assert [number_in(w, r"fit as ([\d.]+) % of pump") for w in both] == [30.0, 30.0]
     assert all(w.endswith("the law then needs 3 V/V.") for w in both)
-    (one,) = words(with_values(controller, proportional_gain_1=30.0))
-    assert one.startswith("proportional_gain_1 of 30 V/V is far too strong")
+    (one,) = words(with_values(controller, **{"level_1.proportional_gain": 30.0}))
+    assert one.startswith("level_1.proportional_gain of 30 V/V is far too strong")
     # Bold, careful, of the wrong sign, or with too short an integral time: no question of units.
     for factor in (0.3, 3.0, -1.0):
         assert words(scaled(controller, "proportional_gain", factor)) == [], factor
@@ -345,8 +345,8 @@ def test_only_an_integral_without_anti_windup_winds_up(tank, pid, algorithm, ant
     form = PidForm("PI", algorithm=algorithm, anti_windup=anti_windup)
     for gain in (2.0, -2.0):
         parallel = algorithm == "parallel"
-        values = {"integral_gain_1": gain / 40.0} if parallel else {"integral_time_1": 20.0}
-        controller = pid(model, form, proportional_gain_1=gain, **values)
+        values = {"integral_gain": gain / 40.0} if parallel else {"integral_time": 20.0}
+        controller = pid(model, form, proportional_gain=gain, **values)
         expected = (1,) if anti_windup == "none" else ()
         assert winds_up(controller, model.point.process) == expected, gain
 
@@ -354,7 +354,7 @@ def test_only_an_integral_without_anti_windup_winds_up(tank, pid, algorithm, ant
 def test_nothing_winds_up_without_an_integral(tank, pid, quadruple):
     model = tank().model
     assert winds_up(pid(model, PidForm("P", anti_windup="none")), model.point.process) == ()
-    velocity = pid(model, PidForm("PI", algorithm="velocity"), integral_time_1=20.0)
+    velocity = pid(model, PidForm("PI", algorithm="velocity"), integral_time=20.0)
     assert winds_up(velocity, model.point.process) == ()
     plant = quadruple[1].plant
     assert winds_up(cl.design.lqi(plant), plant.process) == ()
@@ -366,13 +366,13 @@ def test_wind_up_is_foreseen_where_a_step_asks_for_too_much(tank, pid, stepped):
     none = pid(
         analysis.model,
         PidForm(anti_windup="none"),
-        proportional_gain_1=2.0,
-        integral_time_1=20.0,
+        proportional_gain=2.0,
+        integral_time=20.0,
     )
     (warning,) = told(analysis, none, stepped(analysis.model, 4.0))
     assert warning.startswith("pump winds up") and "asks for 13 V" in warning
     assert told(analysis, none, stepped(analysis.model, 2.0)) == ()
-    other = pid(analysis.model, proportional_gain_1=2.0, integral_time_1=20.0)
+    other = pid(analysis.model, proportional_gain=2.0, integral_time=20.0)
     assert told(analysis, other, stepped(analysis.model, 4.0)) == ()
 
 
@@ -382,9 +382,9 @@ def test_a_long_tracking_time_is_told(tank, pid, stepped):
     def words(tracking):
         controller = pid(
             analysis.model,
-            proportional_gain_1=1.0,
-            integral_time_1=20.0,
-            tracking_time_1=tracking,
+            proportional_gain=1.0,
+            integral_time=20.0,
+            tracking_time=tracking,
         )
         return told(analysis, controller, stepped(analysis.model, 0.1))
 

@@ -67,7 +67,7 @@ def test_sampled_fast_the_margins_are_those_of_continuous_time(tank, pid):
     """
     model = tank(period=0.001).model
     form = PidForm(anti_windup="none")
-    controller = pid(model, form, proportional_gain_1=1.0, integral_time_1=2.0)
+    controller = pid(model, form, proportional_gain=1.0, integral_time=2.0)
     response = loop_response(controller, model)
     channel = response.channels["level"]
     crossover = math.sqrt((RATE**2 + math.sqrt(RATE**4 + RATE**2)) / 2.0)
@@ -120,7 +120,7 @@ def test_the_grid_of_frequencies_reaches_the_nyquist_frequency(quadruple):
 def test_a_bias_that_nothing_moves_is_no_mode_of_the_loop(tank, pid, actions):
     """Under proportional control the integral is a constant, and no eigenvalue of one."""
     model = tank().model
-    response = loop_response(pid(model, PidForm(actions), proportional_gain_1=2.0), model)
+    response = loop_response(pid(model, PidForm(actions), proportional_gain=2.0), model)
     assert response.loop.is_stable
     if actions == "P":
         assert response.law.A.shape == (0, 0)

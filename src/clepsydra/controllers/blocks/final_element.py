@@ -11,7 +11,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.handover import Applied, Asked
 from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.mode import Mode
-from clepsydra.controllers.blocks.ports import called, numbered, truth
+from clepsydra.controllers.blocks.ports import as_parts, called, parts_of, truth
 from clepsydra.controllers.blocks.status import STATUS_WORD
 from clepsydra.controllers.blocks.validity import is_number, is_time_step
 from clepsydra.program.block import Block
@@ -53,7 +53,7 @@ class FinalElement:
     status : casadi.SX
         The status word.
     named : dict
-        told_BIT_i, the conditions of the status word.
+        told_BIT of the output, the conditions of the status word.
 
     Examples
     --------
@@ -69,17 +69,15 @@ class FinalElement:
 
 
 def final_element(
-    symbols: Symbols, number: int, moved: Signal, asked: Asked, *, rate_limited: bool = False
+    symbols: Symbols, moved: Signal, asked: Asked, *, rate_limited: bool = False
 ) -> FinalElement:
-    """Write output `number` of a law: an instance of `output_element` and its status word.
+    """Write one output of a law: an instance of `output_element` and its status word.
 
     Parameters
     ----------
     symbols : mapping
-        The law's signals by name: last_output_i, mode_i, manual_i, tracking_i, low_limit_i,
-        high_limit_i, rate_limit_i (where limited) and time_step.
-    number : int
-        i, from 1.
+        The law's signals by name: last_output, mode, manual, tracking, low_limit, high_limit
+        and rate_limit (where limited) of the process input, and time_step.
     moved : Signal
         The process input.
     asked : Asked
@@ -91,40 +89,39 @@ def final_element(
     A law asks for 12 where 10 is the limit: automatic (1) + high limit (8).
 
     >>> given = dict(last_output=0, mode=1, manual=0, tracking=0, low_limit=0, high_limit=10)
-    >>> symbols = {f"{name}_1": ca.DM(value) for name, value in given.items()}
+    >>> symbols = {f"pump.{name}": ca.DM(value) for name, value in given.items()}
     >>> true = ca.DM(1)
     >>> asked = Asked(ca.DM(12), true, true, true)
-    >>> element = final_element(symbols | {"time_step": true}, 1, Signal("pump"), asked)
+    >>> element = final_element(symbols | {"time_step": true}, Signal("pump"), asked)
     >>> float(element.manipulated), float(ca.evalf(element.status))
     (10.0, 9.0)
     """
     block = output_element(rate_limited)
-    given = {**numbered(symbols, block.inputs, number), **asked_ports(asked)}
+    given = {**parts_of(moved, symbols, block.inputs), **asked_ports(asked)}
     found = called(block, f"{moved.identifier}_output", given).outputs
     manipulated = found["manipulated"]
     applied = Applied(manipulated, found["controls"], found["follows"])
-    return FinalElement(manipulated, applied, *told(found, number, moved))
+    return FinalElement(manipulated, applied, *told(found, moved))
 
 
-def told(found: Symbols, number: int, moved: Signal) -> tuple[ca.SX, dict[str, ca.SX]]:
-    """Return the status word of output `number`, and its conditions told_BIT_i.
+def told(found: Symbols, moved: Signal) -> tuple[ca.SX, dict[str, ca.SX]]:
+    """Return the status word of an output, and its conditions told_BIT.
 
     Parameters
     ----------
     found : mapping
         The ports of `TOLD`; one that a block does not have does not hold.
-    number : int
     moved : Signal
 
     Examples
     --------
-    >>> word, conditions = told({"told_tracking": ca.SX(1)}, 2, Signal("pump"))
-    >>> int(ca.evalf(word)), "told_automatic_2" in conditions
+    >>> word, conditions = told({"told_tracking": ca.SX(1)}, Signal("pump"))
+    >>> int(ca.evalf(word)), "pump.told_automatic" in conditions
     (2, True)
     """
     conditions = {signal.name: found.get(signal.name, ca.SX(0)) for signal in TOLD}
-    word = STATUS_WORD(f"{moved.identifier}_status", conditions, {}).outputs["status"]
-    return word, {f"{name}_{number}": value for name, value in conditions.items()}
+    word = STATUS_WORD(f"{moved.identifier}_status_word", conditions, {}).outputs["status"]
+    return word, as_parts(moved, conditions)
 
 
 def asked_ports(asked: Asked) -> Symbols:

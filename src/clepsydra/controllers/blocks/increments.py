@@ -7,7 +7,7 @@ from functools import cache
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, elements
 from clepsydra.controllers.blocks.final_element import (
     LAST_OUTPUT,
     OUTPUT_PORTS,
@@ -35,14 +35,14 @@ def increments(measurement_gains: int, setpoint_gains: int, increment_gains: int
     --------
     >>> block = increments(2, 0, 0)
     >>> block.name, [entry.name for entry in block.state]
-    ('increments_2_0_0', ['past_value_1', 'past_value_2', 'last_output'])
+    ('increments_2_0_0', ['past_value.1', 'past_value.2', 'last_output'])
     """
     counts = {"value": measurement_gains, "setpoint": setpoint_gains, "move": increment_gains}
     stems = dict(zip(("measurement", "setpoint", "increment"), counts.values(), strict=True))
     state = [
-        Signal(f"past_{what}_{j}", description=f"{what}, {j} samples ago")
+        Signal(name, description=f"{what}, {j} samples ago")
         for what, count in counts.items()
-        for j in range(1, count + 1)
+        for j, name in enumerate(elements(f"past_{what}", count), start=1)
     ]
     return Block(
         "_".join(["increments", *map(str, counts.values())]),
@@ -53,7 +53,7 @@ def increments(measurement_gains: int, setpoint_gains: int, increment_gains: int
             truth("numbers", "value and setpoint are numbers"),
             truth("sensors", "the sensor is sound"),
             Signal("reference_gain"),
-            *(Signal(f"{stem}_gain_{j}") for stem, n in stems.items() for j in range(1, n + 1)),
+            *(Signal(name) for stem, n in stems.items() for name in elements(f"{stem}_gain", n)),
             *OUTPUT_PORTS,
         ),
         (*state, LAST_OUTPUT),
@@ -65,18 +65,20 @@ def increments(measurement_gains: int, setpoint_gains: int, increment_gains: int
 
 def _increments(s: Symbols, counts: dict[str, int]) -> Equations:
     past = {
-        what: [s[f"past_{what}_{j}"] for j in range(1, count + 1)] for what, count in counts.items()
+        what: [s[name] for name in elements(f"past_{what}", count)]
+        for what, count in counts.items()
     }
     increment = s["reference_gain"] * (s["setpoint"] - s["value"])
     for stem, what, sign in (
         ("measurement_gain", "value", -1.0),
         ("setpoint_gain", "setpoint", 1.0),
     ):
-        for j, (new, old) in enumerate(zip([s[what], *past[what]], past[what], strict=False), 1):
-            part = s[f"{stem}_{j}"] * (new - old)
+        gains = elements(stem, counts[what])
+        for gain, new, old in zip(gains, [s[what], *past[what]], past[what], strict=False):
+            part = s[gain] * (new - old)
             increment = increment + part if sign > 0.0 else increment - part
-    for j, move in enumerate(past["move"], start=1):
-        increment = increment - s[f"increment_gain_{j}"] * move
+    for gain, move in zip(elements("increment_gain", counts["move"]), past["move"], strict=True):
+        increment = increment - s[gain] * move
     known = ca.logic_and(s["numbers"], s["known"])
     asked = asked_ports(Asked(s["last_output"] + increment, known, s["numbers"], s["sensors"]))
     found = called(output_element(), "output", {**s, **asked}).outputs
@@ -98,6 +100,6 @@ def _increments(s: Symbols, counts: dict[str, int]) -> Equations:
 def _shifted(stem: str, now: ca.SX, past: Sequence[ca.SX], counts: ca.SX) -> dict[str, ca.SX]:
     """Return the memory one sample later, or as it is where the sample does not count."""
     return {
-        f"{stem}_{j}": ca.if_else(counts, new, old)
-        for j, (new, old) in enumerate(zip([now, *past], past, strict=False), start=1)
+        name: ca.if_else(counts, new, old)
+        for name, new, old in zip(elements(stem, len(past)), [now, *past], past, strict=False)
     }

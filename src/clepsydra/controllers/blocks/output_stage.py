@@ -20,7 +20,7 @@ from clepsydra.controllers.blocks.final_element import (
 )
 from clepsydra.controllers.blocks.handover import Applied, Asked
 from clepsydra.controllers.blocks.integral import applied_ports, integral
-from clepsydra.controllers.blocks.ports import called, numbered, truth
+from clepsydra.controllers.blocks.ports import as_parts, called, parts_of, truth
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -31,12 +31,12 @@ class OutputStage:
 
     Parameters
     ----------
-    number : int
-        i, from 1.
+    moved : Signal
+        The process input.
     manipulated : casadi.SX
         The output, always a number within its limits.
     next_state : mapping
-        integral_i and last_output_i.
+        Its integral and last_output.
     status : casadi.SX
         The status word.
     intermediates : dict
@@ -44,12 +44,12 @@ class OutputStage:
 
     Examples
     --------
-    >>> stage = OutputStage(2, ca.SX(10), {"integral_2": ca.SX(7)}, ca.SX(9), {})
-    >>> float(ca.evalf(stage.manipulated)), stage.number
-    (10.0, 2)
+    >>> stage = OutputStage(Signal("pump"), ca.SX(10), {"pump.integral": ca.SX(7)}, ca.SX(9), {})
+    >>> float(ca.evalf(stage.manipulated)), stage.moved.name
+    (10.0, 'pump')
     """
 
-    number: int
+    moved: Signal
     manipulated: ca.SX
     next_state: dict[str, ca.SX]
     status: ca.SX
@@ -58,7 +58,6 @@ class OutputStage:
 
 def output_stage(
     symbols: Symbols,
-    number: int,
     moved: Signal,
     *,
     proportional: ca.SX,
@@ -68,15 +67,13 @@ def output_stage(
     anti_windup: AntiWindup,
     taken_up: ca.SX | None = None,
 ) -> OutputStage:
-    """Write the output stage of output `number`: an instance of `output_stage_block`.
+    """Write the output stage of one output: an instance of `output_stage_block`.
 
     Parameters
     ----------
     symbols : mapping
-        The law's signals by name: integral_i, last_output_i, mode_i, manual_i, tracking_i,
-        low_limit_i, high_limit_i, tracking_time_i (back-calculation), time_step.
-    number : int
-        i, from 1.
+        The law's signals by name: integral, last_output, mode, manual, tracking, low_limit,
+        high_limit and tracking_time (back-calculation) of the process input, and time_step.
     moved : Signal
         The process input.
     proportional : casadi.SX
@@ -95,17 +92,17 @@ def output_stage(
 
     >>> given = dict(integral=7, last_output=0, mode=1, manual=0, tracking=0, low_limit=0,
     ...              high_limit=10)
-    >>> symbols = {f"{name}_1": ca.DM(value) for name, value in given.items()}
+    >>> symbols = {f"pump.{name}": ca.DM(value) for name, value in given.items()}
     >>> true = ca.DM(1)
-    >>> stage = output_stage(symbols | {"time_step": true}, 1, Signal("pump"),
+    >>> stage = output_stage(symbols | {"time_step": true}, Signal("pump"),
     ...                      proportional=ca.DM(5), increment=ca.DM(1), signals_are_numbers=true,
     ...                      sensors_are_good=true, anti_windup="conditional_integration")
-    >>> float(stage.manipulated), stage.next_state["integral_1"], float(ca.evalf(stage.status))
+    >>> float(stage.manipulated), stage.next_state["pump.integral"], float(ca.evalf(stage.status))
     (10.0, DM(7), 9.0)
     """
     block = output_stage_block(anti_windup, takes_up=taken_up is not None)
     given = {
-        **numbered(symbols, [*block.state, *block.inputs], number),
+        **parts_of(moved, symbols, [*block.state, *block.inputs]),
         "proportional": proportional,
         "increment": increment,
         "numbers": signals_are_numbers,
@@ -114,14 +111,13 @@ def output_stage(
     if taken_up is not None:
         given["taken_up"] = taken_up
     found = called(block, f"{moved.identifier}_stage", given)
-    status, conditions = told(found.outputs, number, moved)
-    between = {f"{name}_{number}": value for name, value in found.intermediates.items()}
+    status, conditions = told(found.outputs, moved)
     return OutputStage(
-        number,
+        moved,
         found.outputs["manipulated"],
-        {f"{name}_{number}": value for name, value in found.next_state.items()},
+        as_parts(moved, found.next_state),
         status,
-        {**between, **conditions},
+        {**as_parts(moved, found.intermediates), **conditions},
     )
 
 
@@ -193,17 +189,16 @@ def stage_equations(stages: Sequence[OutputStage], intermediates: Mapping[str, c
 
     Examples
     --------
-    >>> stage = OutputStage(1, ca.SX(10), {"integral_1": ca.SX(7)}, ca.SX(9), {})
-    >>> equations = stage_equations([stage], {"error_1": ca.SX(3)})
+    >>> stage = OutputStage(Signal("pump"), ca.SX(10), {"pump.integral": ca.SX(7)}, ca.SX(9), {})
+    >>> equations = stage_equations([stage], {"error": ca.SX(3)})
     >>> sorted(equations.next_state), sorted(equations.outputs), sorted(equations.intermediates)
-    (['integral_1'], ['manipulated_1', 'status_1'], ['error_1'])
+    (['pump.integral'], ['pump.out', 'pump.status'], ['error'])
     """
     next_state: dict[str, ca.SX] = {}
     outputs: dict[str, ca.SX] = {}
     named = dict(intermediates)
     for stage in stages:
         next_state |= stage.next_state
-        outputs[f"manipulated_{stage.number}"] = stage.manipulated
-        outputs[f"status_{stage.number}"] = stage.status
+        outputs |= as_parts(stage.moved, {"out": stage.manipulated, "status": stage.status})
         named |= stage.intermediates
     return Equations(next_state, outputs, named)

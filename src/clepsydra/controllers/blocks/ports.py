@@ -1,4 +1,4 @@
-"""Ports of blocks: signals without the unit, the range and the number of an instance."""
+"""Ports of blocks: signals without the unit, the range and the owner of an instance."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.program.block import Block
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, Symbols
@@ -40,16 +40,18 @@ description='')
     return replace(signal, low=-math.inf, high=math.inf, initial=0.0)
 
 
-def numbered(symbols: Symbols, ports: Iterable[Signal | DelayRing], number: int) -> Symbols:
-    """Return what a law has for some ports: its signal of that name and number, or of that name.
+def parts_of(
+    owner: Signal | str, symbols: Symbols, ports: Iterable[Signal | DelayRing]
+) -> dict[str, ca.SX]:
+    """Return what a law has for some ports: that part of the owner, or its signal of that name.
 
     Examples
     --------
-    >>> law = {"mode_1": ca.SX(1), "mode_2": ca.SX(0), "time_step": ca.SX(5)}
-    >>> numbered(law, [Signal("mode"), Signal("time_step")], 2)
+    >>> law = {"pump_1.mode": ca.SX(1), "pump_2.mode": ca.SX(0), "time_step": ca.SX(5)}
+    >>> parts_of("pump_2", law, [Signal("mode"), Signal("time_step")])
     {'mode': SX(0), 'time_step': SX(5)}
     """
-    names = {entry.name: f"{entry.name}_{number}" for entry in ports}
+    names = {entry.name: path(owner, entry.name) for entry in ports}
     return {
         name: symbols[own] if own in symbols else symbols[name]
         for name, own in names.items()
@@ -69,6 +71,17 @@ def called(block: Block, instance: str, given: Symbols) -> Equations:
     """
     inputs = {signal.name: given[signal.name] for signal in block.inputs}
     return block(instance, inputs, {entry.name: given[entry.name] for entry in block.state})
+
+
+def as_parts(owner: Signal | str, values: Symbols) -> dict[str, ca.SX]:
+    """Return values of ports by the names that they have as parts of their owner.
+
+    Examples
+    --------
+    >>> as_parts("pump_1", {"mode": ca.SX(1)})
+    {'pump_1.mode': SX(1)}
+    """
+    return {path(owner, name): value for name, value in values.items()}
 
 
 def identifier(name: str) -> str:

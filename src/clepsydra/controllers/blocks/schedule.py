@@ -10,7 +10,7 @@ from functools import cache
 import casadi as ca
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.ports import called, truth
 from clepsydra.controllers.blocks.validity import is_number, is_time_step
@@ -32,7 +32,7 @@ class Schedule:
     Parameters
     ----------
     variable : str
-        The input of the law: measurement_1, or setpoint_1.
+        The input of the law: pv of a measurement, or its sp.
     signal : Signal
         What it shows; lends unit and range.
     points : int
@@ -45,9 +45,9 @@ class Schedule:
 
     Examples
     --------
-    >>> schedule = Schedule("measurement_1", Signal("level_1", "V"), 2)
+    >>> schedule = Schedule("level_1.pv", Signal("level_1", "V"), 2)
     >>> [parameter.name for parameter in schedule.parameters()]
-    ['schedule_point_1', 'schedule_point_2', 'schedule_filter_time']
+    ['schedule.point.1', 'schedule.point.2', 'schedule.filter_time']
     """
 
     variable: str
@@ -55,12 +55,12 @@ class Schedule:
     points: int
 
     def __post_init__(self) -> None:
-        if not self.variable.startswith(("measurement_", "setpoint_")):
+        if self._input.part not in ("pv", "sp"):
             raise InputError(
                 "schedule, variable",
                 self.variable,
                 "a measurement or a setpoint of the law",
-                "write as in measurement_1",
+                "write as in level_1.pv",
             )
         if not FEWEST_POINTS <= self.points <= MOST_POINTS:
             raise InputError(
@@ -71,50 +71,64 @@ class Schedule:
             )
 
     def parameters(self) -> list[Signal]:
-        """Return schedule_point_k and schedule_filter_time."""
+        """Return the points and filter_time of the schedule."""
         return [
             *(
                 signals.gain(
-                    f"schedule_point_{k}",
+                    name,
                     self.signal.unit,
                     float(k),
                     f"{self.signal.name} at point {k} of the schedule",
                 )
-                for k in range(1, self.points + 1)
+                for k, name in enumerate(self.places, start=1)
             ),
             signals.duration(
-                "schedule_filter_time",
+                "schedule.filter_time",
                 f"time constant in which the scheduling variable follows {self.shown}",
             ),
         ]
 
     @property
+    def _input(self) -> Signal:
+        return Signal(self.variable)
+
+    @property
+    def places(self) -> list[str]:
+        """The parameters that say where its points are."""
+        return elements("schedule.point", self.points)
+
+    def values(self, name: str) -> list[str]:
+        """Return the names of a table: the values at the points of what is scheduled."""
+        return elements(path(name, "at"), self.points)
+
+    @property
     def shown(self) -> str:
         """The scheduling variable in words."""
         name = self.signal.name
-        return f"the setpoint of {name}" if self.variable.startswith("setpoint_") else name
+        return f"the setpoint of {name}" if self._input.part == "sp" else name
 
     def table(self, parameter: Signal) -> list[Signal]:
         """Return the parameters that stand for one that is scheduled: its values at the points.
 
         Examples
         --------
-        >>> schedule = Schedule("setpoint_1", Signal("level_1", "V"), 3)
-        >>> [each.name for each in schedule.table(Signal("proportional_gain_1", "V/V"))]
-        ['proportional_gain_1_at_1', 'proportional_gain_1_at_2', 'proportional_gain_1_at_3']
+        >>> schedule = Schedule("level_1.sp", Signal("level_1", "V"), 3)
+        >>> [each.name for each in schedule.table(Signal("level_1.gain", "V/V"))]
+        ['level_1.gain.at.1', 'level_1.gain.at.2', 'level_1.gain.at.3']
         """
         return [
             replace(
                 parameter,
-                name=f"{parameter.name}_at_{k}",
+                name=name,
+                matrix=parameter.matrix or parameter.part,
                 description=f"{parameter.description}, at point {k} of the schedule",
             )
-            for k in range(1, self.points + 1)
+            for k, name in enumerate(self.values(parameter.name), start=1)
         ]
 
     def state(self) -> list[Signal]:
-        """Return scheduling_variable."""
-        return [signals.like(self.signal, "scheduling_variable", f"{self.shown}, filtered")]
+        """Return the scheduling variable."""
+        return [signals.like(self.signal, "schedule.variable", f"{self.shown}, filtered")]
 
     def followed(self, symbols: Symbols) -> Equations:
         """Return the scheduling variable of this sample as the output followed.
@@ -122,23 +136,22 @@ class Schedule:
         Parameters
         ----------
         symbols : mapping
-            The input, its sensor, scheduling_variable, schedule_filter_time and time_step.
+            The input, its sensor, variable and filter_time of the schedule, and time_step.
 
         Examples
         --------
-        >>> schedule = Schedule("setpoint_1", Signal("level_1", "V"), 2)
-        >>> numbers = dict(setpoint_1=8.0, scheduling_variable=4.0, schedule_filter_time=3.0,
-        ...                time_step=1.0)
+        >>> schedule = Schedule("level_1.sp", Signal("level_1", "V"), 2)
+        >>> numbers = {"level_1.sp": 8.0, "schedule.variable": 4.0, "schedule.filter_time": 3.0,
+        ...            "time_step": 1.0}
         >>> found = schedule.followed({name: ca.DM(value) for name, value in numbers.items()})
         >>> float(found.outputs["followed"])
         5.0
         """
-        sensor = self.variable.replace("measurement_", "sensor_")
         given = {**symbols, "asked": symbols[self.variable]}
-        if sensor != self.variable:
-            given["sensor"] = symbols[sensor]
-        block = _schedule_filter(sensor != self.variable)
-        return called(block, "schedule_filter", given)
+        sensed = self._input.part == "pv"
+        if sensed:
+            given["sensor"] = symbols[path(self._input.owner, "good")]
+        return called(_schedule_filter(sensed), "schedule_filter", given)
 
     def interpolated(self, symbols: Symbols, at: ca.SX, names: Sequence[str]) -> dict[str, ca.SX]:
         """Return the scheduled parameters at a value of the scheduling variable.
@@ -156,25 +169,20 @@ class Schedule:
 
         Examples
         --------
-        >>> schedule = Schedule("setpoint_1", Signal("level_1", "V"), 2)
-        >>> numbers = dict(schedule_point_1=2.0, schedule_point_2=6.0, gain_at_1=10.0,
-        ...                gain_at_2=20.0)
+        >>> schedule = Schedule("level_1.sp", Signal("level_1", "V"), 2)
+        >>> numbers = {"schedule.point.1": 2.0, "schedule.point.2": 6.0, "gain.at.1": 10.0,
+        ...            "gain.at.2": 20.0}
         >>> symbols = {name: ca.DM(value) for name, value in numbers.items()}
         >>> float(schedule.interpolated(symbols, ca.DM(3.0), ["gain"])["gain"])
         12.5
         """
-        points = {f"point_{k}": symbols[f"schedule_point_{k}"] for k in self._numbers}
-        block = _table(self.points)
-        found = {}
+        block, found = _table(self.points), {}
         for name in names:
-            values = {f"value_{k}": symbols[f"{name}_at_{k}"] for k in self._numbers}
-            given = {**points, **values, "place": at}
-            found[name] = called(block, f"{name}_table", given).outputs["value"]
+            given = [at, *(symbols[each] for each in (*self.places, *self.values(name)))]
+            ports = {port.name: value for port, value in zip(block.inputs, given, strict=True)}
+            instance = f"{Signal(name).identifier}_table"
+            found[name] = called(block, instance, ports).outputs["value"]
         return found
-
-    @property
-    def _numbers(self) -> range:
-        return range(1, self.points + 1)
 
 
 @cache
@@ -182,26 +190,26 @@ def _schedule_filter(sensed: bool) -> Block:
     """Return the block that follows a scheduling variable: one that is measured has a sensor."""
 
     def equations(s: Symbols) -> Equations:
-        raw, last, time_step = s["asked"], s["scheduling_variable"], s["time_step"]
+        raw, last, time_step = s["asked"], s["schedule.variable"], s["time_step"]
         usable = ca.logic_and(is_number(raw), is_time_step(time_step))
         if sensed:
             usable = ca.logic_and(usable, s["sensor"])
         step = ca.if_else(usable, time_step, 1)
-        filter_time = ca.fmax(s["schedule_filter_time"], 0)
+        filter_time = ca.fmax(s["schedule.filter_time"], 0)
         moved = last + (raw - last) * (step / (filter_time + step))
         taken = ca.logic_and(usable, is_number(moved))
         found = ca.if_else(taken, moved, last)
-        return Equations({"scheduling_variable": found}, {"followed": found})
+        return Equations({"schedule.variable": found}, {"followed": found})
 
     return Block(
         "measured_schedule_filter" if sensed else "schedule_filter",
         (
             Signal("asked", description="what the scheduling variable follows"),
             *([truth("sensor", "its sensor is sound")] if sensed else []),
-            Signal("schedule_filter_time", "s"),
+            Signal("schedule.filter_time", "s"),
             Signal("time_step", "s"),
         ),
-        (Signal("scheduling_variable"),),
+        (Signal("schedule.variable"),),
         (Signal("followed", description="the scheduling variable of this sample"),),
         equations,
         ("The scheduling variable, filtered; it stays where it is not known.",),
@@ -212,10 +220,10 @@ def _schedule_filter(sensed: bool) -> Block:
 def _table(count: int) -> Block:
     """Return the block of a table over so many points."""
 
+    places, names = elements("point", count), elements("value", count)
+
     def equations(s: Symbols) -> Equations:
-        points, values = (
-            [s[f"{what}_{k}"] for k in range(1, count + 1)] for what in ("point", "value")
-        )
+        points, values = ([s[name] for name in each] for each in (places, names))
         found = values[0]
         for (low, high), (first, last) in zip(
             itertools.pairwise(points), itertools.pairwise(values), strict=True
@@ -231,8 +239,7 @@ def _table(count: int) -> Block:
         f"table_of_{count}_points",
         (
             Signal("place", description="where it is read"),
-            *(Signal(f"point_{k}") for k in range(1, count + 1)),
-            *(Signal(f"value_{k}") for k in range(1, count + 1)),
+            *map(Signal, (*places, *names)),
         ),
         (),
         (Signal("value"),),

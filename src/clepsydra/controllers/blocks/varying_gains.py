@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.output_stage import OutputStage, output_stage
 from clepsydra.program.step_law import Symbols
@@ -23,20 +23,20 @@ class Feedback(NamedTuple):
     ----------
     state : list of casadi.SX [n]
         Deviations x of the states, always numbers.
-    errors : list of casadi.SX [q]
-        e = r − y, always numbers.
+    errors : dict [q]
+        e = r − y by name, always numbers.
     numbers, sensors : casadi.SX
         Whether all signals behind them are numbers, and their sensors sound.
 
     Examples
     --------
     >>> true = ca.SX(1)
-    >>> Feedback([ca.SX(0.5)], [ca.SX(1)], true, true).errors
-    [SX(1)]
+    >>> Feedback([ca.SX(0.5)], {"level.error": ca.SX(1)}, true, true).errors
+    {'level.error': SX(1)}
     """
 
     state: list[ca.SX]
-    errors: list[ca.SX]
+    errors: dict[str, ca.SX]
     numbers: ca.SX
     sensors: ca.SX
 
@@ -60,7 +60,7 @@ def varying_lqi(
     Parameters
     ----------
     symbols : mapping
-        integral_i, bias_i, time_step and what `blocks.output_stage` reads.
+        integral and bias of each output, time_step and what `blocks.output_stage` reads.
     moved : sequence of Signal [m]
         The process inputs.
     feedback : Feedback
@@ -82,31 +82,30 @@ def varying_lqi(
 
     >>> given = dict(integral=4, last_output=1, mode=1, manual=0, tracking=0, low_limit=-9,
     ...              high_limit=9, bias=0)
-    >>> symbols = {f"{name}_1": ca.DM(value) for name, value in given.items()}
+    >>> symbols = {f"pump.{name}": ca.DM(value) for name, value in given.items()}
     >>> true = ca.DM(1)
     >>> stages, _ = varying_lqi(
     ...     symbols | {"time_step": true}, [Signal("pump")],
-    ...     Feedback([ca.DM(3)], [ca.DM(0)], true, true), [[ca.DM(2)]], [[ca.DM(1)]],
+    ...     Feedback([ca.DM(3)], {"error": ca.DM(0)}, true, true), [[ca.DM(2)]], [[ca.DM(1)]],
     ...     [[ca.DM(1)]], "none")
-    >>> float(stages[0].manipulated), float(stages[0].next_state["integral_1"])
+    >>> float(stages[0].manipulated), float(stages[0].next_state["pump.integral"])
     (1.0, 7.0)
     """
-    stages, named = [], {f"error_{j}": e for j, e in enumerate(feedback.errors, start=1)}
-    for place, (row, integral_row) in enumerate(zip(gains, integral_gains, strict=True)):
-        i = place + 1
+    stages, named = [], dict(feedback.errors)
+    errors = list(feedback.errors.values())
+    for place, (u, row, integral_row) in enumerate(zip(moved, gains, integral_gains, strict=True)):
         fed_back = _sum(row, feedback.state)
-        rate = _sum(integral_row, feedback.errors)
-        named |= {f"fed_back_{i}": fed_back, f"integral_rate_{i}": rate}
+        rate = _sum(integral_row, errors)
+        named |= {path(u, "fed_back"): fed_back, path(u, "integral_rate"): rate}
         taken_up = None
         if former is not None:
             taken_up = fed_back - _sum(former[place], feedback.state)
-            named[f"taken_up_{i}"] = taken_up
+            named[path(u, "taken_up")] = taken_up
         stages.append(
             output_stage(
                 symbols,
-                i,
-                moved[place],
-                proportional=symbols[f"bias_{i}"] - fed_back,
+                u,
+                proportional=symbols[path(u, "bias")] - fed_back,
                 increment=symbols["time_step"] * rate,
                 signals_are_numbers=feedback.numbers,
                 sensors_are_good=feedback.sensors,

@@ -128,6 +128,7 @@ def _summed(
     sums: ca.SX,
 ) -> ca.SX:
     """Return Σ y μ(y) and Σ μ(y) with those of a stretch added, by a counted loop."""
+    label = output.replace(".", "_")
     names = list(stretch.degrees)
     # A height is at most 1: where a set is 1 all along, the height alone is the smaller.
     clipping = [name for name in names if np.any(stretch.degrees[name] != 1.0)]
@@ -142,12 +143,12 @@ def _summed(
     for degree in clipped[1:]:
         largest = ca.fmax(largest, degree)
     turn = ca.Function(
-        f"point_of_{output}",
+        f"point_of_{label}",
         [row, carried, held],
         [ca.vertcat(carried[0] + row[0] * largest, carried[1] + largest)],
     )
     return counted_loop(
-        f"{output}_from_{stretch.first}",
+        f"{label}_from_{stretch.first}",
         stretch.stop - stretch.first,
         turn,
         carried=sums,

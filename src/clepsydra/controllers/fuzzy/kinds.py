@@ -18,17 +18,16 @@ class FuzzyInput:
     ----------
     quantity : {"error", "error_rate", "measurement", "measurement_rate"}
         The error is setpoint less measurement; a rate is a filtered derivative.
-    measurement : int
-        Number of the measurement, from 1.
+    measurement : str
 
     Examples
     --------
-    >>> FuzzyInput("error_rate", 1).is_rate
+    >>> FuzzyInput("error_rate", "level").is_rate
     True
     """
 
     quantity: Quantity
-    measurement: int
+    measurement: str
 
     @property
     def is_rate(self) -> bool:
@@ -61,12 +60,14 @@ class FuzzyOutput:
     rate_limited: bool = False
 
 
-def followed_measurements(inputs: Sequence[FuzzyInput]) -> tuple[int, ...]:
+def followed_measurements(measured: Sequence[str], inputs: Sequence[FuzzyInput]) -> tuple[str, ...]:
     """Return the measurements whose errors are used, in their order.
 
     Examples
     --------
-    >>> followed_measurements([FuzzyInput("measurement", 1), FuzzyInput("error", 2)])
-    (2,)
+    >>> inputs = [FuzzyInput("measurement", "flow"), FuzzyInput("error", "level")]
+    >>> followed_measurements(["flow", "level"], inputs)
+    ('level',)
     """
-    return tuple(sorted({each.measurement for each in inputs if each.is_of_error}))
+    used = {each.measurement for each in inputs if each.is_of_error}
+    return tuple(name for name in measured if name in used)

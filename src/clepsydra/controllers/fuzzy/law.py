@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import tracking_share
 from clepsydra.controllers.blocks.derivative import filtered_derivative
@@ -17,6 +17,7 @@ from clepsydra.controllers.blocks.error_shape import gap_error
 from clepsydra.controllers.blocks.final_element import FinalElement, final_element
 from clepsydra.controllers.blocks.handover import Asked
 from clepsydra.controllers.blocks.integral import applied_ports, integral
+from clepsydra.controllers.blocks.ports import as_parts
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step, value_or_zero
 from clepsydra.controllers.fuzzy.inference import Centroid, surface
 from clepsydra.controllers.fuzzy.kinds import FuzzyInput, FuzzyOutput, followed_measurements
@@ -37,19 +38,19 @@ class _Reading(NamedTuple):
 
 
 def fuzzy_law(
+    measured: Sequence[Signal | str],
+    manipulated: Sequence[Signal | str],
     system: FuzzySystem,
     inputs: Sequence[FuzzyInput],
     outputs: Sequence[FuzzyOutput],
     *,
-    measured: Sequence[Signal],
-    manipulated: Sequence[Signal],
     name: str = "fuzzy",
 ) -> StepLaw:
     """Write the step law of a Mamdani controller.
 
-    Linguistic input i is x = k D(q): q the error r − y, the measurement y or the derivative of
+    A linguistic input is x = k D(q): q the error r − y, the measurement y or the derivative of
     one of them, D a dead zone, k its gain; the range of its variable clips it. With the centroid
-    c of linguistic output j, in automatic::
+    c of a linguistic output, in automatic::
 
         u = min(high limit, max(low limit, g c + b))      position
         u = min(high limit, max(low limit, u + Δt g c))      increment, u from the last sample
@@ -63,24 +64,25 @@ def fuzzy_law(
 
     Parameters
     ----------
+    measured, manipulated : sequence of Signal or str
+        The process signals, a manipulated one for each output of the system: they lend their
+        names, units and ranges.
     system : FuzzySystem
     inputs : sequence of FuzzyInput
         One for each input of the system.
     outputs : sequence of FuzzyOutput
-        One for each output of the system; output j moves manipulated j.
-    measured, manipulated : sequence of Signal
-        The process signals: they lend their units and ranges.
+        One for each output of the system.
     name : str
         An identifier.
 
     Returns
     -------
     StepLaw
-        Inputs setpoint_j (one for each measurement whose error is used, in their order),
-        measurement_j, sensor_j, mode_j, manual_j, tracking_j, time_step [s]; parameters
-        input_gain_i, dead_zone_i, filter_time_i [s] of a rate, output_gain_j, fading_time_j [s]
-        of a position, low_limit_j, high_limit_j, rate_limit_j; state filtered_i of a rate,
-        offset_j of a position, last_output_j; outputs manipulated_j, status_j.
+        Inputs sp of each measurement whose error is used, pv and good of each measurement, mode,
+        manual and tracking of each output, and time_step [s]; parameters gain, dead_zone and, of
+        a rate, filter_time [s] of each linguistic input, output_gain, fading_time [s] of a
+        position, low_limit, high_limit and rate_limit of each output; state filtered of a rate,
+        offset of a position, and last_output; outputs out and status of each output.
 
     Raises
     ------
@@ -105,24 +107,27 @@ def fuzzy_law(
     >>> opening = LinguisticVariable("u", 0.0, 10.0, halves | {"P": right_shoulder(0.0, 10.0)})
     >>> rules = [parse_rule(s, f"if e is {s} then u is {s}") for s in halves]
     >>> law = fuzzy_law(
-    ...     FuzzySystem((error,), (opening,), tuple(rules)), [FuzzyInput("error", 1)],
-    ...     [FuzzyOutput()], measured=[Signal("level", "m")], manipulated=[Signal("pump", "V")])
-    >>> [parameter.name for parameter in law.parameters]
-    ['input_gain_1', 'dead_zone_1', 'output_gain_1', 'fading_time_1', 'low_limit_1', 'high_limit_1']
+    ...     ["level"], ["pump"], FuzzySystem((error,), (opening,), tuple(rules)),
+    ...     [FuzzyInput("error", "level")], [FuzzyOutput()])
+    >>> [parameter.name for parameter in law.parameters][:4]
+    ['e.gain', 'e.dead_zone', 'pump.output_gain', 'pump.fading_time']
     """
-    _check(system, inputs, outputs, measured, manipulated)
-    writer = _Writer(system, tuple(inputs), tuple(outputs), tuple(measured), tuple(manipulated))
-    followed = [measured[number - 1] for number in writer.followed]
+    known = signals.process_signals(measured, "fuzzy law, measured")
+    moved = signals.process_signals(manipulated, "fuzzy law, manipulated")
+    by_name = {signal.name: signal for signal in known}
+    _check(system, inputs, outputs, by_name, moved)
+    writer = _Writer(system, tuple(inputs), tuple(outputs), by_name, moved)
+    followed = [by_name[each] for each in followed_measurements(tuple(by_name), inputs)]
     return step_law(
         name,
         inputs=[
             *signals.setpoint_inputs(followed),
-            *signals.measurement_inputs(measured),
-            *signals.output_inputs(manipulated),
+            *signals.measurement_inputs(known),
+            *signals.output_inputs(moved),
         ],
         parameters=writer.parameters(),
         state=writer.state(),
-        outputs=[s for j, u in enumerate(manipulated, 1) for s in signals.output_signals(j, u)],
+        outputs=[signal for u in moved for signal in signals.output_signals(u)],
         equations=writer.equations,
         description=[f"{rule.name}: {rule}" for rule in system.rules],
     )
@@ -132,7 +137,7 @@ def _check(
     system: FuzzySystem,
     inputs: Sequence[FuzzyInput],
     outputs: Sequence[FuzzyOutput],
-    measured: Sequence[Signal],
+    measured: Mapping[str, Signal],
     manipulated: Sequence[Signal],
 ) -> None:
     for what, given, wanted in (
@@ -146,10 +151,10 @@ def _check(
                 "give one for each",
             )  # fmt: skip
     for each in inputs:
-        if not 1 <= each.measurement <= len(measured):
+        if each.measurement not in measured:
             raise InputError(
                 "fuzzy law, inputs", each.measurement,
-                f"the number of a measurement, 1 to {len(measured)}", "correct it",
+                f"a measurement ({', '.join(measured)})", "correct it",
             )  # fmt: skip
 
 
@@ -158,46 +163,35 @@ class _Writer:
     system: FuzzySystem
     inputs: tuple[FuzzyInput, ...]
     outputs: tuple[FuzzyOutput, ...]
-    measured: tuple[Signal, ...]
+    measured: Mapping[str, Signal]
     manipulated: tuple[Signal, ...]
-
-    @property
-    def followed(self) -> tuple[int, ...]:
-        return followed_measurements(self.inputs)
 
     def parameters(self) -> list[Signal]:
         found: list[Signal] = []
-        for i, (each, variable) in enumerate(zip(self.inputs, self.system.inputs, strict=True), 1):
+        for each, variable in zip(self.inputs, self.system.inputs, strict=True):
             unit = self._unit(each)
-            name = f"{variable.name}, {each.quantity.replace('_', ' ')} of {self._of(each).name}"
-            found += [
-                signals.gain(
-                    f"input_gain_{i}", signals.ratio_of_units("1", unit), 1.0, f"gain of {name}"
-                ),
-                Signal(
-                    f"dead_zone_{i}", unit, low=0.0, high=signals.LARGEST_PARAMETER,
-                    description=f"half width of the dead zone of {name}",
-                ),
-            ]  # fmt: skip
+            name = f"{variable.name}, {each.quantity.replace('_', ' ')} of {each.measurement}"
+            own = [
+                signals.gain("gain", signals.ratio_of_units("1", unit), 1.0, f"gain of {name}"),
+                _not_negative("dead_zone", unit, f"half width of the dead zone of {name}"),
+            ]
             if each.is_rate:
-                found.append(
-                    Signal(
-                        f"filter_time_{i}", "s", low=0.0, high=signals.LARGEST_PARAMETER,
-                        description=f"time constant of the filter of {name}",
-                    )
-                )  # fmt: skip
-        for j, (output, moved) in enumerate(zip(self.outputs, self.manipulated, strict=True), 1):
+                words = f"time constant of the filter of {name}"
+                own.append(_not_negative("filter_time", "s", words))
+            found += owned(variable.name, own)
+        for output, moved in zip(self.outputs, self.manipulated, strict=True):
             per = () if output.action == "position" else ("s",)
             unit = signals.ratio_of_units(moved.unit, *per)
-            found.append(signals.gain(f"output_gain_{j}", unit, 1.0, f"gain to {moved.name}"))
+            name = path(moved, "output_gain")
+            found.append(signals.gain(name, unit, 1.0, f"gain to {moved.name}"))
             if output.action == "position":
                 words = f"time in which a bumpless start of {moved.name} fades"
-                found.append(signals.duration(f"fading_time_{j}", words))
-            found += signals.limit_parameters(j, moved)
+                found.append(signals.duration(path(moved, "fading_time"), words))
+            found += signals.limit_parameters(moved)
             if output.rate_limited:
                 found.append(
                     Signal(
-                        f"rate_limit_{j}", signals.ratio_of_units(moved.unit, "s"), low=0.0,
+                        path(moved, "rate_limit"), signals.ratio_of_units(moved.unit, "s"), low=0.0,
                         high=signals.LARGEST_PARAMETER, initial=signals.LARGEST_PARAMETER,
                         description=f"largest rate of change of {moved.name}",
                     )
@@ -207,109 +201,108 @@ class _Writer:
     def state(self) -> list[Signal]:
         filtered = [
             Signal(
-                f"filtered_{i}",
-                self._of(each).unit,
+                path(v.name, "filtered"),
+                self.measured[each.measurement].unit,
                 description=f"filtered {each.quantity.removesuffix('_rate')} behind {v.name}",
             )
-            for i, (each, v) in enumerate(zip(self.inputs, self.system.inputs, strict=True), 1)
+            for each, v in zip(self.inputs, self.system.inputs, strict=True)
             if each.is_rate
         ]
         offsets = [
-            Signal(f"offset_{j}", u.unit, description=f"what a bumpless start adds to {u.name}")
-            for j, (output, u) in enumerate(zip(self.outputs, self.manipulated, strict=True), 1)
+            Signal(path(u, "offset"), u.unit, description=f"what a bumpless start adds to {u.name}")
+            for output, u in zip(self.outputs, self.manipulated, strict=True)
             if output.action == "position"
         ]
-        last = [signals.last_output(j, u) for j, u in enumerate(self.manipulated, start=1)]
-        return [*filtered, *offsets, *last]
-
-    def _of(self, each: FuzzyInput) -> Signal:
-        return self.measured[each.measurement - 1]
+        return [*filtered, *offsets, *map(signals.last_output, self.manipulated)]
 
     def _unit(self, each: FuzzyInput) -> str:
-        unit = self._of(each).unit
+        unit = self.measured[each.measurement].unit
         return signals.ratio_of_units(unit, "s") if each.is_rate else unit
 
     def equations(self, symbols: Symbols) -> Equations:
         time_step_good = is_time_step(symbols["time_step"])
         time_step = ca.if_else(time_step_good, symbols["time_step"], 1)
         readings = {
-            variable.name: self._reading(symbols, i, each, time_step, time_step_good)
-            for i, (each, variable) in enumerate(
-                zip(self.inputs, self.system.inputs, strict=True), start=1
-            )
+            variable.name: _reading(symbols, variable.name, each, time_step, time_step_good)
+            for each, variable in zip(self.inputs, self.system.inputs, strict=True)
         }
         values = {name: reading.value for name, reading in readings.items()}
         state: dict[str, ca.SX] = {}
         named: dict[str, ca.SX] = {"time_step_good": time_step_good}
         for name, reading in readings.items():
             state |= reading.state
-            named |= reading.named | {f"scaled_{name}": reading.value}
+            named |= reading.named | {path(name, "scaled"): reading.value}
         written: dict[str, ca.SX] = {}
         crisp, fires = surface(self.system)(ca.vertcat(*values.values()))
-        for j, variable in enumerate(self.system.outputs, start=1):
-            centroid = Centroid(crisp[j - 1], fires[j - 1])
+        for j, variable in enumerate(self.system.outputs):
+            centroid, moved = Centroid(crisp[j], fires[j]), self.manipulated[j]
             read = [readings[v.name] for v in self.system.used_by(variable.name)]
             numbers = all_of([reading.numbers for reading in read])
             sensors = all_of([reading.sensor for reading in read])
             element = self._moved(symbols, j, centroid, numbers, sensors, time_step, state)
-            state[f"last_output_{j}"] = element.manipulated
-            written |= {f"manipulated_{j}": element.manipulated, f"status_{j}": element.status}
-            named |= element.named | {f"centroid_{variable.name}": centroid.value}
+            state[path(moved, "last_output")] = element.manipulated
+            written |= as_parts(moved, {"out": element.manipulated, "status": element.status})
+            named |= element.named | {path(variable.name, "centroid"): centroid.value}
         return Equations(state, written, named)
-
-    def _reading(
-        self, symbols: Symbols, i: int, each: FuzzyInput, time_step: ca.SX, time_step_good: ca.SX
-    ) -> _Reading:
-        """Return a crisp input: zero, and not to be used, where it is no number."""
-        raw = [symbols[f"measurement_{each.measurement}"]]
-        if each.is_of_error:
-            number = self.followed.index(each.measurement) + 1
-            raw.append(symbols[f"setpoint_{number}"])
-        valid = all_of([is_number(value) for value in raw])
-        known = [value_or_zero(value, valid) for value in raw]
-        value = known[1] - known[0] if each.is_of_error else known[0]
-        sensor = symbols[f"sensor_{each.measurement}"]
-        state, named = {}, {}
-        if each.is_rate:
-            kept = symbols[f"filtered_{i}"]
-            found = filtered_derivative(value, kept, symbols[f"filter_time_{i}"], time_step)
-            sound = all_of([valid, sensor, time_step_good, is_number(found.filtered)])
-            state[f"filtered_{i}"] = ca.if_else(sound, found.filtered, kept)
-            value = found.rate
-            named[f"rate_{i}"] = value
-        scaled = symbols[f"input_gain_{i}"] * gap_error(value, symbols[f"dead_zone_{i}"], ca.SX(0))
-        # Met where a parameter was changed to something unusable at run time, too.
-        numbers = ca.logic_and(valid, is_number(scaled))
-        return _Reading(value_or_zero(scaled, numbers), numbers, sensor, state, named)
 
     def _moved(
         self, symbols: Symbols, j: int, centroid: Centroid, numbers: ca.SX, sensors: ca.SX,
         time_step: ca.SX, state: dict[str, ca.SX],
     ) -> FinalElement:  # fmt: skip
         """Return the final element of an output; an offset's next value goes into the state."""
-        output, last = self.outputs[j - 1], symbols[f"last_output_{j}"]
+        output, moved = self.outputs[j], self.manipulated[j]
+        last = symbols[path(moved, "last_output")]
         usable = all_of([numbers, sensors, centroid.fires])
-        wish = symbols[f"output_gain_{j}"] * centroid.value
-        position = output.action == "position"
-        asked = wish + symbols[f"offset_{j}"] if position else last + time_step * wish
+        wish = symbols[path(moved, "output_gain")] * centroid.value
+        offset = symbols.get(path(moved, "offset"))
+        asked = last + time_step * wish if offset is None else wish + offset
         element = final_element(
             symbols,
-            j,
-            self.manipulated[j - 1],
+            moved,
             Asked(asked, usable, numbers, sensors),
             rate_limited=output.rate_limited,
         )
-        if position:
-            share = tracking_share(time_step, symbols[f"fading_time_{j}"])
+        if offset is not None:
+            share = tracking_share(time_step, symbols[path(moved, "fading_time")])
             fading = {
-                "integral": symbols[f"offset_{j}"],
+                "integral": offset,
                 "proportional": wish,
-                "increment": -share * symbols[f"offset_{j}"],
+                "increment": -share * offset,
                 "known": usable,
                 "last_applied": last,
                 **applied_ports(element.applied),
             }
-            name = f"{self.manipulated[j - 1].identifier}_offset"
+            name = f"{moved.identifier}_offset"
             found = integral("conditional_integration")(name, fading, {})
-            state[f"offset_{j}"] = found.outputs["following"]
+            state[path(moved, "offset")] = found.outputs["following"]
         return element
+
+
+def _reading(
+    symbols: Symbols, name: str, each: FuzzyInput, time_step: ca.SX, time_step_good: ca.SX
+) -> _Reading:
+    """Return a crisp input: zero, and not to be used, where it is no number."""
+    shown = [symbols[path(each.measurement, "pv")]]
+    if each.is_of_error:
+        shown.append(symbols[path(each.measurement, "sp")])
+    valid = all_of([is_number(value) for value in shown])
+    known = [value_or_zero(value, valid) for value in shown]
+    value = known[1] - known[0] if each.is_of_error else known[0]
+    sensor = symbols[path(each.measurement, "good")]
+    state, named = {}, {}
+    if each.is_rate:
+        kept = symbols[path(name, "filtered")]
+        found = filtered_derivative(value, kept, symbols[path(name, "filter_time")], time_step)
+        sound = all_of([valid, sensor, time_step_good, is_number(found.filtered)])
+        state[path(name, "filtered")] = ca.if_else(sound, found.filtered, kept)
+        value = found.rate
+        named[path(name, "rate")] = value
+    width = symbols[path(name, "dead_zone")]
+    scaled = symbols[path(name, "gain")] * gap_error(value, width, ca.SX(0))
+    # Met where a parameter was changed to something unusable at run time, too.
+    numbers = ca.logic_and(valid, is_number(scaled))
+    return _Reading(value_or_zero(scaled, numbers), numbers, sensor, state, named)
+
+
+def _not_negative(name: str, unit: str, description: str) -> Signal:
+    return Signal(name, unit, low=0.0, high=signals.LARGEST_PARAMETER, description=description)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import cast, get_args
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import to_si
 from clepsydra.controllers import signals
@@ -70,7 +70,7 @@ class WiredFuzzy:
     >>> point = find_equilibrium(load_process("quadruple-tank"))
     >>> wired = WiredFuzzy(read_fuzzy(parse(text, "halves.toml")), point.process)
     >>> controller = wired.controller(point, "halves")
-    >>> controller.values["input_gain_1"], controller.measurements, controller.manipulated
+    >>> controller.values["e.gain"], controller.measurements, controller.manipulated
     (0.5, ('level_1',), ('pump_1',))
     """
 
@@ -90,8 +90,7 @@ class WiredFuzzy:
                     f"for an error, a controlled sensor ({', '.join(process.controlled)})",
                     'it has no setpoint: write quantity = "measurement"',
                 )  # fmt: skip
-            number = self.measurements.index(of[name]) + 1
-            inputs.append(FuzzyInput(cast(Quantity, quantity), number))
+            inputs.append(FuzzyInput(cast(Quantity, quantity), of[name]))
         known = [signal.name for signal in process.inputs]
         self.manipulated = tuple(
             _one_of(table, "moves", known, "a manipulated variable")
@@ -107,21 +106,20 @@ class WiredFuzzy:
             )
             for table in file.outputs.values()
         ]
-        self.setpoints = tuple(self.measurements[n - 1] for n in followed_measurements(inputs))
+        self.setpoints = followed_measurements(self.measurements, inputs)
+        driven = [process.signal(name) for name in self.manipulated]
         self.law = fuzzy_law(
+            [process.signal(name) for name in self.measurements],
+            driven,
             file.system,
             inputs,
             outputs,
-            measured=[process.signal(name) for name in self.measurements],
-            manipulated=[process.signal(name) for name in self.manipulated],
         )
         self.values = {parameter.name: parameter.initial for parameter in self.law.parameters}
-        for i, (table, each) in enumerate(zip(file.inputs.values(), inputs, strict=True), 1):
-            self._read_input(
-                i, table, each, process.signal(self.measurements[each.measurement - 1])
-            )
-        for j, (table, output) in enumerate(zip(file.outputs.values(), outputs, strict=True), 1):
-            self._read_output(j, table, output, process.signal(self.manipulated[j - 1]))
+        for (name, table), each in zip(file.inputs.items(), inputs, strict=True):
+            self._read_input(name, table, each)
+        for table, output, signal in zip(file.outputs.values(), outputs, driven, strict=True):
+            self._read_output(table, output, signal)
 
     def controller(self, point: OperatingPoint, name: str) -> Controller:
         """Return the controller, whose outputs start at the operating point.
@@ -134,9 +132,9 @@ class WiredFuzzy:
             What the reader sees.
         """
         at = point.as_dict()
-        inputs = {f"setpoint_{k}": at[s] for k, s in enumerate(self.setpoints, 1)}
-        inputs |= {f"measurement_{k}": at[s] for k, s in enumerate(self.measurements, 1)}
-        inputs |= {f"tracking_{j}": at[u] for j, u in enumerate(self.manipulated, 1)}
+        inputs = {path(y, "sp"): at[y] for y in self.setpoints}
+        inputs |= {path(y, "pv"): at[y] for y in self.measurements}
+        inputs |= {path(u, "tracking"): at[u] for u in self.manipulated}
         system = self.file.system
         return Controller(
             name=name,
@@ -165,17 +163,18 @@ class WiredFuzzy:
         moved, have = " and ".join(positions), "has" if len(positions) == 1 else "have"
         return (f"{moved} {have} no integral action: a load leaves an offset.",)
 
-    def _read_input(self, i: int, table: TableReader, each: FuzzyInput, signal: Signal) -> None:
+    def _read_input(self, name: str, table: TableReader, each: FuzzyInput) -> None:
+        signal = self.process.signal(each.measurement)
         unit = signals.ratio_of_units(signal.unit, "s") if each.is_rate else signal.unit
         factor = _factor(table, unit)
         gain = table.quantity("gain", "1", "a number", "give the factor to the range", default=1.0)
-        self._set(table, "gain", f"input_gain_{i}", gain / factor)
+        self._set(table, "gain", path(name, "gain"), gain / factor)
         if table.has("dead_zone"):
             width = table.quantity(
                 "dead_zone", "1", "a number in the unit of the input", "leave it out for none",
                 at_least=0.0,
             )  # fmt: skip
-            self._set(table, "dead_zone", f"dead_zone_{i}", width * factor)
+            self._set(table, "dead_zone", path(name, "dead_zone"), width * factor)
         if not table.has("filter_time"):
             return
         if not each.is_rate:
@@ -184,23 +183,23 @@ class WiredFuzzy:
                 "leave it out, or take the rate of the quantity",
             )  # fmt: skip
         time = table.quantity("filter_time", "s", "a time", "leave it out for none", at_least=0.0)
-        self._set(table, "filter_time", f"filter_time_{i}", time)
+        self._set(table, "filter_time", path(name, "filter_time"), time)
 
-    def _read_output(self, j: int, table: TableReader, output: FuzzyOutput, signal: Signal) -> None:
+    def _read_output(self, table: TableReader, output: FuzzyOutput, signal: Signal) -> None:
         rate = signals.ratio_of_units(signal.unit, "s")
         factor = _factor(table, signal.unit if output.action == "position" else rate)
         gain = table.quantity("gain", "1", "a number", "leave it out for 1", default=1.0)
-        self._set(table, "gain", f"output_gain_{j}", gain * factor)
+        self._set(table, "gain", path(signal, "output_gain"), gain * factor)
         if output.rate_limited:
             limit = table.quantity("rate_limit", rate, "a rate", "leave it out for none", above=0.0)
-            self._set(table, "rate_limit", f"rate_limit_{j}", limit)
+            self._set(table, "rate_limit", path(signal, "rate_limit"), limit)
         if output.action == "position":
             default = _FADING_SAMPLES * self.process.sampling_period
             time = table.quantity(
                 "fading_time", "s", "a time", "leave it out for ten samples",
                 above=0.0, default=default,
             )  # fmt: skip
-            self._set(table, "fading_time", f"fading_time_{j}", time)
+            self._set(table, "fading_time", path(signal, "fading_time"), time)
         elif table.has("fading_time"):
             raise table.refused(
                 "fading_time", table.written("fading_time"), "a fading time of a position only",

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 import numpy as np
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.ports import called, truth
 from clepsydra.controllers.blocks.validity import is_number, is_time_step
@@ -21,7 +21,7 @@ _BEFORE, _HELD, _BESIDE = "a sample before", "held for a sample", "not as estima
 def observer_parameters(
     structure: ObserverStructure, measured: Sequence[Signal], manipulated: Sequence[Signal]
 ) -> list[Signal]:
-    """Return transition_j_k, input_effect_j_i, observation_j_k and correction_j_k.
+    """Return the numbers of the matrices transition, input_effect, observation and correction.
 
     Examples
     --------
@@ -29,10 +29,10 @@ def observer_parameters(
     >>> structure = ObserverStructure((Signal("tank.level", "m"),), yes, yes, yes, yes)
     >>> for parameter in observer_parameters(structure, [Signal("level", "V")], [Signal("pump")]):
     ...     print(parameter.name, parameter.unit)
-    transition_1_1 m/m
-    input_effect_1_1 m
-    observation_1_1 V/m
-    correction_1_1 m/V
+    tank.level.transition.tank.level m/m
+    tank.level.input_effect.pump m
+    level.observation.tank.level V/m
+    tank.level.correction.level m/V
     """
     estimated = structure.estimated
     return [
@@ -44,22 +44,22 @@ def observer_parameters(
 
 
 def observer_state(structure: ObserverStructure) -> list[Signal]:
-    """Return estimate_j, the deviation from the operating point expected in the next sample.
+    """Return estimates, the deviations from the operating point expected in the next sample.
 
     Examples
     --------
     >>> yes = np.ones((1, 1), bool)
     >>> structure = ObserverStructure((Signal("tank.level", "m"),), yes, yes, yes, yes)
     >>> [(state.name, state.unit) for state in observer_state(structure)]
-    [('estimate_1', 'm')]
+    [('tank.level.estimate', 'm')]
     """
     return [
         Signal(
-            f"estimate_{j}",
+            path(signal, "estimate"),
             signal.unit,
             description=f"expected deviation of {signal.name} from the operating point",
         )
-        for j, signal in enumerate(structure.estimated, start=1)
+        for signal in structure.estimated
     ]
 
 
@@ -78,7 +78,7 @@ def corrected(
     Parameters
     ----------
     symbols : mapping
-        estimate_j, observation_j_k, correction_j_k.
+        Estimates, observation and correction.
     structure : ObserverStructure
     measured : sequence of Signal
     deviations : sequence of casadi.SX
@@ -96,13 +96,14 @@ def corrected(
 
     >>> yes = np.ones((1, 1), bool)
     >>> structure = ObserverStructure((Signal("tank.level", "m"),), yes, yes, yes, yes)
-    >>> numbers = dict(estimate_1=ca.DM(2), observation_1_1=ca.DM(1), correction_1_1=ca.DM(0.5))
+    >>> numbers = {"tank.level.estimate": ca.DM(2), "level.observation.tank.level": ca.DM(1),
+    ...            "tank.level.correction.level": ca.DM(0.5)}
     >>> found = corrected(numbers, structure, [Signal("level", "m")], [ca.DM(2.5)], ca.DM(1))
     >>> float(found[0][0]), float(found[1][0])
     (2.25, 0.5)
     """
-    shown = _counted("deviation", measured, "less its value at the operating point")
-    estimates = _counted("corrected", structure.estimated, "with the measurements of the sample")
+    shown = _parts("deviation", measured, "less its value at the operating point")
+    estimates = _parts("corrected", structure.estimated, "with the measurements of the sample")
     block = Block(
         "observer_correction",
         (
@@ -113,8 +114,8 @@ def corrected(
             *_numbers("correction", structure.corrected, structure.estimated, measured, _BESIDE),
         ),
         (),
-        (*estimates, *_counted("surprise", measured, "less what was expected")),
-        lambda s: _correction(s, structure, [s[signal.name] for signal in shown]),
+        (*estimates, *_parts("surprise", measured, "less what was expected")),
+        lambda s: _correction(s, structure, measured),
         ("The estimate with the measurements: x + M (y - C x).",),
     )
     values = {signal.name: value for signal, value in zip(shown, deviations, strict=True)}
@@ -123,17 +124,19 @@ def corrected(
     return found[: structure.size], found[structure.size :]
 
 
-def _correction(s: Symbols, structure: ObserverStructure, deviations: Sequence[ca.SX]) -> Equations:
-    expected = [s[f"estimate_{j}"] for j in range(1, structure.size + 1)]
-    surprise = [
-        ca.if_else(s["known"], value - _row(s, "observation", structure.shown, j, expected), 0)
-        for j, value in enumerate(deviations)
-    ]
+def _correction(s: Symbols, structure: ObserverStructure, measured: Sequence[Signal]) -> Equations:
+    estimated = structure.estimated
+    expected = [s[path(x, "estimate")] for x in estimated]
+    surprise = []
+    for y, used in zip(measured, structure.shown, strict=True):
+        shown = _row(s, "observation", y, used, estimated, expected)
+        surprise.append(ca.if_else(s["known"], s[path(y, "deviation")] - shown, 0))
     found = {
-        f"corrected_{j + 1}": value + _row(s, "correction", structure.corrected, j, surprise)
-        for j, value in enumerate(expected)
+        path(x, "corrected"): value + _row(s, "correction", x, used, measured, surprise)
+        for x, value, used in zip(estimated, expected, structure.corrected, strict=True)
     }
-    return Equations({}, found | {f"surprise_{j}": e for j, e in enumerate(surprise, start=1)})
+    errors = {path(y, "surprise"): e for y, e in zip(measured, surprise, strict=True)}
+    return Equations({}, found | errors)
 
 
 def predicted(
@@ -143,7 +146,7 @@ def predicted(
     estimate: Sequence[ca.SX],
     moves: Sequence[ca.SX],
 ) -> Mapping[str, ca.SX]:
-    """Return estimate_j of the next sample: Φ x̂ + Γ (u − u°).
+    """Return the estimates of the next sample: Φ x̂ + Γ (u − u°).
 
     u is what was really given out, after mode, limits and hold, so that neither an operator's
     hand nor saturation misleads the observer. Φ and Γ are those of one sampling period. In a
@@ -153,7 +156,7 @@ def predicted(
     Parameters
     ----------
     symbols : mapping
-        estimate_j, transition_j_k, input_effect_j_i, time_step.
+        Estimates, transition, input_effect and time_step.
     structure : ObserverStructure
     manipulated : sequence of Signal
     estimate : sequence of casadi.SX
@@ -165,15 +168,15 @@ def predicted(
     --------
     >>> yes = np.ones((1, 1), bool)
     >>> structure = ObserverStructure((Signal("tank.level", "m"),), yes, yes, yes, yes)
-    >>> numbers = dict(estimate_1=ca.SX(2), transition_1_1=ca.SX(0.5), input_effect_1_1=ca.SX(3),
-    ...                time_step=ca.SX(1))
+    >>> numbers = {"tank.level.estimate": ca.SX(2), "tank.level.transition.tank.level": ca.SX(0.5),
+    ...            "tank.level.input_effect.pump": ca.SX(3), "time_step": ca.SX(1)}
     >>> found = predicted(numbers, structure, [Signal("pump", "V")], [ca.SX(4)], [ca.SX(0.1)])
-    >>> float(ca.evalf(found["estimate_1"]))
+    >>> float(ca.evalf(found["tank.level.estimate"]))
     2.3
     """
     estimated = structure.estimated
-    before = _counted("corrected", estimated, "with the measurements of the sample")
-    moved = _counted("move", manipulated, "less its value at the operating point")
+    before = _parts("corrected", estimated, "with the measurements of the sample")
+    moved = _parts("move", manipulated, "less its value at the operating point")
     block = Block(
         "observer_prediction",
         (
@@ -185,7 +188,7 @@ def predicted(
         ),
         tuple(observer_state(structure)),
         (),
-        lambda s: _prediction(s, structure, *([s[p.name] for p in ps] for ps in (before, moved))),
+        lambda s: _prediction(s, structure, manipulated),
         ("The estimate of the next sample: Phi x + Gamma (u - u0), u as it was applied.",),
     )
     ports = [*before, *moved]
@@ -194,74 +197,75 @@ def predicted(
 
 
 def _prediction(
-    s: Symbols,
-    structure: ObserverStructure,
-    corrected: Sequence[ca.SX],
-    moves: Sequence[ca.SX],
+    s: Symbols, structure: ObserverStructure, manipulated: Sequence[Signal]
 ) -> Equations:
-    goes_on = is_time_step(s["time_step"])
+    goes_on, estimated = is_time_step(s["time_step"]), structure.estimated
+    corrected = [s[path(x, "corrected")] for x in estimated]
+    moves = [s[path(u, "move")] for u in manipulated]
     following = {}
-    for j, before in enumerate(corrected):
-        value = _row(s, "transition", structure.transition, j, corrected)
-        value = value + _row(s, "input_effect", structure.moved, j, moves)
+    for j, (x, before) in enumerate(zip(estimated, corrected, strict=True)):
+        value = _row(s, "transition", x, structure.transition[j], estimated, corrected)
+        value = value + _row(s, "input_effect", x, structure.moved[j], manipulated, moves)
         usable = ca.logic_and(goes_on, ca.logic_and(is_number(value), is_number(before)))
-        following[f"estimate_{j + 1}"] = ca.if_else(usable, value, s[f"estimate_{j + 1}"])
+        name = path(x, "estimate")
+        following[name] = ca.if_else(usable, value, s[name])
     return Equations(following, {})
 
 
-def _counted(name: str, signals: Sequence[Signal], when: str) -> list[Signal]:
+def _parts(part: str, signals: Sequence[Signal], when: str) -> list[Signal]:
     return [
-        Signal(f"{name}_{j}", signal.unit, description=f"{signal.name}, {when}")
-        for j, signal in enumerate(signals, start=1)
+        Signal(path(signal, part), signal.unit, description=f"{signal.name}, {when}")
+        for signal in signals
     ]
 
 
 def observer_values(
     structure: ObserverStructure,
-    transition: np.ndarray,
-    moved: np.ndarray,
-    shown: np.ndarray,
-    correction: np.ndarray,
+    measured: Sequence[Signal],
+    manipulated: Sequence[Signal],
+    *matrices: np.ndarray,
 ) -> dict[str, float]:
     """Return the values of the parameters from the matrices Φ, Γ, C and M.
 
     Examples
     --------
-    >>> one = np.eye(1)
-    >>> structure = ObserverStructure((Signal("tank.level"),), *(one != 0.0 for _ in range(4)))
-    >>> observer_values(structure, 0.9 * one, one, one, 0.5 * one)["transition_1_1"]
+    >>> one, level = np.eye(1), Signal("tank.level")
+    >>> structure = ObserverStructure((level,), *(one != 0.0 for _ in range(4)))
+    >>> found = observer_values(
+    ...     structure, [Signal("level")], [Signal("pump")], 0.9 * one, one, one, 0.5 * one)
+    >>> found["tank.level.transition.tank.level"]
     0.9
     """
-    matrices = {
-        "transition": (structure.transition, transition),
-        "input_effect": (structure.moved, moved),
-        "observation": (structure.shown, shown),
-        "correction": (structure.corrected, correction),
-    }
-    return {
-        f"{name}_{j + 1}_{k + 1}": float(matrix[j, k])
-        for name, (used, matrix) in matrices.items()
-        for j, k in np.argwhere(used)
-    }
+    used = (structure.transition, structure.moved, structure.shown, structure.corrected)
+    numbers = [
+        float(matrix[j, k])
+        for where, matrix in zip(used, matrices, strict=True)
+        for j, k in np.argwhere(where)
+    ]
+    parameters = observer_parameters(structure, measured, manipulated)
+    return {p.name: number for p, number in zip(parameters, numbers, strict=True)}
 
 
 def _numbers(
-    name: str, used: np.ndarray, rows: Sequence[Signal], columns: Sequence[Signal], when: str
+    matrix: str, used: np.ndarray, rows: Sequence[Signal], columns: Sequence[Signal], when: str
 ) -> list[Signal]:
     return [
-        signals.coefficient(
-            f"{name}_{j + 1}_{k + 1}",
-            signals.ratio_of_units(rows[j].unit, columns[k].unit),
-            f"what {columns[k].name} {when} does to {rows[j].name}",
-        )
-        for j, k in np.argwhere(used)
+        signals.number_of(matrix, to, by, f"what {by.name} {when} does to {to.name}", digits=9)
+        for to, by in ((rows[j], columns[k]) for j, k in np.argwhere(used))
     ]
 
 
-def _row(symbols: Symbols, name: str, used: np.ndarray, row: int, values: Sequence[ca.SX]) -> ca.SX:
+def _row(
+    symbols: Symbols,
+    matrix: str,
+    to: Signal,
+    used: np.ndarray,
+    by: Sequence[Signal],
+    values: Sequence[ca.SX],
+) -> ca.SX:
     """Return the sum of the numbers of one row of a matrix times the values."""
     total = ca.SX(0)
-    for place, column in enumerate(np.flatnonzero(used[row]).tolist()):
-        product = symbols[f"{name}_{row + 1}_{column + 1}"] * values[column]
+    for place, column in enumerate(np.flatnonzero(used).tolist()):
+        product = symbols[effect(to, matrix, by[column])] * values[column]
         total = total + product if place else product
     return total

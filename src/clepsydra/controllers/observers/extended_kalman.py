@@ -9,7 +9,7 @@ from functools import cached_property
 import casadi as ca
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.ports import called, port, truth
 from clepsydra.controllers.blocks.sampled_matrices import (
@@ -75,7 +75,8 @@ class ExtendedKalman:
     >>> equations = process_equations(cl.load("three-tanks").linear)
     >>> observer = ExtendedKalman(equations, ("level_3",), (), 1, 0)
     >>> [signal.name for signal in observer.memory()][:4]
-    ['estimate_1', 'estimate_2', 'estimate_3', 'covariance_1_1']
+    ['tank_1.level.estimate', 'tank_2.level.estimate', 'tank_3.level.estimate', \
+'tank_1.level.covariance.tank_1.level']
     """
 
     equations: ProcessEquations
@@ -123,36 +124,35 @@ class ExtendedKalman:
         return equations.used_in(expressions)
 
     def parameters(self) -> list[Signal]:
-        """Return sensor_noise_k, input_noise_i and load_noise_l."""
+        """Return sensor_noise of measurements, input_noise of inputs and load_noise of loads."""
         process = self.equations.point.process
         found = []
-        for k, name in enumerate(self.measurements, start=1):
-            unit = process.signal(name).unit
-            found.append(signals.size(f"sensor_noise_{k}", unit, f"standard deviation of {name}"))
+        for name in self.measurements:
+            unit, words = process.signal(name).unit, f"standard deviation of {name}"
+            found.append(signals.size(path(name, "sensor_noise"), unit, words))
         for what, names in (("input", self.equations.inputs), ("load", self.loads)):
-            for i, name in enumerate(names, start=1):
+            for name in names:
                 unit = process.signal(name).unit
                 unit = "s^0.5" if unit == "1" else f"{unit} s^0.5"
                 words = f"white noise of {name}: what it adds up to in a second, root mean square"
-                found.append(signals.size(f"{what}_noise_{i}", unit, words))
+                found.append(signals.size(path(name, f"{what}_noise"), unit, words))
         return found
 
     def memory(self) -> list[Signal]:
-        """Return estimate_j, and covariance_j_k on and above the diagonal."""
+        """Return estimate of each state, and covariance on and above the diagonal."""
         found = self.equations.signals_of_states()
         estimates = [
-            signals.like(signal, f"estimate_{j}", f"expected {signal.name}")
-            for j, signal in enumerate(found, start=1)
+            signals.like(signal, path(signal, "estimate"), f"expected {signal.name}")
+            for signal in found
         ]
         covariances = [
             Signal(
-                f"covariance_{j + 1}_{k + 1}",
+                effect(first, "covariance", second),
                 _product(first.unit, second.unit),
                 description=f"covariance of {first.name} and {second.name} as expected",
             )
             for j, first in enumerate(found)
-            for k, second in enumerate(found)
-            if k >= j
+            for second in found[j:]
         ]
         return [*estimates, *covariances]
 
@@ -163,18 +163,17 @@ class ExtendedKalman:
         kalman_prediction, on one memory.
         """
         process, memory, n = self.equations.point.process, self.memory(), len(self.equations.states)
-        values = [
-            replace(process.signal(name), name=f"measured_{k}")
-            for k, name in enumerate(self.measurements, start=1)
-        ]
-        surprises = [replace(v, name=f"surprise_{k}") for k, v in enumerate(values, start=1)]
+        values, surprises = (
+            [replace(process.signal(name), name=path(name, part)) for name in self.measurements]
+            for part in ("measured", "surprise")
+        )
         corrected = [
-            replace(entry, name=f"corrected_{entry.name}", description="with the measurements")
+            replace(entry, name=path(entry, "corrected"), description="with the measurements")
             for entry in memory
         ]
         moved = [
-            replace(process.signal(name), name=f"applied_{i}")
-            for i, name in enumerate(self.equations.inputs, start=1)
+            replace(process.signal(name), name=path(name, "applied"))
+            for name in self.equations.inputs
         ]
         noises = self.parameters()
         correction = Block(
@@ -205,45 +204,44 @@ class ExtendedKalman:
             self._following,
             ("The estimate and its covariance expected in the next sample.",),
         )
-        given = {f"measured_{k}": value for k, value in enumerate(measured, start=1)}
+        given = {port.name: value for port, value in zip(values, measured, strict=True)}
         found = called(correction, "kalman_correction", {**symbols, **given, "usable": usable})
         x = list(found.outputs.values())[:n]
 
         def following(applied: Sequence[ca.SX]) -> dict[str, ca.SX]:
-            given = {f"applied_{i}": value for i, value in enumerate(applied, start=1)}
-            values = {**symbols, **found.outputs, **given}
-            return dict(called(prediction, "kalman_prediction", values).next_state)
+            given = {port.name: value for port, value in zip(moved, applied, strict=True)}
+            whole = {**symbols, **found.outputs, **given}
+            return dict(called(prediction, "kalman_prediction", whole).next_state)
 
         named = {signal.name: found.outputs[signal.name] for signal in surprises}
-        named |= {f"state_{j}": value for j, value in enumerate(x, start=1)}
+        named |= {
+            path(n, "state"): value for n, value in zip(self.equations.states, x, strict=True)
+        }
         return KnownState(x, following, named)
 
     def _models(self, expressions: Sequence[ca.SX]) -> list[Signal]:
         return [model_parameter(each) for each in self.equations.used_in(expressions)]
 
-    def _memory_in(self, s: Symbols, prefix: str = "") -> tuple[list[ca.SX], ca.SX]:
+    def _memory_in(self, s: Symbols, names: Sequence[str]) -> tuple[list[ca.SX], ca.SX]:
         """Return x and P."""
         n = len(self.equations.states)
-        values = [s[f"{prefix}{entry.name}"] for entry in self.memory()]
+        values = [s[name] for name in names]
         return values[:n], from_upper_triangle(values[n:], n)
 
     def _corrected(self, s: Symbols) -> Equations:
-        x, P = self._memory_in(s)
+        x, P = self._memory_in(s, [entry.name for entry in self.memory()])
         n = len(x)
         nothing = [ca.SX(0)] * len(self.equations.inputs)
         found = {}
-        for k in range(len(self.measurements)):
-            number = k + 1
-            reading, slope = self.equations.evaluated(
-                [self._readings[k], self._slopes[k]], x, nothing, s
-            )
+        for y, *shown in zip(self.measurements, self._readings, self._slopes, strict=True):
+            reading, slope = self.equations.evaluated(shown, x, nothing, s)
             spread = P @ slope.T
-            noise = s[f"sensor_noise_{number}"]
+            noise = s[path(y, "sensor_noise")]
             total = (slope @ spread)[0] + noise * noise
             sure = ca.logic_and(s["usable"], ca.logic_and(total > 0, is_number(total)))
             share = ca.densify(spread) / ca.if_else(sure, total, 1)
-            surprise = ca.if_else(sure, s[f"measured_{number}"] - reading, 0)
-            found[f"surprise_{number}"] = surprise
+            surprise = ca.if_else(sure, s[path(y, "measured")] - reading, 0)
+            found[path(y, "surprise")] = surprise
             corrected = [was + share[j] * surprise for j, was in enumerate(x)]
             x = self.equations.bounded(corrected)
             less = [
@@ -253,12 +251,12 @@ class ExtendedKalman:
             ]
             P = from_upper_triangle(less, n)
         values = zip(self.memory(), [*x, *upper_triangle(P)], strict=True)
-        return Equations({}, {f"corrected_{e.name}": value for e, value in values} | found)
+        return Equations({}, {path(e, "corrected"): value for e, value in values} | found)
 
     def _following(self, s: Symbols) -> Equations:
         """Return what is expected in the next sample."""
-        x, P = self._memory_in(s, "corrected_")
-        applied = [s[f"applied_{i}"] for i in range(1, len(self.equations.inputs) + 1)]
+        x, P = self._memory_in(s, [path(entry, "corrected") for entry in self.memory()])
+        applied = [s[path(name, "applied")] for name in self.equations.inputs]
         good = is_time_step(s["time_step"])
         time = ca.if_else(good, s["time_step"], 1)
         ends = self.equations.bounded(self._moved(s, x, time, applied))
@@ -319,16 +317,16 @@ class ExtendedKalman:
         here = self.equations.bounded(x, NEARLY_EMPTY)
         A, B, *E = self.equations.evaluated(self._linear, here, applied, symbols)
         held = sampled_expressions(A, ca.SX(A.shape[0], 1), None, time, self.doublings).held
-        intensity = _intensity(symbols, "input_noise", B)
+        intensity = _intensity(symbols, "input_noise", self.equations.inputs, B)
         if E:
-            intensity = intensity + _intensity(symbols, "load_noise", E[0])
+            intensity = intensity + _intensity(symbols, "load_noise", self.loads, E[0])
         noise = (0.5 * time) * (intensity + held @ intensity @ held.T)
         return held @ P @ held.T + noise
 
 
-def _intensity(symbols: Symbols, name: str, effect: ca.SX) -> ca.SX:
-    size = [symbols[f"{name}_{i}"] for i in range(1, effect.shape[1] + 1)]
-    scaled = effect @ ca.diag(ca.vertcat(*size))
+def _intensity(symbols: Symbols, part: str, of: Sequence[str], acts: ca.SX) -> ca.SX:
+    size = [symbols[path(name, part)] for name in of]
+    scaled = acts @ ca.diag(ca.vertcat(*size))
     return scaled @ scaled.T
 
 

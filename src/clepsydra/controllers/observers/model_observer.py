@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.ports import called, port, truth, with_used_inputs
 from clepsydra.controllers.blocks.validity import is_number, is_time_step
@@ -46,8 +46,8 @@ class ModelObserver:
     >>> equations = input_affine_equations(cl.load("quadruple-tank").linear)
     >>> observer = ModelObserver(equations, equations.states, ("level_1", "level_2"),
     ...                          np.ones((4, 2), bool))
-    >>> [signal.name for signal in observer.state()]
-    ['estimate_1', 'estimate_2', 'estimate_3', 'estimate_4']
+    >>> [signal.name for signal in observer.state()][:2]
+    ['tank_1.level.estimate', 'tank_2.level.estimate']
     """
 
     equations: InputAffineEquations
@@ -81,33 +81,35 @@ class ModelObserver:
         return [self._rates, *(self.equations.reading(name) for name in self.measurements)]
 
     def parameters(self) -> list[Signal]:
-        """Return correction_j_k."""
-        process = self.equations.point.process
+        """Return correction of each estimated state by the measurements."""
+        process, words = self.equations.point.process, "not as estimated does to"
         return [
-            signals.coefficient(
-                f"correction_{j + 1}_{k + 1}",
-                signals.ratio_of_units(
-                    process.signal(self.estimated[j]).unit,
-                    process.signal(self.measurements[k]).unit,
-                ),
-                f"what {self.measurements[k]} not as estimated does to {self.estimated[j]}",
+            signals.number_of(
+                "correction",
+                process.signal(x),
+                process.signal(y),
+                f"what {y} {words} {x}",
+                digits=9,
             )
-            for j, k in np.argwhere(self.corrected)
+            for x, y in ((self.estimated[j], self.measurements[k]) for j, k in self._used)
         ]
+
+    @property
+    def _used(self) -> np.ndarray:
+        """The places of the numbers of M."""
+        return np.argwhere(self.corrected)
 
     def values(self, correction: np.ndarray) -> dict[str, float]:
         """Return the values of the parameters from M."""
-        return {
-            f"correction_{j + 1}_{k + 1}": float(correction[j, k])
-            for j, k in np.argwhere(self.corrected)
-        }
+        numbers = [float(correction[j, k]) for j, k in self._used]
+        return {p.name: number for p, number in zip(self.parameters(), numbers, strict=True)}
 
     def state(self) -> list[Signal]:
-        """Return estimate_j, expected in the next sample."""
+        """Return estimate of each estimated state, expected in the next sample."""
         process = self.equations.point.process
         return [
-            signals.like(process.signal(name), f"estimate_{j}", f"expected {name}")
-            for j, name in enumerate(self.estimated, start=1)
+            signals.like(process.signal(name), path(name, "estimate"), f"expected {name}")
+            for name in self.estimated
         ]
 
     def estimate(
@@ -125,19 +127,19 @@ class ModelObserver:
         Parameters
         ----------
         symbols : mapping
-            estimate_j, correction_j_k and model_*.
+            Estimates, correction and model.*.
         measured : sequence of casadi.SX [p]
         known : casadi.SX
             Whether they are numbers from sound sensors.
         models : sequence of Signal
             The constants of the process.
         read : callable
-            h: takes x̂ and model_* and returns what the sensors would show.
+            h: takes x̂ and model.* and returns what the sensors would show.
         """
         process = self.equations.point.process
         shown = [
-            port(replace(process.signal(name), name=f"measured_{k}"))
-            for k, name in enumerate(self.measurements, start=1)
+            port(replace(process.signal(name), name=path(name, "measured")))
+            for name in self.measurements
         ]
 
         def equations(s: Symbols) -> Equations:
@@ -147,10 +149,10 @@ class ModelObserver:
                 for signal, reading in zip(shown, read(expected, s), strict=True)
             ]
             found = {}
-            for j, value in enumerate(expected):
-                for k in np.flatnonzero(self.corrected[j]).tolist():
-                    value = value + s[f"correction_{j + 1}_{k + 1}"] * surprise[k]
-                found[f"corrected_{j + 1}"] = value
+            for x, value, used in zip(self.estimated, expected, self.corrected, strict=True):
+                for k in np.flatnonzero(used).tolist():
+                    value = value + s[effect(x, "correction", self.measurements[k])] * surprise[k]
+                found[path(x, "corrected")] = value
             return Equations({}, found)
 
         block = with_used_inputs(
@@ -175,8 +177,8 @@ class ModelObserver:
 
     def _estimates(self) -> list[Signal]:
         return [
-            port(replace(signal, name=f"corrected_{j}", description="with the measurements"))
-            for j, signal in enumerate(self.state(), start=1)
+            port(replace(signal, name=path(x, "corrected"), description="with the measurements"))
+            for x, signal in zip(self.estimated, self.state(), strict=True)
         ]
 
     def predicted(
@@ -187,14 +189,14 @@ class ModelObserver:
         models: Sequence[Signal],
         rates: Callable[[Sequence[ca.SX], Sequence[ca.SX], Symbols], list[ca.SX]],
     ) -> dict[str, ca.SX]:
-        """Return estimate_j of the next sample by one step of the classical Runge-Kutta method.
+        """Return the estimates of the next sample by one step of the classical Runge-Kutta method.
 
         It is the block observer_prediction.
 
         Parameters
         ----------
         symbols : mapping
-            estimate_j, model_* and time_step.
+            Estimates, model.* and time_step.
         estimate : sequence of casadi.SX [N]
             Corrected.
         applied : sequence of casadi.SX [m]
@@ -202,18 +204,23 @@ class ModelObserver:
         models : sequence of Signal
             The constants of the process.
         rates : callable
-            f: takes x̂, u and model_* and returns dx̂/dt.
+            f: takes x̂, u and model.* and returns dx̂/dt.
         """
         process = self.equations.point.process
         moved = [
-            port(replace(process.signal(name), name=f"applied_{i}"))
-            for i, name in enumerate(self.equations.inputs, start=1)
+            port(replace(process.signal(name), name=path(name, "applied")))
+            for name in self.equations.inputs
         ]
         before = self._estimates()
 
         def equations(s: Symbols) -> Equations:
             x, u = ([s[signal.name] for signal in ports] for ports in (before, moved))
-            return Equations(_runge_kutta(s, x, lambda x: rates(x, u, s)), {})
+            ends, good = _runge_kutta(s, x, lambda x: rates(x, u, s))
+            following = {}
+            for signal, end in zip(self.state(), ends, strict=True):
+                usable = ca.logic_and(good, is_number(end))
+                following[signal.name] = ca.if_else(usable, end, s[signal.name])
+            return Equations(following, {})
 
         block = with_used_inputs(
             Block(
@@ -232,7 +239,8 @@ class ModelObserver:
 
 def _runge_kutta(
     s: Symbols, estimate: Sequence[ca.SX], rates: Callable[[Sequence[ca.SX]], list[ca.SX]]
-) -> dict[str, ca.SX]:
+) -> tuple[list[ca.SX], ca.SX]:
+    """Return the state after a step, and whether the time step is one."""
     good = is_time_step(s["time_step"])
     step = ca.if_else(good, s["time_step"], 1)
 
@@ -247,8 +255,4 @@ def _runge_kutta(
     slopes = [
         (a + 2 * (b + c) + d) / 6 for a, b, c, d in zip(first, second, third, fourth, strict=True)
     ]
-    following = {}
-    for j, end in enumerate(moved(slopes, step), start=1):
-        usable = ca.logic_and(good, is_number(end))
-        following[f"estimate_{j}"] = ca.if_else(usable, end, s[f"estimate_{j}"])
-    return following
+    return moved(slopes, step), good

@@ -6,42 +6,40 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from clepsydra.controllers.signals import owners
 from clepsydra.program.step_law import StepLaw
 
 
-def needed_by_outputs(law: StepLaw, outputs: int, stems: Iterable[str]) -> list[tuple[int, ...]]:
-    """Return for output i the numbers j of the signals stem_j that it needs.
+def needed_by_outputs(law: StepLaw, parts: Iterable[str]) -> dict[str, tuple[str, ...]]:
+    """Return for each output whose inputs it needs, of these parts.
 
-    An output needs a signal if manipulated_i or status_i depends on it in the same sample. A
-    signal that no output depends on so, but by what is remembered of it, is needed by all
-    outputs that this reaches in the end.
+    An output needs a signal if out or status depends on it in the same sample. A signal that no
+    output depends on so, but by what is remembered of it, is needed by all outputs that this
+    reaches in the end.
 
     Parameters
     ----------
     law : StepLaw
-    outputs : int
-        Number of outputs.
-    stems : iterable of str
-        "measurement" and "sensor", say.
+    parts : iterable of str
+        "pv" and "good", say.
 
     Examples
     --------
     >>> from clepsydra.controllers.linear_quadratic_integral import lqi_law
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> needed_by_outputs(multiloop_pid_law(2), 2, ["measurement", "sensor"])
-    [(1,), (2,)]
-    >>> needed_by_outputs(lqi_law(3, 2, [1, 2]), 2, ["measurement", "sensor"])
-    [(1, 2, 3), (1, 2, 3)]
+    >>> levels, pumps = ["level_1", "level_2"], ["pump_1", "pump_2"]
+    >>> needed_by_outputs(multiloop_pid_law(levels, pumps), ["pv", "good"])
+    {'pump_1': ('level_1',), 'pump_2': ('level_2',)}
+    >>> needed_by_outputs(lqi_law(levels, pumps, levels), ["pv", "good"])["pump_1"]
+    ('level_1', 'level_2')
     """
-    columns: dict[int, list[int]] = {}
+    columns: dict[str, list[int]] = {}
     for place, signal in enumerate(law.inputs):
-        stem, _, number = signal.name.rpartition("_")
-        if stem in stems and number.isdigit():
-            columns.setdefault(int(number), []).append(place)
-    names = [signal.name for signal in law.outputs]
+        if signal.part in parts:
+            columns.setdefault(signal.owner, []).append(place)
+    outputs = owners(law.outputs, "out")
     rows = [
-        [names.index(name) for name in (f"manipulated_{i}", f"status_{i}") if name in names]
-        for i in range(1, outputs + 1)
+        [k for k, signal in enumerate(law.outputs) if signal.owner == output] for output in outputs
     ]
     direct = _structure(law, 1, 1)
     found = [
@@ -53,7 +51,10 @@ def needed_by_outputs(law: StepLaw, outputs: int, stems: Iterable[str]) -> list[
             for needed, own in zip(found, rows, strict=True):
                 if reached[np.ix_(own, places)].any():
                     needed.add(j)
-    return [tuple(sorted(needed)) for needed in found]
+    return {
+        output: tuple(owner for owner in columns if owner in needed)
+        for output, needed in zip(outputs, found, strict=True)
+    }
 
 
 def _through_state(law: StepLaw, direct: np.ndarray) -> np.ndarray:

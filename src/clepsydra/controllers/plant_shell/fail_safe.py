@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.ports import truth
@@ -105,8 +105,6 @@ class SafeOutput:
 
     Parameters
     ----------
-    number : int
-        i of manipulated_i.
     signal : Signal
         The manipulated variable.
     value : float
@@ -114,11 +112,10 @@ class SafeOutput:
 
     Examples
     --------
-    >>> [state.name for state in SafeOutput(1, Signal("pump_1", "V"), 0.0).state()]
-    ['failed_safe_1', 'scans_to_follow_1']
+    >>> [state.name for state in SafeOutput(Signal("pump_1", "V"), 0.0).state()]
+    ['pump_1.failed_safe', 'pump_1.scans_to_follow']
     """
 
-    number: int
     signal: Signal
     value: float
 
@@ -126,21 +123,20 @@ class SafeOutput:
         """The fail-safe value."""
         u = self.signal
         words = f"value of {u.name} after a sensor has failed"
-        return [signals.gain(f"fail_safe_{self.number}", u.unit, self.value, words)]
+        return [signals.gain(path(u, "fail_safe"), u.unit, self.value, words)]
 
     def unwired(self) -> dict[str, float]:
         """What its inputs are until somebody wires them: manual, at the fail-safe value."""
-        i = self.number
-        at = {f"manual_{i}": self.value, f"tracking_{i}": self.value}
-        return {f"mode_{i}": float(Mode.MANUAL), **at}
+        at = {path(self.signal, what): self.value for what in ("manual", "tracking")}
+        return {path(self.signal, "mode"): float(Mode.MANUAL), **at}
 
     def state(self) -> list[Signal]:
         """Whether it has failed, and whether the law has yet to take it up."""
-        return [of_process(port, self.number, self.signal) for port in COMMAND.state]
+        return [of_process(port, self.signal) for port in COMMAND.state]
 
     def commanded(self, scan: Scan, needed: Sequence[Symbols]) -> dict[str, ca.SX]:
         """Return who moves the output in this scan, and whether its sensors are good."""
         good = all_of([ca.SX(1), *(sensor["good"] for sensor in needed)])
         failed = any_of([ca.SX(0), *(sensor["failed"] for sensor in needed)])
         name = f"{self.signal.identifier}_command"
-        return {**scan.call(COMMAND, name, self.number, good=good, failed=failed), "good": good}
+        return {**scan.call(COMMAND, name, self.signal, good=good, failed=failed), "good": good}

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.fail_safe import SafeOutput
 from clepsydra.controllers.plant_shell.sensor_diagnosis import SENSOR_DELAY, MonitoredSensor
 from clepsydra.controllers.plant_shell.setpoint_ramp import RampedSetpoint
 from clepsydra.controllers.plant_shell.settings import PlantShell, check_names
 from clepsydra.controllers.plant_shell.take_up import take_up_scans
-from clepsydra.controllers.signals import LARGEST_PARAMETER
+from clepsydra.controllers.signals import LARGEST_PARAMETER, owners
 from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.controllers.wiring import wired_setpoints
 from clepsydra.program.step_law import StepLaw
 
 
@@ -29,9 +30,9 @@ class Members:
     setpoints : tuple of RampedSetpoint
     outputs : tuple of SafeOutput
     rates : dict
-        Number of an output whose rate the shell limits to the rate [unit/s].
+        An output whose rate the shell limits, to the rate [unit/s].
     own_rates : dict
-        Parameter rate_limit_i that the law has itself to its value.
+        Parameter rate_limit that the law has itself to its value.
     take_up_scans : int
         Scans for which the law follows its output before it is in force again.
     sources : dict
@@ -48,7 +49,7 @@ class Members:
     sensors: tuple[MonitoredSensor, ...]
     setpoints: tuple[RampedSetpoint, ...]
     outputs: tuple[SafeOutput, ...]
-    rates: dict[int, float]
+    rates: dict[str, float]
     own_rates: dict[str, float]
     take_up_scans: int
     sources: dict[str, str]
@@ -75,7 +76,7 @@ def members_of(controller: Controller, settings: PlantShell, sampling_period: fl
     --------
     >>> import clepsydra as cl
     >>> members = members_of(cl.design.simc(cl.load("quadruple-tank")), PlantShell(), 1.0)
-    >>> members.sensors[0].range, members.sources["range_low_1"]
+    >>> members.sensors[0].range, members.sources["level_1.range_low"]
     ((0.0, 10.0), 'range of level_1 in the process file')
     """
     return _Maker(controller, settings).made(sampling_period)
@@ -91,11 +92,15 @@ class _Maker:
 
     def made(self, sampling_period: float) -> Members:
         self._check_names()
-        sensors = tuple(map(self._sensor, range(1, len(self.controller.measurements) + 1)))
-        setpoints = tuple(map(self._setpoint, range(1, len(self.controller.setpoints) + 1)))
-        numbers = range(1, len(self.controller.manipulated) + 1)
+        controller, law = self.controller, self.controller.law
+        measured = zip(owners(law.inputs, "pv"), controller.measurements, strict=True)
+        sensors = tuple(self._sensor(*each) for each in measured)
+        free = wired_setpoints(law, controller.free_inputs)
+        followed = zip(free, controller.setpoints, strict=True)
+        setpoints = tuple(self._setpoint(*each) for each in followed)
         rates, own_rates = self._rates()
-        outputs = tuple(map(self._output, numbers))
+        moved = zip(owners(law.outputs, "out"), controller.manipulated, strict=True)
+        outputs = tuple(self._output(*each) for each in moved)
         self.sources |= {
             "sampling_period": "sampling period that the controller runs with",
             "take_up_scans": "settling of what the law remembers, found by running it",
@@ -123,9 +128,8 @@ class _Maker:
     def _source(self, parameter: str, given: bool, otherwise: str) -> None:
         self.sources[parameter] = "setting of the plant shell" if given else otherwise
 
-    def _sensor(self, number: int) -> MonitoredSensor:
-        name = self.controller.measurements[number - 1]
-        signal = _named(self.inputs[f"measurement_{number}"], name)
+    def _sensor(self, owner: str, name: str) -> MonitoredSensor:
+        signal = replace(self.inputs[path(owner, "pv")], name=owner)
         given = self.settings.ranges.get(name)
         known = given or (signal.low, signal.high)
         between: tuple[float, float] | None = None
@@ -133,7 +137,7 @@ class _Maker:
             between = (float(known[0]), float(known[1]))
             for end in ("low", "high"):
                 self._source(
-                    f"range_{end}_{number}",
+                    path(owner, f"range_{end}"),
                     given is not None,
                     f"range of {name} in the process file",
                 )
@@ -143,29 +147,27 @@ class _Maker:
                 "what is not a number and the fault bit of the card count as faults of it."
             )
         delay = self.settings.sensor_delay.get(name)
-        self._source(f"sensor_delay_{number}", delay is not None, f"default: {SENSOR_DELAY:g} s")
-        return MonitoredSensor(
-            number, signal, between, SENSOR_DELAY if delay is None else float(delay)
-        )
+        self._source(path(owner, "sensor_delay"), delay is not None, f"default: {SENSOR_DELAY:g} s")
+        return MonitoredSensor(signal, between, SENSOR_DELAY if delay is None else float(delay))
 
-    def _setpoint(self, number: int) -> RampedSetpoint:
-        name, measurements = self.controller.setpoints[number - 1], self.controller.measurements
+    def _setpoint(self, owner: str, name: str) -> RampedSetpoint:
         rate = self.settings.setpoint_rate.get(name)
-        place = measurements.index(name) + 1 if name in measurements else None
-        self._source(f"setpoint_rate_{number}", rate is not None, "default: no ramp")
+        measured = dict(
+            zip(self.controller.measurements, owners(self.inputs.values(), "pv"), strict=True)
+        )
+        self._source(path(owner, "setpoint_rate"), rate is not None, "default: no ramp")
         return RampedSetpoint(
-            number,
-            _named(self.inputs[f"setpoint_{number}"], name),
-            place,
-            place if place is not None and f"range_low_{place}" in self.sources else None,
+            replace(self.inputs[path(owner, "sp")], name=owner),
+            measured.get(name),
+            name in measured and path(measured[name], "range_low") in self.sources,
             LARGEST_PARAMETER if rate is None else float(rate),
         )
 
-    def _output(self, number: int) -> SafeOutput:
-        name, values = self.controller.manipulated[number - 1], self.controller.values
-        signal = _named(self.results[f"manipulated_{number}"], name)
-        low = values.get(f"low_limit_{number}", signal.low)
-        high = values.get(f"high_limit_{number}", signal.high)
+    def _output(self, owner: str, name: str) -> SafeOutput:
+        values = self.controller.values
+        signal = replace(self.results[path(owner, "out")], name=owner)
+        low = values.get(path(owner, "low_limit"), signal.low)
+        high = values.get(path(owner, "high_limit"), signal.high)
         given = self.settings.fail_safe.get(name)
         if given is not None and not low <= given <= high:
             raise InputError(
@@ -179,25 +181,28 @@ class _Maker:
                 f"a fail-safe value: {name} has no low limit that could stand for it",
                 f'write as in fail_safe={{"{name}": 0.0}}',
             )  # fmt: skip
-        self._source(f"fail_safe_{number}", given is not None, f"default: low limit of {name}")
-        return SafeOutput(number, signal, float(low if given is None else given))
+        self._source(path(owner, "fail_safe"), given is not None, f"default: low limit of {name}")
+        return SafeOutput(signal, float(low if given is None else given))
 
-    def _rates(self) -> tuple[dict[int, float], dict[str, float]]:
+    def _rates(self) -> tuple[dict[str, float], dict[str, float]]:
         """Return the rates that the shell limits, and those that the law limits itself."""
-        law, rates = self.controller.law, {}
+        law = self.controller.law
+        rates: dict[str, float] = {}
         own: dict[str, float] = {}
         known = {parameter.name for parameter in law.parameters}
-        for number, name in enumerate(self.controller.manipulated, start=1):
+        outputs = owners(law.outputs, "out")
+        for owner, name in zip(outputs, self.controller.manipulated, strict=True):
             rate = self.settings.rate_limit.get(name)
-            if f"rate_limit_{number}" in known:
+            parameter = path(owner, "rate_limit")
+            if parameter in known:
                 if rate is not None:
-                    own[f"rate_limit_{number}"] = float(rate)
-                    self.sources[f"rate_limit_{number}"] = "setting of the plant shell"
+                    own[parameter] = float(rate)
+                    self.sources[parameter] = "setting of the plant shell"
                 continue
-            reason = _unhurried(law, number, known, name)
+            reason = _unhurried(law, owner, known, name)
             if reason is None:
-                rates[number] = LARGEST_PARAMETER if rate is None else float(rate)
-                self._source(f"rate_limit_{number}", rate is not None, "default: no rate limit")
+                rates[owner] = LARGEST_PARAMETER if rate is None else float(rate)
+                self._source(parameter, rate is not None, "default: no rate limit")
                 continue
             self.notes.append(f"The shell does not limit the rate of {name}: {reason}.")
             if rate is not None:
@@ -208,11 +213,11 @@ class _Maker:
         return rates, own
 
 
-def _unhurried(law: StepLaw, number: int, known: Iterable[str], name: str) -> str | None:
+def _unhurried(law: StepLaw, owner: str, known: Iterable[str], name: str) -> str | None:
     """Return why the rate of an output cannot be limited, if it cannot."""
-    if f"running_value_{number}" in known:
+    if path(owner, "running_value") in known:
         return f"{name} runs or stands"
-    if not {f"low_limit_{number}", f"high_limit_{number}"} <= set(known):
+    if not {path(owner, f"{end}_limit") for end in ("low", "high")} <= set(known):
         return f"the law has no limits of {name} that could be moved with it"
     for block in law.blocks:
         if isinstance(block, PidBlock) and block.form.winding == "clamping":
@@ -221,8 +226,3 @@ def _unhurried(law: StepLaw, number: int, known: Iterable[str], name: str) -> st
                 "with another anti-windup, or with a rate limit of its own, can have one"
             )
     return None
-
-
-def _named(signal: Signal, name: str) -> Signal:
-    """Return a signal of the law under the name that it has in the process."""
-    return Signal(name, signal.unit, signal.display_unit, signal.low, signal.high, signal.initial)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.plant_shell.scan_watch import SCAN_WATCH
 from clepsydra.controllers.plant_shell.start import START
 from clepsydra.program.block import Block
@@ -79,29 +79,29 @@ class Scan:
         return ca.if_else(anew, self.initial[name], self.symbols[name])
 
     def call(
-        self, block: Block, instance: str, number: int | None = None, /, **inputs: ca.SX
+        self, block: Block, instance: str, owner: Signal | None = None, /, **inputs: ca.SX
     ) -> dict[str, ca.SX]:
         """Call a block that begins anew in a cold start, and return its outputs.
 
-        What is not given is the signal of the port's name with the number, or of its name.
+        What is not given is that part of the owner, or the signal of the port's name.
 
         Parameters
         ----------
         block : Block
         instance : str
-        number : int, optional
-            Of the process signal that it belongs to.
+        owner : Signal, optional
+            The process signal that it belongs to.
         inputs
             By the names of the ports.
         """
         for port in block.inputs:
             if port.name not in inputs:
-                inputs[port.name] = self[self._named(port.name, number)]
-        names = {entry.name: self._named(entry.name, number) for entry in block.state}
+                inputs[port.name] = self[self._named(port.name, owner)]
+        names = {entry.name: self._named(entry.name, owner) for entry in block.state}
         found = block(instance, inputs, {own: self.used(name) for own, name in names.items()})
         self.next_state |= {name: found.next_state[own] for own, name in names.items()}
         return dict(found.outputs)
 
-    def _named(self, name: str, number: int | None) -> str:
-        own = f"{name}_{number}"
+    def _named(self, name: str, owner: Signal | None) -> str:
+        own = name if owner is None else path(owner, name)
         return own if own in self.symbols else name

@@ -7,7 +7,7 @@ from functools import cache
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.ports import truth
 from clepsydra.controllers.blocks.validity import is_number
@@ -140,8 +140,6 @@ class MonitoredSensor:
 
     Parameters
     ----------
-    number : int
-        j of measurement_j.
     signal : Signal
         The measurement: name, unit, initial value.
     range : tuple of float or None
@@ -156,39 +154,37 @@ class MonitoredSensor:
 
     Examples
     --------
-    >>> sensor = MonitoredSensor(1, Signal("level_1", "V"), (0.0, 10.0), 4.0)
+    >>> sensor = MonitoredSensor(Signal("level_1", "V"), (0.0, 10.0), 4.0)
     >>> [parameter.name for parameter in sensor.parameters()]
-    ['range_low_1', 'range_high_1', 'sensor_delay_1']
+    ['level_1.range_low', 'level_1.range_high', 'level_1.sensor_delay']
     """
 
-    number: int
     signal: Signal
     range: tuple[float, float] | None
     delay: float
 
     def parameters(self) -> list[Signal]:
         """The range, where it is known, and the delay."""
-        j, y, largest = self.number, self.signal, signals.LARGEST_PARAMETER
+        y, largest = self.signal, signals.LARGEST_PARAMETER
         words = f"time for which a fault of {y.name} is ridden through"
-        return [
-            *(
-                signals.gain(f"range_{end}_{j}", y.unit, value, f"{y.name} at {current} mA")
-                for (end, current), value in zip(_ENDS, self.range or (), strict=False)
-            ),
-            Signal(f"sensor_delay_{j}", "s", "", 0.0, largest, self.delay, description=words),
+        ends = [
+            signals.gain(f"range_{end}", y.unit, value, f"{y.name} at {current} mA")
+            for (end, current), value in zip(_ENDS, self.range or (), strict=False)
         ]
+        delay = Signal("sensor_delay", "s", "", 0.0, largest, self.delay, description=words)
+        return owned(y, [*ends, delay])
 
     def unwired(self) -> dict[str, float]:
         """What its inputs are until somebody wires them: no current, and not good."""
-        found = {f"sensor_{self.number}": 0.0}
+        found = {path(self.signal, "good"): 0.0}
         if self.range is not None:
             low, high = self.range
-            found[f"measurement_{self.number}"] = low - 4.0 * (high - low) / 16.0
+            found[path(self.signal, "pv")] = low - 4.0 * (high - low) / 16.0
         return found
 
     def state(self) -> list[Signal]:
         """The last good value, and for how many scans there is a fault."""
-        return [of_process(port, self.number, self.signal) for port in self._block.state]
+        return [of_process(port, self.signal) for port in self._block.state]
 
     @property
     def _block(self) -> Block:
@@ -196,4 +192,8 @@ class MonitoredSensor:
 
     def checked(self, scan: Scan) -> dict[str, ca.SX]:
         """Judge the sensor: the outputs of its `signal_check`."""
-        return scan.call(self._block, f"{self.signal.identifier}_check", self.number)
+        y, now = self.signal, scan.symbols
+        return scan.call(
+            self._block, f"{y.identifier}_check", y,
+            measurement=now[path(y, "pv")], sensor=now[path(y, "good")],
+        )  # fmt: skip

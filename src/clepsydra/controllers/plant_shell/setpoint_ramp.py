@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.ports import truth
@@ -84,38 +84,35 @@ class RampedSetpoint:
 
     Parameters
     ----------
-    number : int
-        j of setpoint_j.
     signal : Signal
-        What it is the setpoint of.
-    measurement : int or None
-        k of measurement_k that it is the setpoint of, if the law measures it.
-    sensor_range : int or None
-        k of the parameters range_low_k and range_high_k within which it is held, if there are
-        such; else it is held within the range of its signal.
+        What it is the setpoint of, by the law's name.
+    measurement : str or None
+        The measurement that it is the setpoint of, if the law has it.
+    ranged : bool
+        Whether that measurement has range_low and range_high, within which it is held; else it is
+        held within the range of its signal.
     rate : float
         [unit/s]; the largest parameter is none.
 
     Examples
     --------
-    >>> ramp = RampedSetpoint(1, Signal("level_1", "V"), 1, 1, 0.5)
+    >>> ramp = RampedSetpoint(Signal("level_1", "V"), "level_1", True, 0.5)
     >>> [parameter.unit for parameter in ramp.parameters()]
     ['V/s']
     """
 
-    number: int
     signal: Signal
-    measurement: int | None
-    sensor_range: int | None
+    measurement: str | None
+    ranged: bool
     rate: float
 
     def parameters(self) -> list[Signal]:
         """The largest rate."""
-        return [largest_rate("setpoint_rate", self.number, self.signal, self.rate)]
+        return [largest_rate("setpoint_rate", self.signal, self.rate)]
 
     def state(self) -> list[Signal]:
         """The setpoint of the last scan."""
-        return [of_process(port, self.number, self.signal) for port in RAMP.state]
+        return [of_process(port, self.signal) for port in RAMP.state]
 
     def ramped(
         self, scan: Scan, measured: Symbols | None, in_force: ca.SX, held: ca.SX
@@ -133,7 +130,8 @@ class RampedSetpoint:
         """
         low, high = self._range(scan)
         return scan.call(
-            RAMP, f"{self.signal.identifier}_ramp", self.number,
+            RAMP, f"{self.signal.identifier}_ramp", self.signal,
+            setpoint=scan.symbols[path(self.signal, "sp")],
             range_low=low,
             range_high=high,
             measured=measured["measured"] if measured else ca.SX(0),
@@ -144,7 +142,8 @@ class RampedSetpoint:
 
     def _range(self, scan: Scan) -> tuple[ca.SX, ca.SX]:
         """Return the range; an end that the signal does not have is no limit."""
-        if self.sensor_range is not None:
-            return scan[f"range_low_{self.sensor_range}"], scan[f"range_high_{self.sensor_range}"]
+        if self.measurement and self.ranged:
+            y = self.measurement
+            return scan[path(y, "range_low")], scan[path(y, "range_high")]
         low = max(self.signal.low, -LARGEST_NUMBER)
         return ca.SX(low), ca.SX(min(self.signal.high, LARGEST_NUMBER))

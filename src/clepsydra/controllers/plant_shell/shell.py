@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
@@ -26,6 +26,7 @@ from clepsydra.controllers.plant_shell.start import START
 from clepsydra.controllers.plant_shell.status import status_signal
 from clepsydra.controllers.plant_shell.step import ShellStep
 from clepsydra.controllers.python_law import PythonLaw
+from clepsydra.controllers.signals import owners
 from clepsydra.program.entries import signal_of
 from clepsydra.program.step_law import StepLaw, step_law
 
@@ -66,7 +67,7 @@ def shell_sources(controller: Controller) -> dict[str, str]:
     --------
     >>> import clepsydra as cl
     >>> shelled = with_plant_shell(cl.design.simc(cl.load("quadruple-tank")), 1.0)
-    >>> shell_sources(shelled)["fail_safe_1"]
+    >>> shell_sources(shelled)["pump_1.fail_safe"]
     'default: low limit of pump_1'
     """
     return dict(controller.sources) if isinstance(controller, ShelledController) else {}
@@ -94,10 +95,10 @@ def with_plant_shell(
     -------
     ShelledController
         Inputs of the controller, and the free inputs start (0 runs on, 1 warm, 2 cold) and
-        acknowledge; its outputs, and watchdog. Beside its parameters: range_low_j, range_high_j
-        [measurement unit] where the range is known, sensor_delay_j [s], setpoint_rate_j [unit/s],
-        fail_safe_i, rate_limit_i [unit/s] where it can be limited, sampling_period [s],
-        scan_tolerance and take_up_scans.
+        acknowledge; its outputs, and watchdog. Beside its parameters: range_low and range_high
+        [measurement unit] where the range is known, sensor_delay [s] and setpoint_rate [unit/s] of
+        the measurements; fail_safe and rate_limit [unit/s], where it can be limited, of the
+        outputs; sampling_period [s], scan_tolerance and take_up_scans.
 
     Raises
     ------
@@ -144,17 +145,14 @@ def _check_law(law: StepLaw, place: str) -> None:
         )  # fmt: skip
     names = {signal.name for signal in law.inputs}
     needed = ["time_step"]
-    for signal in (*law.inputs, *law.outputs):
-        stem, _, number = signal.name.rpartition("_")
-        if stem == "measurement" and number.isdigit():
-            needed.append(f"sensor_{number}")
-        if stem == "manipulated":
-            needed += [f"mode_{number}", f"manual_{number}", f"tracking_{number}"]
+    needed += [path(owner, "good") for owner in owners(law.inputs, "pv")]
+    for owner in owners(law.outputs, "out"):
+        needed += [path(owner, what) for what in ("mode", "manual", "tracking")]
     for name in needed:
         if name not in names:
             raise InputError(
                 f"{place}, law {law.name}", f"no input {name}", "a law with it",
-                "leave status_1 and the like out of the law, so that modes, limits and sensor "
+                "leave the status of outputs out of the law, so that modes, limits and sensor "
                 "faults are added",
             )  # fmt: skip
 
@@ -173,8 +171,9 @@ def _shelled(
     ]
     parameters = [p for member in every for p in member.parameters()]
     parameters += [
-        largest_rate("rate_limit", i, members.outputs[i - 1].signal, rate)
-        for i, rate in members.rates.items()
+        largest_rate("rate_limit", output.signal, members.rates[output.signal.name])
+        for output in members.outputs
+        if output.signal.name in members.rates
     ]
     chosen = (
         (SAMPLING_PERIOD, period),
@@ -184,7 +183,7 @@ def _shelled(
     parameters += [replace(parameter, initial=value) for parameter, value in chosen]
     kept = {entry.name for entry in law.state}
     # A law that does not remember what was applied leaves that to the shell.
-    last = [signals.last_output(output.number, output.signal) for output in members.outputs]
+    last = [signals.last_output(output.signal) for output in members.outputs]
     state = [s for member in every for s in member.state()]
     state += [
         *(s for s in last if s.name not in kept),
@@ -243,4 +242,4 @@ def _check_clashes(bare: Controller, added: Iterable[Signal]) -> None:
 
 
 def _with_shell_status(signal: Signal) -> Signal:
-    return status_signal(signal) if signal.name.startswith("status_") else signal
+    return status_signal(signal) if signal.part == "status" else signal

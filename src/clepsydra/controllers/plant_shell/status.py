@@ -44,7 +44,7 @@ _LARGEST_WORD = float(sum(bit.value for bit in SHELL_STATUS_BITS.values()))
 
 
 def status_signal(signal: Signal) -> Signal:
-    """Return status_i as the shell gives it.
+    """Return the status of an output as the shell gives it.
 
     Examples
     --------

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
+from clepsydra.controllers.blocks.ports import as_parts
 from clepsydra.controllers.blocks.validity import any_of
 from clepsydra.controllers.plant_shell.dependence import needed_by_outputs
 from clepsydra.controllers.plant_shell.law_block import LawBlock
@@ -33,8 +34,9 @@ class ShellStep:
     Examples
     --------
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> ShellStep(multiloop_pid_law(2), Members((), (), (), {}, {}, 1, {}, ()), [], {}).sensors
-    [(1,), (2,)]
+    >>> law = multiloop_pid_law(["level_1", "level_2"], ["pump_1", "pump_2"])
+    >>> ShellStep(law, Members((), (), (), {}, {}, 1, {}, ()), [], {}).sensors
+    {'pump_1': ('level_1',), 'pump_2': ('level_2',)}
     """
 
     def __init__(
@@ -45,68 +47,65 @@ class ShellStep:
         initial: Mapping[str, float],
     ) -> None:
         self.members, self.state, self.initial = members, state, initial
-        count = sum(signal.name.startswith("manipulated_") for signal in law.outputs)
         self.remembered = {entry.name for entry in law.state}
-        self.law = LawBlock(law, count, initial)
-        self.sensors = needed_by_outputs(law, count, ("measurement", "sensor"))
+        self.law = LawBlock(law, initial)
+        self.sensors = needed_by_outputs(law, ("pv", "good"))
         # A setpoint that stands fixed in the law is no business of the shell.
-        ramped = {setpoint.number for setpoint in members.setpoints}
-        self.setpoints = [
-            tuple(j for j in needed if j in ramped)
-            for needed in needed_by_outputs(law, count, ("setpoint",))
-        ]
+        ramped = {setpoint.signal.name for setpoint in members.setpoints}
+        self.setpoints = {
+            output: tuple(name for name in needed if name in ramped)
+            for output, needed in needed_by_outputs(law, ("sp",)).items()
+        }
 
     def equations(self, symbols: Symbols) -> Equations:
         """Write one scan: judge, command, limit, let the law compute, and tell."""
         scan = Scan(symbols, self.state, self.initial)
-        sensors = [sensor.checked(scan) for sensor in self.members.sensors]
-        needed = [[sensors[j - 1] for j in numbers] for numbers in self.sensors]
-        commands = [
-            output.commanded(scan, own)
-            for output, own in zip(self.members.outputs, needed, strict=True)
-        ]
+        sensors = {sensor.signal.name: sensor.checked(scan) for sensor in self.members.sensors}
+        needed = {u: [sensors[name] for name in names] for u, names in self.sensors.items()}
+        commands = {
+            output.signal.name: output.commanded(scan, needed[output.signal.name])
+            for output in self.members.outputs
+        }
         setpoints = self._ramped(scan, sensors, commands)
-        ends = [
-            OutputEnd(scan, output, command, rated=output.number in self.members.rates)
-            for output, command in zip(self.members.outputs, commands, strict=True)
-        ]
+        ends = {
+            u: OutputEnd(scan, output, commands[u], rated=u in self.members.rates)
+            for output in self.members.outputs
+            for u in [output.signal.name]
+        }
         given = dict(symbols)
-        for j, sensor in enumerate(sensors, start=1):
-            given |= {f"measurement_{j}": sensor["measured"], f"sensor_{j}": sensor["good"]}
-        for j, setpoint in enumerate(setpoints, start=1):
-            given[f"setpoint_{j}"] = setpoint["setpoint_used"]
-        for end in ends:
+        for name, sensor in sensors.items():
+            given |= as_parts(name, {"pv": sensor["measured"], "good": sensor["good"]})
+        for name, setpoint in setpoints.items():
+            given[path(name, "sp")] = setpoint["setpoint_used"]
+        for end in ends.values():
             given |= end.given
         found = self.law.computed(scan, given)
         told: dict[str, ca.SX] = {}
         named = dict(found.intermediates)
-        for i, end in enumerate(ends, start=1):
-            output = end.stands(found.outputs[f"manipulated_{i}"])
-            followed = [setpoints[j - 1] for j in self.setpoints[i - 1]]
-            bits = self.law.bits(found.outputs, i)
-            told[f"manipulated_{i}"] = output
-            told[f"status_{i}"] = end.status(output, bits, needed[i - 1], followed)
-            if f"last_output_{i}" not in self.remembered:
-                scan.next_state[f"last_output_{i}"] = output
+        for u, end in ends.items():
+            output = end.stands(found.outputs[path(u, "out")])
+            followed = [setpoints[name] for name in self.setpoints[u]]
+            bits = self.law.bits(found.outputs, u)
+            status = end.status(output, bits, needed[u], followed)
+            told |= as_parts(u, {"out": output, "status": status})
+            if (last := path(u, "last_output")) not in self.remembered:
+                scan.next_state[last] = output
             named |= end.named
         told["watchdog"] = scan["watchdog"]
         return Equations(scan.next_state, told, named)
 
     def _ramped(
-        self, scan: Scan, sensors: Sequence[Symbols], commands: Sequence[Symbols]
-    ) -> list[dict[str, ca.SX]]:
-        found = []
+        self, scan: Scan, sensors: Mapping[str, Symbols], commands: Mapping[str, Symbols]
+    ) -> dict[str, dict[str, ca.SX]]:
+        found = {}
         for setpoint in self.members.setpoints:
-            users = [
-                command
-                for command, numbers in zip(commands, self.setpoints, strict=True)
-                if setpoint.number in numbers
-            ] or commands
+            name = setpoint.signal.name
+            users = [commands[u] for u, needed in self.setpoints.items() if name in needed]
+            users = users or [*commands.values()]
             in_force = any_of([user["in_force"] for user in users])
             held = any_of(
                 [ca.logic_and(user["in_force"], ca.logic_not(user["good"])) for user in users]
             )
-            place = setpoint.measurement
-            measured = None if place is None else sensors[place - 1]
-            found.append(setpoint.ramped(scan, measured, in_force, held))
+            measured = None if setpoint.measurement is None else sensors[setpoint.measurement]
+            found[name] = setpoint.ramped(scan, measured, in_force, held)
         return found

@@ -8,8 +8,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from clepsydra.base.signal import path
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.signals import owners
+from clepsydra.controllers.wiring import wired_setpoints
 from clepsydra.program.delay_ring import DelayRing
 
 #: A move of an output below this share of its range is none that an actuator could follow.
@@ -80,29 +83,30 @@ class _Followed:
             if isinstance(entry, DelayRing)
         }
         self.parameters = [controller.values[parameter.name] for parameter in law.parameters]
-        self.numbers = range(1, len(controller.manipulated) + 1)
-        for j in range(1, len(controller.measurements) + 1):
-            signal = self.inputs[f"measurement_{j}"]
+        self.outputs, self.measured = owners(law.outputs, "out"), owners(law.inputs, "pv")
+        for y in self.measured:
+            signal = self.inputs[path(y, "pv")]
             known = math.isfinite(signal.span)
             middle = 0.5 * (signal.low + signal.high) if known else self.given[signal.name]
-            self.given |= {f"sensor_{j}": 1.0, f"measurement_{j}": middle}
+            self.given |= {path(y, "good"): 1.0, path(y, "pv"): middle}
         self._set_setpoints()
-        for i in self.numbers:
-            start = controller.initial_state.get(f"last_output_{i}", 0.0)
-            self.given |= {f"tracking_{i}": start, f"mode_{i}": float(Mode.TRACKING)}
+        for u in self.outputs:
+            start = controller.initial_state.get(path(u, "last_output"), 0.0)
+            self.given |= {path(u, "tracking"): start, path(u, "mode"): float(Mode.TRACKING)}
 
     def _set_setpoints(self) -> None:
-        measurements = self.controller.measurements
-        for j, name in enumerate(self.controller.setpoints, start=1):
-            if name in measurements:
-                k = measurements.index(name) + 1
-                self.given[f"setpoint_{j}"] = self.given[f"measurement_{k}"]
+        controller = self.controller
+        measured = dict(zip(controller.measurements, self.measured, strict=True))
+        followed = wired_setpoints(controller.law, controller.free_inputs)
+        for owner, name in zip(followed, controller.setpoints, strict=True):
+            if name in measured:
+                self.given[path(owner, "sp")] = self.given[path(measured[name], "pv")]
 
     def change(self) -> None:
         """Let every measurement change, and its setpoint with it."""
-        for j in range(1, len(self.controller.measurements) + 1):
-            span = self.inputs[f"measurement_{j}"].span
-            self.given[f"measurement_{j}"] += _CHANGE * (span if math.isfinite(span) else 1.0)
+        for y in self.measured:
+            span = self.inputs[path(y, "pv")].span
+            self.given[path(y, "pv")] += _CHANGE * (span if math.isfinite(span) else 1.0)
         self._set_setpoints()
 
     def _step(self, inputs: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -115,12 +119,13 @@ class _Followed:
 
     def bring(self, safe: Sequence[float]) -> None:
         """Let the outputs be brought half the way to their fail-safe values."""
-        for i, value in zip(self.numbers, safe, strict=True):
-            self.given[f"tracking_{i}"] = 0.5 * (self.given[f"tracking_{i}"] + value)
+        for u, value in zip(self.outputs, safe, strict=True):
+            tracking = path(u, "tracking")
+            self.given[tracking] = 0.5 * (self.given[tracking] + value)
 
     def follow(self, scans: int = 1, sensors: float = 1.0) -> None:
         """Run some scans in tracking."""
-        good = {f"sensor_{j}": sensors for j in range(1, len(self.controller.measurements) + 1)}
+        good = {path(y, "good"): sensors for y in self.measured}
         for _ in range(scans):
             self.state, _ = self._step({**self.given, **good})
             for place, ring in self.rings.items():
@@ -129,14 +134,13 @@ class _Followed:
 
     def moves(self) -> np.ndarray:
         """Return by which share of its range each output would move in automatic now."""
-        automatic = {f"mode_{i}": float(Mode.AUTOMATIC) for i in self.numbers}
+        automatic = {path(u, "mode"): float(Mode.AUTOMATIC) for u in self.outputs}
         _, outputs = self._step({**self.given, **automatic})
         found = []
         for place, signal in enumerate(self.law.outputs):
-            stem, _, number = signal.name.rpartition("_")
-            if stem == "manipulated":
+            if signal.part == "out":
                 span = signal.span if math.isfinite(signal.span) else 1.0
-                found.append((outputs[place] - self.given[f"tracking_{number}"]) / span)
+                found.append((outputs[place] - self.given[path(signal.owner, "tracking")]) / span)
         return np.array(found)
 
 

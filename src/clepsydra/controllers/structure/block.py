@@ -28,7 +28,7 @@ class Closed:
 
     Examples
     --------
-    >>> Closed({"integral_1": ca.SX(3)}).applied
+    >>> Closed({"level.integral": ca.SX(3)}).applied
     ()
     """
 

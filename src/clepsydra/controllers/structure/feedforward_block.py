@@ -8,11 +8,11 @@ from functools import cache
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.blocks.lead_lag import lead_lag
-from clepsydra.controllers.blocks.ports import called, truth
+from clepsydra.controllers.blocks.ports import as_parts, called, identifier, parts_of, truth
 from clepsydra.controllers.blocks.validity import is_number, is_time_step, value_or_zero
 from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
 from clepsydra.program.block import Block
@@ -25,36 +25,38 @@ class FeedforwardTerm:
 
     Parameters
     ----------
-    label : str
-        Last part of the names of its parameters: "1", or "1_2" for output 1 from output 2.
+    owner : str
+        What its parameters belong to.
+    moved : Signal
+        What it is added to: an output, or another loop's setpoint.
     signal : Signal
         The process signal.
-    taken_from : str
-        Where the law has it: "measurement_3", or "last_output_2" for decoupling.
+    measured : bool
+        Whether it is a measurement; else it is another output, for decoupling.
     dynamic : bool
         Whether it has a lead and a lag; else it acts at once.
 
     Examples
     --------
-    >>> term = FeedforwardTerm("1", Signal("inflow_meter", "l/s"), "measurement_2", False)
-    >>> [parameter.name for parameter in term.parameters(Signal("pump", "%"))]
-    ['feedforward_gain_1', 'feedforward_reference_1']
+    >>> term = FeedforwardTerm("rain", Signal("pump", "%"), Signal("inflow", "l/s"), True, False)
+    >>> [parameter.name for parameter in term.parameters()]
+    ['rain.gain', 'rain.reference']
     """
 
-    label: str
+    owner: str
+    moved: Signal
     signal: Signal
-    taken_from: str
+    measured: bool
     dynamic: bool
 
-    def parameters(self, moved: Signal) -> list[Signal]:
+    def parameters(self) -> list[Signal]:
         """Gain and reference; lead and lag where dynamic."""
-        name, unit = self.signal.name, signals.ratio_of_units(moved.unit, self.signal.unit)
+        name, moved = self.signal.name, self.moved
+        unit = signals.ratio_of_units(moved.unit, self.signal.unit)
         found = [
+            signals.gain("gain", unit, 0.0, f"gain from {name} to {moved.name}"),
             signals.gain(
-                f"feedforward_gain_{self.label}", unit, 0.0, f"gain from {name} to {moved.name}"
-            ),
-            signals.gain(
-                f"feedforward_reference_{self.label}",
+                "reference",
                 self.signal.unit,
                 self.signal.initial,
                 f"{name} at which it adds nothing",
@@ -63,7 +65,7 @@ class FeedforwardTerm:
         if self.dynamic:
             found += [
                 Signal(
-                    f"feedforward_{what}_{self.label}",
+                    what,
                     "s",
                     low=0.0,
                     high=signals.LARGEST_PARAMETER,
@@ -71,11 +73,11 @@ class FeedforwardTerm:
                 )
                 for what in ("lead", "lag")
             ]
-        return found
+        return owned(self.owner, found)
 
     def state(self) -> list[Signal]:
         """The signal it went to at last, lagged where dynamic."""
-        return [Signal(f"lagged_signal_{self.label}", self.signal.unit)]
+        return [Signal(path(self.owner, "lagged_signal"), self.signal.unit)]
 
 
 @dataclass(frozen=True)
@@ -121,7 +123,7 @@ class FeedforwardBlock(WithoutSignals):
 
     def parameters(self) -> list[Signal]:
         """Those of all terms."""
-        return [parameter for term in self.terms for parameter in term.parameters(self.moved)]
+        return [parameter for term in self.terms for parameter in term.parameters()]
 
     def state(self) -> list[Signal]:
         """Those of all terms."""
@@ -134,24 +136,17 @@ class FeedforwardBlock(WithoutSignals):
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Add the terms."""
         (source,) = asked
-        added, following = ca.SX(0), {}
+        added, following = ca.SX(0), dict[str, ca.SX]()
         sensors = source.sensors
         for term in self.terms:
-            sensor = _sensor_of(term)
-            given = {
-                "signal": symbols[term.taken_from],
-                "time_step": symbols["time_step"],
-                "lagged_signal": symbols[f"lagged_signal_{term.label}"],
-            }
-            if sensor is not None:
-                given["sensor"] = symbols[sensor]
-                sensors = ca.logic_and(sensors, symbols[sensor])
-            for what in ("gain", "reference", *(("lead", "lag") if term.dynamic else ())):
-                given[what] = symbols[f"feedforward_{what}_{term.label}"]
-            block = _feedforward(term.dynamic, sensor is not None)
-            name = f"{term.signal.identifier}_to_{self.moved.identifier}"
-            found = called(block, name, given)
-            following[f"lagged_signal_{term.label}"] = found.next_state["lagged_signal"]
+            block = _feedforward(term.dynamic, term.measured)
+            given = parts_of(term.owner, symbols, [*block.inputs, *block.state])
+            given["signal"] = symbols[path(term.signal, "pv" if term.measured else "last_output")]
+            if term.measured:
+                given["sensor"] = symbols[path(term.signal, "good")]
+                sensors = ca.logic_and(sensors, given["sensor"])
+            found = called(block, identifier(term.owner), given)
+            following |= as_parts(term.owner, found.next_state)
             added = added + found.outputs["added"]
         value = source.value + added
 
@@ -163,11 +158,6 @@ class FeedforwardBlock(WithoutSignals):
             return Closed(following, {}, (told,))
 
         return Opened((Asked(value, source.usable, source.numbers, sensors),), close)
-
-
-def _sensor_of(term: FeedforwardTerm) -> str | None:
-    measured = term.taken_from.startswith("measurement_")
-    return term.taken_from.replace("measurement", "sensor") if measured else None
 
 
 @cache

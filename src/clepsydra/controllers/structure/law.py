@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
@@ -20,7 +20,7 @@ def structure_law(
     name: str,
     blocks: Sequence[Block],
     *,
-    controlled: Sequence[Signal],
+    setpoints: Mapping[str, Signal],
     measured: Sequence[Signal],
 ) -> StepLaw:
     """Join blocks to the step law of a control scheme.
@@ -32,10 +32,10 @@ def structure_law(
     blocks : sequence of Block
         In any order. Every port is taken by one other block, and the ways of the signals form
         no circle: they end in the outputs.
-    controlled : sequence of Signal
-        The measurements whose setpoint the operator gives: setpoint_1, setpoint_2, …
+    setpoints : mapping
+        What an input sp belongs to, to the measurement that it is a setpoint of.
     measured : sequence of Signal
-        The measurements of the scheme: measurement_1, measurement_2, …
+        The measurements of the scheme.
 
     Raises
     ------
@@ -48,14 +48,14 @@ def structure_law(
     >>> from clepsydra.controllers.pid_form import PidForm
     >>> from clepsydra.controllers.structure.pid_block import PidBlock
     >>> level, pump = Signal("level", "m"), Signal("pump", "V")
-    >>> loop = PidBlock("loop", 1, PidForm(), level, 1, pump, 1, 1)
-    >>> law = structure_law("one_loop", [loop, OutputBlock(1, pump, "loop")],
-    ...                     controlled=[level], measured=[level])
+    >>> loop = PidBlock("loop", "level", PidForm(), level, pump, "level.sp")
+    >>> law = structure_law("one_loop", [loop, OutputBlock(pump, "loop")],
+    ...                     setpoints={"level": level}, measured=[level])
     >>> [signal.name for signal in law.outputs]
-    ['manipulated_1', 'status_1']
+    ['pump.out', 'pump.status']
     """
     ordered = _in_order(name, blocks)
-    outputs = sorted((b for b in blocks if isinstance(b, OutputBlock)), key=lambda b: b.number)
+    outputs = [block.signal for block in blocks if isinstance(block, OutputBlock)]
     loops = _plain_loops(blocks)
     joined = [block for block in ordered if not any(block in pair for pair in loops.values())]
 
@@ -71,10 +71,10 @@ def structure_law(
     return step_law(
         name,
         inputs=[
-            *signals.setpoint_inputs(controlled),
+            *(signals.setpoint_input(owner, signal) for owner, signal in setpoints.items()),
             *signals.measurement_inputs(measured),
             *(signal for block in blocks for signal in block.inputs()),
-            *signals.output_inputs([block.signal for block in outputs]),
+            *signals.output_inputs(outputs),
         ],
         parameters=[signal for block in blocks for signal in block.parameters()],
         state=[signal for block in blocks for signal in block.state()],

@@ -29,7 +29,7 @@ def loop_ports(loop: PidBlock) -> tuple[Signal, ...]:
     --------
     >>> from clepsydra.controllers.pid_form import PidForm
     >>> from clepsydra.controllers.structure.pid_block import PidBlock
-    >>> loop = PidBlock("loop", 1, PidForm("P"), Signal("level"), 1, Signal("pump"), 1, 1)
+    >>> loop = PidBlock("loop", "level", PidForm("P"), Signal("level"), Signal("pump"), "level.sp")
     >>> [signal.name for signal in loop_ports(loop)]
     ['setpoint', 'measurement', 'sensor', 'proportional_gain', 'setpoint_weight']
     """
@@ -56,13 +56,14 @@ def phases(loop: PidBlock) -> tuple[Block, Block]:
     --------
     >>> from clepsydra.controllers.pid_form import PidForm
     >>> from clepsydra.controllers.structure.pid_block import PidBlock
-    >>> loop = PidBlock("loop", 1, PidForm(), Signal("level"), 1, Signal("pump"), 1, None)
+    >>> level, pump = Signal("level"), Signal("pump")
+    >>> loop = PidBlock("loop", "level", PidForm(), level, pump, "level.sp", direct=False)
     >>> [block.name for block in phases(loop.generic)]
     ['pi_asks', 'pi_is_told']
     """
     state = tuple(map(port, loop.own_state()))
     outer = tuple(port_of(signal, "remote") for signal in ASKED) if loop.sources else ()
-    last = () if loop.direct is None else (Signal("last_applied"),)
+    last = (Signal("last_applied"),) if loop.direct else ()
     given = (*outer, *loop_ports(loop), Signal("time_step", "s"), *last)
 
     def asks(s: Symbols) -> Equations:

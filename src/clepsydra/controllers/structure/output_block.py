@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.handover import Asked, Limits
+from clepsydra.controllers.blocks.ports import as_parts
 from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
 from clepsydra.program.step_law import Symbols
 
@@ -19,23 +20,20 @@ class OutputBlock(WithoutSignals):
 
     Parameters
     ----------
-    number : int
-        i, from 1.
     signal : Signal
         The process input.
     source : str
         The port that moves it in automatic.
     rate_limited : bool
-        Whether it has a rate_limit_i.
+        Whether it has a rate_limit.
 
     Examples
     --------
-    >>> block = OutputBlock(1, Signal("pump_1", "V", low=0.0, high=10.0), "level", True)
+    >>> block = OutputBlock(Signal("pump_1", "V", low=0.0, high=10.0), "level", True)
     >>> [signal.name for signal in block.parameters()]
-    ['low_limit_1', 'high_limit_1', 'rate_limit_1']
+    ['pump_1.low_limit', 'pump_1.high_limit', 'pump_1.rate_limit']
     """
 
-    number: int
     signal: Signal
     source: str
     rate_limited: bool = False
@@ -57,11 +55,11 @@ class OutputBlock(WithoutSignals):
 
     def parameters(self) -> list[Signal]:
         """Limits and, where it has one, the rate limit."""
-        found = signals.limit_parameters(self.number, self.signal)
+        found = signals.limit_parameters(self.signal)
         if self.rate_limited:
             found.append(
                 Signal(
-                    f"rate_limit_{self.number}",
+                    path(self.signal, "rate_limit"),
                     signals.ratio_of_units(self.signal.unit, "s"),
                     low=0.0,
                     high=signals.LARGEST_PARAMETER,
@@ -73,28 +71,23 @@ class OutputBlock(WithoutSignals):
 
     def state(self) -> list[Signal]:
         """The last output."""
-        return [signals.last_output(self.number, self.signal)]
+        return [signals.last_output(self.signal)]
 
     def outputs(self) -> list[Signal]:
         """Manipulated variable and status word."""
-        return signals.output_signals(self.number, self.signal)
+        return signals.output_signals(self.signal)
 
     def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Its own."""
-        low, high = symbols[f"low_limit_{self.number}"], symbols[f"high_limit_{self.number}"]
-        return (Limits(low, high),)
+        ends = (symbols[path(self.signal, f"{end}_limit")] for end in ("low", "high"))
+        return (Limits(*ends),)
 
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Move the actuator."""
-        element = final_element(
-            symbols, self.number, self.signal, asked[0], rate_limited=self.rate_limited
-        )
+        element = final_element(symbols, self.signal, asked[0], rate_limited=self.rate_limited)
         closed = Closed(
-            {f"last_output_{self.number}": element.manipulated},
-            {
-                f"manipulated_{self.number}": element.manipulated,
-                f"status_{self.number}": element.status,
-            },
+            {path(self.signal, "last_output"): element.manipulated},
+            as_parts(self.signal, {"out": element.manipulated, "status": element.status}),
             (element.applied,),
             element.named,
         )

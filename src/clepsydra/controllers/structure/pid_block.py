@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import ASKED, asked_ports
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.blocks.integral import applied_ports
-from clepsydra.controllers.blocks.ports import called, identifier
+from clepsydra.controllers.blocks.ports import as_parts, called, identifier, parts_of
 from clepsydra.controllers.blocks.validity import is_number, value_or_zero
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.pid_parameters import pid_parameters, remembered
@@ -41,41 +42,47 @@ class PidBlock(WithoutSignals):
     ----------
     name : str
         What other blocks call it.
-    number : int
-        k, from 1: the last part of the names of its parameters.
+    owner : str
+        What its parameters and its state belong to.
     form : PidForm
     measurement : Signal
         The process measurement.
-    measured : int
-        j of measurement_j.
     moved : Signal
         What it moves; lends unit and range.
-    setpoint : int or str
-        j of setpoint_j, which the operator gives, or the port of the block that gives it (the
-        outer loop of a cascade).
-    direct : int or None
-        i, if it moves output i and nothing stands between.
+    setpoint : str
+        The law's input for it, or the port of the block that gives it.
+    inner : bool
+        Whether another block gives the setpoint (the outer loop of a cascade).
+    direct : bool
+        Whether it moves an output and nothing stands between.
 
     Examples
     --------
-    >>> block = PidBlock("level", 1, PidForm(), Signal("level", "m"), 1, Signal("pump", "V"), 1, 1)
+    >>> level, pump = Signal("level", "m"), Signal("pump", "V")
+    >>> block = PidBlock("loop", "level", PidForm(), level, pump, "level.sp")
     >>> [signal.name for signal in block.state()]
-    ['integral_1', 'last_proportional_gain_1', 'last_setpoint_weight_1']
+    ['level.integral', 'level.last_proportional_gain', 'level.last_setpoint_weight']
     """
 
     name: str
-    number: int
+    owner: str
     form: PidForm
     measurement: Signal
-    measured: int
     moved: Signal
-    setpoint: int | str
-    direct: int | None
+    setpoint: str
+    inner: bool = False
+    direct: bool = True
+
+    @classmethod
+    def of(cls, measurement: Signal, form: PidForm, moved: Signal, *, direct: bool = True) -> Self:
+        """Return the loop of a measurement whose setpoint the operator gives."""
+        name, setpoint = measurement.name, path(measurement, "sp")
+        return cls(f"loop {name}", name, form, measurement, moved, setpoint, direct=direct)
 
     @property
     def sources(self) -> tuple[str, ...]:
         """The block that gives the setpoint, if one does."""
-        return (self.setpoint,) if isinstance(self.setpoint, str) else ()
+        return (self.setpoint,) if self.inner else ()
 
     @property
     def ports(self) -> tuple[str, ...]:
@@ -84,27 +91,26 @@ class PidBlock(WithoutSignals):
 
     @property
     def _chooses(self) -> bool:
-        return self.form.remote_setpoint or isinstance(self.setpoint, str)
+        return self.form.remote_setpoint or self.inner
 
     def parameters(self) -> list[Signal]:
         """Settings of the loop; of an inner one also the limits of its setpoint."""
-        return signals.numbered(self.own_parameters(), self.number)
+        return owned(self.owner, self.own_parameters())
 
     def state(self) -> list[Signal]:
         """Integral, and what it remembers of the last sample."""
-        return signals.numbered(self.own_state(), self.number)
+        return owned(self.owner, self.own_state())
 
     def inputs(self) -> list[Signal]:
         """Where the setpoint may be chosen: the other setpoint and the choice."""
-        return signals.numbered(self.own_inputs(), self.number)
+        return owned(self.owner, self.own_inputs())
 
     def own_parameters(self) -> list[Signal]:
         """Return its parameters by the names that they have in the loop."""
         found = pid_parameters(self.form, self.measurement, self.moved)
-        if isinstance(self.setpoint, str):
-            ends = signals.limit_parameters(self.number, self.measurement)
-            for what, end in zip(("low", "high"), ends, strict=True):
-                found.append(signals.like_parameter(end, f"setpoint_{what}_limit"))
+        if self.inner:
+            for end in signals.limit_parameters(self.measurement):
+                found.append(signals.like_parameter(end, f"setpoint_{end.part}"))
         return found
 
     def own_state(self) -> list[Signal]:
@@ -126,7 +132,7 @@ class PidBlock(WithoutSignals):
             found.append(signals.like(y, "working_setpoint", f"setpoint that {y.name} follows"))
         if self._chooses:
             found.append(signals.setpoint_source("last_setpoint_source", y))
-        if self.direct is None:
+        if not self.direct:
             found.append(signals.like(self.moved, "last_applied", "what was applied of its output"))
         known = {parameter.name: parameter for parameter in self.own_parameters()}
         return found + [
@@ -137,7 +143,7 @@ class PidBlock(WithoutSignals):
     def own_inputs(self) -> list[Signal]:
         """Return the other setpoint and the choice by the names that they have in the loop."""
         y = self.measurement
-        if isinstance(self.setpoint, str):
+        if self.inner:
             other = signals.like(y, "local_setpoint", f"local setpoint of {y.name}")
             return [other, signals.setpoint_source("setpoint_source", y, remote=True)]
         if self.form.remote_setpoint:
@@ -148,31 +154,27 @@ class PidBlock(WithoutSignals):
     def of_law(self, symbols: Symbols) -> dict[str, ca.SX]:
         """Return what a law has for the loop, by the names that it has in the loop."""
         own = [*self.own_parameters(), *self.own_state(), *self.own_inputs()]
-        found = {signal.name: symbols[f"{signal.name}_{self.number}"] for signal in own}
-        found |= {what: symbols[f"{what}_{self.measured}"] for what in ("measurement", "sensor")}
-        if not isinstance(self.setpoint, str):
-            found["setpoint"] = symbols[f"setpoint_{self.setpoint}"]
-        if self.direct is not None:
-            found["last_applied"] = symbols[f"last_output_{self.direct}"]
+        found = parts_of(self.owner, symbols, own)
+        found["measurement"] = symbols[path(self.measurement, "pv")]
+        found["sensor"] = symbols[path(self.measurement, "good")]
+        if not self.inner:
+            found["setpoint"] = symbols[self.setpoint]
+        if self.direct:
+            found["last_applied"] = symbols[path(self.moved, "last_output")]
         return {**found, "time_step": symbols["time_step"]}
 
     @property
     def generic(self) -> PidBlock:
         """The loop without anything of its instance."""
-        setpoint = "outer" if isinstance(self.setpoint, str) else 1
         y, u = Signal("measurement"), Signal("output")
-        direct = None if self.direct is None else 1
-        return replace(
-            self, name="loop", number=1, measurement=y, measured=1, moved=u, setpoint=setpoint,
-            direct=direct,
-        )  # fmt: skip
+        return replace(self, name="loop", owner="loop", measurement=y, moved=u, setpoint="setpoint")
 
     def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Those of its setpoint, if another block gives it."""
-        if not isinstance(self.setpoint, str):
+        if not self.inner:
             return ()
-        names = (f"setpoint_{end}_limit_{self.number}" for end in ("low", "high"))
-        return (Limits(*(symbols[name] for name in names)),)
+        ends = (symbols[path(self.owner, f"setpoint_{end}_limit")] for end in ("low", "high"))
+        return (Limits(*ends),)
 
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Compute what it asks for, and keep how its memory goes on."""
@@ -188,10 +190,10 @@ class PidBlock(WithoutSignals):
             last = called(telling, f"{instance}_is_told", given)
             got = tuple(last.outputs.values())
             return Closed(
-                {f"{name}_{self.number}": value for name, value in last.next_state.items()},
+                as_parts(self.owner, last.next_state),
                 {},
                 (Applied(*got),) if got else (),
-                {f"{name}_{self.number}": value for name, value in first.intermediates.items()},
+                as_parts(self.owner, first.intermediates),
             )
 
         wish = Asked(*(first.outputs[signal.name] for signal in ASKED))
@@ -246,7 +248,7 @@ class PidBlock(WithoutSignals):
         applied : Applied
         """
         state = pid_state(self.form, s, applied)
-        if self.direct is None:
+        if not self.direct:
             state["last_applied"] = ca.if_else(
                 is_number(applied.value), applied.value, s["last_applied"]
             )
@@ -256,7 +258,7 @@ class PidBlock(WithoutSignals):
             last = s["last_setpoint_source"]
             heard = ca.logic_and(s["signals_known"], ca.logic_or(applied.in_force, applied.follows))
             state["last_setpoint_source"] = ca.if_else(heard, self._source(s), last)
-        return state, self._got(s, applied) if isinstance(self.setpoint, str) else None
+        return state, self._got(s, applied) if self.inner else None
 
     def _source(self, s: Symbols) -> ca.SX:
         """Return the source of the setpoint; what stands for none leaves the last one."""

@@ -14,7 +14,7 @@ from clepsydra.controllers.blocks.final_element import (
     told,
 )
 from clepsydra.controllers.blocks.handover import Applied
-from clepsydra.controllers.blocks.ports import called, numbered, port
+from clepsydra.controllers.blocks.ports import as_parts, called, parts_of, port
 from clepsydra.controllers.structure.block import Closed
 from clepsydra.controllers.structure.loop_phases import loop_ports
 from clepsydra.controllers.structure.output_block import OutputBlock
@@ -31,12 +31,11 @@ def is_plain(loop: PidBlock, output: OutputBlock) -> bool:
     >>> from clepsydra.base.signal import Signal
     >>> from clepsydra.controllers.pid_form import PidForm
     >>> level, pump = Signal("level", "m"), Signal("pump", "V")
-    >>> loop = PidBlock("loop", 1, PidForm(), level, 1, pump, 1, 1)
-    >>> is_plain(loop, OutputBlock(1, pump, "loop")), is_plain(loop, OutputBlock(1, pump, "sum"))
+    >>> loop = PidBlock("loop", "level", PidForm(), level, pump, "level.sp")
+    >>> is_plain(loop, OutputBlock(pump, "loop")), is_plain(loop, OutputBlock(pump, "sum"))
     (True, False)
     """
-    straight = output.source == loop.name and loop.direct == output.number
-    return straight and not isinstance(loop.setpoint, str)
+    return output.source == loop.name and loop.direct and not loop.inner
 
 
 def closed(symbols: Symbols, instance: str, loop: PidBlock, output: OutputBlock) -> Closed:
@@ -56,20 +55,16 @@ def closed(symbols: Symbols, instance: str, loop: PidBlock, output: OutputBlock)
     """
     block = plain_loop(loop.generic, output.rate_limited)
     entries = [*block.inputs, *block.state]
-    given = {**numbered(symbols, entries, output.number), **loop.of_law(symbols)}
+    given = {**parts_of(output.signal, symbols, entries), **loop.of_law(symbols)}
     found = called(block, instance, given)
-    i = output.number
-    status, conditions = told(found.outputs, i, output.signal)
-    between = {f"{name}_{loop.number}": value for name, value in found.intermediates.items()}
-    following = {
-        s.name: found.next_state[o.name]
-        for s, o in zip(loop.state(), loop.own_state(), strict=True)
-    }
+    status, conditions = told(found.outputs, output.signal)
+    following = {entry.name: found.next_state[entry.name] for entry in loop.own_state()}
+    last = {"last_output": found.next_state["last_output"]}
     return Closed(
-        {**following, f"last_output_{i}": found.next_state["last_output"]},
-        {f"manipulated_{i}": found.outputs["manipulated"], f"status_{i}": status},
+        {**as_parts(loop.owner, following), **as_parts(output.signal, last)},
+        as_parts(output.signal, {"out": found.outputs["manipulated"], "status": status}),
         (),
-        {**between, **conditions},
+        {**as_parts(loop.owner, found.intermediates), **conditions},
     )
 
 
@@ -88,7 +83,7 @@ def plain_loop(loop: PidBlock, rate_limited: bool = False) -> Block:
     >>> from clepsydra.base.signal import Signal
     >>> from clepsydra.controllers.pid_form import PidForm
     >>> level, pump = Signal("level", "m"), Signal("pump", "V")
-    >>> block = plain_loop(PidBlock("loop", 1, PidForm(), level, 1, pump, 1, 1).generic)
+    >>> block = plain_loop(PidBlock("loop", "level", PidForm(), level, pump, "level.sp").generic)
     >>> block.name, [entry.name for entry in block.state]
     ('pi', ['integral', 'last_proportional_gain', 'last_setpoint_weight', 'last_output'])
     """

@@ -8,7 +8,7 @@ from functools import cache
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import ASKED, asked_ports
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
@@ -30,28 +30,25 @@ class RatioBlock(WithoutSignals):
     Parameters
     ----------
     name : str
-    number : int
-        Last part of the names of its parameters.
+    owner : str
+        What its parameters belong to.
     wild : Signal
-        The process signal that nobody moves here.
-    measured : int
-        j of measurement_j, the wild signal.
+        The measurement that nobody moves here.
     moved : Signal
         What follows it: an output, or another loop's setpoint.
     source : str or None
-        The port of a loop that trims the ratio; without one the parameter ratio_k is it.
+        The port of a loop that trims the ratio; without one the parameter ratio is it.
 
     Examples
     --------
-    >>> block = RatioBlock("ratio", 1, Signal("feed", "l/s"), 2, Signal("acid", "l/s"), None)
+    >>> block = RatioBlock("ratio", "acid", Signal("feed", "l/s"), Signal("acid", "l/s"), None)
     >>> [(p.name, p.unit) for p in block.parameters()]
-    [('ratio_1', 'l/s/(l/s)')]
+    [('acid.ratio', 'l/s/(l/s)')]
     """
 
     name: str
-    number: int
+    owner: str
     wild: Signal
-    measured: int
     moved: Signal
     source: str | None
 
@@ -70,28 +67,32 @@ class RatioBlock(WithoutSignals):
         unit = signals.ratio_of_units(self.moved.unit, self.wild.unit)
         what = f"{self.moved.name} to {self.wild.name}"
         if self.source is None:
-            return [signals.gain(f"ratio_{self.number}", unit, 1.0, f"ratio of {what}")]
-        return [
-            signals.gain(f"{end}_ratio_{self.number}", unit, value, f"{end} ratio of {what}")
-            for end, value in (("lowest", 0.0), ("highest", 10.0))
-        ]
+            return owned(self.owner, [signals.gain("ratio", unit, 1.0, f"ratio of {what}")])
+        ends = (("lowest", 0.0), ("highest", 10.0))
+        return owned(
+            self.owner,
+            [
+                signals.gain(f"{end}_ratio", unit, value, f"{end} ratio of {what}")
+                for end, value in ends
+            ],
+        )
 
     def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Those of the ratio."""
         if self.source is None:
             return ()
-        ends = symbols[f"lowest_ratio_{self.number}"], symbols[f"highest_ratio_{self.number}"]
+        ends = (symbols[path(self.owner, f"{end}_ratio")] for end in ("lowest", "highest"))
         return (Limits(*ends),)
 
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Multiply."""
-        j, name = self.measured, identifier(self.name)
-        given = {what: symbols[f"{what}_{j}"] for what in ("measurement", "sensor")}
+        name, wild = identifier(self.name), self.wild
+        given = {"measurement": symbols[path(wild, "pv")], "sensor": symbols[path(wild, "good")]}
         for source, ends in zip(asked, self.limits(symbols, limits), strict=True):
             given |= {f"trim_{n}": value for n, value in asked_ports(source).items()}
             given |= {"lowest_ratio": ends.low, "highest_ratio": ends.high}
         if not asked:
-            given["ratio"] = symbols[f"ratio_{self.number}"]
+            given["ratio"] = symbols[path(self.owner, "ratio")]
         first = called(_asks(bool(asked)), f"{name}_asks", given).outputs
         product = Asked(*(first[signal.name] for signal in ASKED))
 

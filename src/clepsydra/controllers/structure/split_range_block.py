@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, owned
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.blocks.integral import APPLIED, applied_ports
 from clepsydra.controllers.blocks.limits import limit
-from clepsydra.controllers.blocks.ports import called, identifier, truth
+from clepsydra.controllers.blocks.ports import called, identifier, parts_of, truth
 from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
@@ -24,8 +24,8 @@ class Leg:
 
     Parameters
     ----------
-    number : int
-        Last part of the names of its parameters.
+    owner : str
+        What its parameters belong to.
     moved : Signal
         What it moves.
     start, end : float
@@ -35,11 +35,12 @@ class Leg:
 
     Examples
     --------
-    >>> Leg(1, Signal("valve_1", "%"), 0.0, 50.0, 100.0, 0.0).port("split")
-    'split, valve_1'
+    >>> leg = Leg("split.valve_1", Signal("valve_1", "%"), 0.0, 50.0, 100.0, 0.0)
+    >>> leg.port("split"), leg.parameters()[0].name
+    ('split, valve_1', 'split.valve_1.start')
     """
 
-    number: int
+    owner: str
     moved: Signal
     start: float
     end: float
@@ -52,17 +53,22 @@ class Leg:
 
     def parameters(self) -> list[Signal]:
         """Part of the range, and the values at its ends."""
-        name, number = self.moved.name, self.number
-        return [
-            Signal(f"split_start_{number}", "%", initial=self.start, low=0.0, high=100.0,
+        name = self.moved.name
+        found = [
+            Signal("start", "%", initial=self.start, low=0.0, high=100.0,
                    description=f"start of the part of the range in which {name} moves"),
-            Signal(f"split_end_{number}", "%", initial=self.end, low=0.0, high=100.0,
+            Signal("end", "%", initial=self.end, low=0.0, high=100.0,
                    description=f"end of the part of the range in which {name} moves"),
-            signals.gain(f"split_at_start_{number}", self.moved.unit, self.at_start,
+            signals.gain("at_start", self.moved.unit, self.at_start,
                          f"{name} at the start of its part and before it"),
-            signals.gain(f"split_at_end_{number}", self.moved.unit, self.at_end,
+            signals.gain("at_end", self.moved.unit, self.at_end,
                          f"{name} at the end of its part and after it"),
         ]  # fmt: skip
+        return owned(self.owner, found)
+
+    def part(self, symbols: Symbols) -> dict[str, ca.SX]:
+        """Return its parameters in a law, by the ports of a part."""
+        return parts_of(self.owner, symbols, _PORTS)
 
 
 @dataclass(frozen=True)
@@ -85,8 +91,8 @@ class SplitRangeBlock(WithoutSignals):
 
     Examples
     --------
-    >>> inlet = Leg(1, Signal("inlet", "%"), 0, 50, 100, 0)
-    >>> drain = Leg(2, Signal("drain", "%"), 50, 100, 0, 100)
+    >>> inlet = Leg("split.inlet", Signal("inlet", "%"), 0, 50, 100, 0)
+    >>> drain = Leg("split.drain", Signal("drain", "%"), 50, 100, 0, 100)
     >>> SplitRangeBlock("split", "level", (inlet, drain)).ports
     ('split, inlet', 'split, drain')
     """
@@ -111,19 +117,16 @@ class SplitRangeBlock(WithoutSignals):
 
     def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """From the start of the first part to the end of the last."""
-        starts = [symbols[f"split_start_{leg.number}"] for leg in self.legs]
-        ends = [symbols[f"split_end_{leg.number}"] for leg in self.legs]
-        low, high = starts[0], ends[0]
-        for start, end in zip(starts[1:], ends[1:], strict=True):
-            low, high = ca.fmin(low, start), ca.fmax(high, end)
+        parts = [leg.part(symbols) for leg in self.legs]
+        low, high = parts[0]["start"], parts[0]["end"]
+        for part in parts[1:]:
+            low, high = ca.fmin(low, part["start"]), ca.fmax(high, part["end"])
         return (Limits(low, high),)
 
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Split."""
         (source,) = asked
-        parts = [
-            {what: symbols[f"split_{what}_{leg.number}"] for what in _ENDS} for leg in self.legs
-        ]
+        parts = [leg.part(symbols) for leg in self.legs]
         found = [
             called(_PART, identifier(leg.port(self.name)), {**part, "asked": source.value}).outputs
             for leg, part in zip(self.legs, parts, strict=True)
@@ -154,7 +157,6 @@ class SplitRangeBlock(WithoutSignals):
         return Opened(told, close)
 
 
-_ENDS = ("start", "end", "at_start", "at_end")
 _PORTS = (
     Signal("start", "%", description="start of its part of the range"),
     Signal("end", "%", description="end of its part of the range"),

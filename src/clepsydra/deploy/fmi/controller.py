@@ -59,7 +59,7 @@ def controller_model(program: Program, origin: Origin) -> FmuModel:
     >>> program = cl.design.simc(cl.load("quadruple-tank")).program()
     >>> model = controller_model(program, Origin("PI", "quadruple-tank", "SIMC", 1.0))
     >>> model.variables[0].name, model.outputs[0].name, model.reference("time_step")
-    ('proportional_gain_1', 'manipulated_1', 25)
+    ('level_1.proportional_gain', 'pump_1.out', 25)
     """
     period = origin.sampling_period
     if not 0.0 < period < float("inf"):

@@ -216,8 +216,9 @@ def variables_of(
 
     Examples
     --------
-    >>> variables_of([Signal("mode_1", kind="integer")], "inputs", "input", "continuous")[0].member
-    'inputs.mode_1'
+    >>> mode = Signal("pump.mode", kind="integer")
+    >>> variables_of([mode], "inputs", "input", "continuous")[0].member
+    'inputs.pump_mode'
     """
     return [
         FmuVariable(

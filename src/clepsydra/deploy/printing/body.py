@@ -195,7 +195,8 @@ class Body:
         for value, name in program.names.items():
             own = value in results and results[value].name == name
             if value >= first and value in used and value not in labels and not own:
-                labels[value] = self._names.new(f"{name}_value" if name in instances else name)
+                clashes = name.replace(".", "_") in instances
+                labels[value] = self._names.new(f"{name}_value" if clashes else name)
         for entry, value in zip(program.state, program.next_state, strict=True):
             if value not in labels and value not in results:
                 preferred[value] = f"next_{signal_of(entry).identifier}"

@@ -139,7 +139,7 @@ def number_comment(entry: Entry, source: str = "") -> str:
 
     Examples
     --------
-    >>> number_comment(Signal("integral_time_1", "s"), "SIMC rules")
+    >>> number_comment(Signal("level.integral_time", "s"), "SIMC rules")
     '[s] SIMC rules'
     """
     signal = signal_of(entry)

@@ -19,7 +19,7 @@ class Assignment:
     Examples
     --------
     >>> from clepsydra.deploy.printing.expressions import variable
-    >>> Assignment("level", variable("measurement_1")).name
+    >>> Assignment("level", variable("measured")).name
     'level'
     """
 

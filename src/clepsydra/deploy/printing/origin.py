@@ -31,8 +31,8 @@ class Origin:
     --------
     >>> from clepsydra.base.signal import Signal
     >>> origin = Origin("PI, SIMC", "quadruple-tank (catalogue)", "SIMC rules.", 1.0,
-    ...                 {"low_limit_1": "range of pump_1"}, "SIMC rules")
-    >>> origin.source_of(Signal("low_limit_1")), origin.source_of(Signal("integral_time_1"))
+    ...                 {"pump_1.low_limit": "range of pump_1"}, "SIMC rules")
+    >>> origin.source_of(Signal("pump_1.low_limit")), origin.source_of(Signal("gain"))
     ('range of pump_1', 'SIMC rules')
     """
 

@@ -19,7 +19,7 @@ class Coverage:
     ----------
     seen : tuple of str
         Bits of status words and truth values that were on in one scan and off in another, as
-        "status_1 bit 4" (the bit of value 16).
+        "pump.status bit 4" (the bit of value 16).
     unseen : tuple of str
         Those that were not.
     still : tuple of str
@@ -29,8 +29,8 @@ class Coverage:
 
     Examples
     --------
-    >>> Coverage(("status_1 bit 0",), ("status_1 bit 7",), (), ("manipulated_1",)).sentence
-    '1 of 2 status bits seen on and off; not status_1 bit 7'
+    >>> Coverage(("pump.status bit 0",), ("pump.status bit 7",), (), ("pump.out",)).sentence
+    '1 of 2 status bits seen on and off; not pump.status bit 7'
     """
 
     seen: tuple[str, ...]
@@ -71,10 +71,10 @@ def coverage(program: Program, table: Array) -> Coverage:
     --------
     >>> from clepsydra.base.signal import Signal
     >>> from clepsydra.program.program import Block
-    >>> word = Signal("status_1", low=0.0, high=3.0, kind="integer")
+    >>> word = Signal("pump.status", low=0.0, high=3.0, kind="integer")
     >>> program = Program("law", (), (), (), (word,), Block(1, (), (0,)))
     >>> coverage(program, np.array([[0.0], [1.0]])).unseen
-    ('status_1 bit 1',)
+    ('pump.status bit 1',)
     """
     seen: list[str] = []
     unseen: list[str] = []
@@ -88,7 +88,7 @@ def coverage(program: Program, table: Array) -> Coverage:
         elif signal.kind == "real":
             moves = len(np.unique(values[~np.isnan(values)])) > 1
             (moved if moves else still).append(signal.name)
-        elif signal.name.startswith("status") and math.isfinite(signal.high):
+        elif signal.part.startswith("status") and math.isfinite(signal.high):
             word = values.astype(np.int64)
             for bit in range(int(signal.high).bit_length()):
                 on = word >> bit & 1

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.deploy.proof.instance import Array
 from clepsydra.program.program import Program
 
@@ -68,9 +68,9 @@ def random_scans(
     Examples
     --------
     >>> from clepsydra.program.program import Block
-    >>> program = Program("law", (), (Signal("mode_1", low=0.0, high=2.0, kind="integer"),), (),
+    >>> program = Program("law", (), (Signal("pump.mode", low=0.0, high=2.0, kind="integer"),), (),
     ...                   (), Block(1, (), ()))
-    >>> sorted(set(random_scans(program, 10_000, 1, 1.0)["mode_1"].tolist()))
+    >>> sorted(set(random_scans(program, 10_000, 1, 1.0)["pump.mode"].tolist()))
     [-1.0, 0.0, 1.0, 2.0, 3.0]
     """
     for what, value, least in (("scans", scans, 1), ("seed", seed, 0)):
@@ -115,7 +115,7 @@ class _Plant:
                 return np.round(random.uniform(low, high, count))
             if abs(value) >= _UNLIMITED:
                 return np.exp(random.uniform(math.log(1e-3), math.log(3.0), count))
-            if signal.unit == "s" and signal.name.startswith("sensor_delay_"):
+            if signal.part == "sensor_delay":
                 return value * random.choice([0.0, 0.5, 1.0, 1.7], count)
             return value * random.uniform(0.99, 1.01, count)
 
@@ -124,19 +124,18 @@ class _Plant:
 
     def _maker(self, signal: Signal) -> Callable[[Signal, np.random.Generator], Array]:
         special = {
-            "setpoint_": self._setpoint,
-            "measurement_": self._measurement,
-            "sensor_": self._sensor,
-            "mode_": self._mode,
+            "sp": self._setpoint,
+            "pv": self._measurement,
+            "good": self._sensor,
+            "mode": self._mode,
             "time_step": self._time_step,
         }
         if signal.name == "start":
             return self._start
         if signal.kind == "boolean":
-            return self._sensor if signal.name.startswith("sensor_") else self._pulses
-        for prefix, maker in special.items():
-            if signal.name.startswith(prefix) and (signal.kind == "real" or prefix == "mode_"):
-                return maker
+            return self._sensor if signal.part == "good" else self._pulses
+        if signal.part in special and (signal.kind == "real" or signal.part == "mode"):
+            return special[signal.part]
         return self._walk if signal.kind == "real" else self._choice
 
     def _range(self, signal: Signal) -> tuple[float, float]:
@@ -168,7 +167,7 @@ class _Plant:
         low, high = self._range(signal)
         span = high - low
         values = self._reflected(random, low, high, 0.01 * span)
-        target = self._signals.get(signal.name.replace("measurement_", "setpoint_"))
+        target = self._signals.get(path(signal.owner, "sp"))
         if target is not None and (target.low, target.high) == (signal.low, signal.high):
             # Half of the time near the setpoint, as in a loop that does its work.
             near = self._held(random, 300.0, lambda n: random.uniform(size=n)) > 0.5
@@ -232,9 +231,9 @@ class _Plant:
         if not self._broken:
             return bad
         for signal in self._signals.values():
-            if signal.name.startswith("sensor_") and signal.kind == "boolean":
+            if signal.part == "good" and signal.kind == "boolean":
                 bad |= self.values(signal) == 0.0
-            elif signal.name.startswith("measurement_") and signal.kind == "real":
+            elif signal.part == "pv" and signal.kind == "real":
                 low, high = self._range(signal)
                 with np.errstate(all="ignore"):
                     current = 4.0 + 16.0 * (self.values(signal) - low) / (high - low)

@@ -38,8 +38,8 @@ class Wiring:
 
     Examples
     --------
-    >>> Wiring({"measurement_1": "level_1"}, {"pump_1": "manipulated_1"}, {}).moved
-    {'pump_1': 'manipulated_1'}
+    >>> Wiring({"level_1.pv": "level_1"}, {"pump_1": "pump_1.out"}, {}).moved
+    {'pump_1': 'pump_1.out'}
     """
 
     measured: Mapping[str, str]
@@ -57,8 +57,8 @@ def wired(
     controller, process : Program
     wires : mapping
         Signal of the controller to the loop's signal, as `Controller.input_wires` and
-        `Controller.output_wires` have it: "measurement_1" to "level_1", "setpoint_1" to
-        "level_1.setpoint", "manipulated_1" to "pump_1".
+        `Controller.output_wires` have it: "level_1.pv" to "level_1", "level_1.sp" to
+        "level_1.setpoint", "pump_1.out" to "pump_1".
     sampling_period : float
         [s]
 
@@ -71,14 +71,14 @@ def wired(
     Examples
     --------
     >>> from clepsydra.program.program import Block
-    >>> law = Program("law", (), (Signal("measurement_1"), Signal("setpoint_1")), (),
-    ...               (Signal("manipulated_1"),), Block(2, (), (0,)))
+    >>> law = Program("law", (), (Signal("level_1.pv"), Signal("level_1.sp")), (),
+    ...               (Signal("pump_1.out"),), Block(2, (), (0,)))
     >>> tank = Program("tank", (), (Signal("pump_1"),), (), (Signal("level_1", initial=0.4),),
     ...                Block(1, (), (0,)))
-    >>> wires = {"measurement_1": "level_1", "setpoint_1": "level_1.setpoint",
-    ...          "manipulated_1": "pump_1"}
+    >>> wires = {"level_1.pv": "level_1", "level_1.sp": "level_1.setpoint",
+    ...          "pump_1.out": "pump_1"}
     >>> wired(law, tank, wires, 1.0).rest
-    {'setpoint_1': 0.4}
+    {'level_1.sp': 0.4}
     """
     shown = {signal.name: signal for signal in process.outputs}
     driven = {signal.name: signal for signal in process.inputs}
@@ -87,7 +87,7 @@ def wired(
     for signal in controller.inputs:
         wire = wires.get(signal.name, "")
         base, _, what = wire.rpartition(".")
-        if signal.name.startswith("measurement_") or wire in shown:
+        if signal.part == "pv" or wire in shown:
             _check(wire, shown, f"{controller.name}, {signal.name}", "an output")
             measured[signal.name] = wire
         elif what in ("setpoint", "manual", "tracking") and base in at_rest:
@@ -100,7 +100,7 @@ def wired(
             rest[signal.name] = sampling_period
     for signal in controller.outputs:
         wire = wires.get(signal.name, "")
-        if signal.name.startswith("manipulated_") or wire in driven:
+        if signal.part == "out" or wire in driven:
             _check(wire, driven, f"{controller.name}, {signal.name}", "an input")
             moved[wire] = signal.name
     return Wiring(measured, moved, rest)

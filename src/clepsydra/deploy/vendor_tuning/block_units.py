@@ -78,7 +78,7 @@ class BlockUnits:
     >>> from clepsydra.controllers.pid_form import PidForm
     >>> from clepsydra.deploy.vendor_tuning.vendors.every_block import vendor_block
     >>> level, pump = Signal("level", "m", low=0.0, high=5.0), Signal("pump", "V", low=0, high=10)
-    >>> tuning = StandardTuning(1, level, pump, PidForm(), FilteredPid(-4.0, 120.0), 1)
+    >>> tuning = StandardTuning("k", level, pump, PidForm(), FilteredPid(-4.0, 120.0), True)
     >>> units = BlockUnits(vendor_block("siemens-cont-c"), tuning)
     >>> units.of_gain(-4.0), units.gain_of(-2.0)
     (-2.0, -4.0)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
@@ -45,25 +44,25 @@ class Check:
     >>> plant = cl.load("quadruple-tank")
     >>> controller = cl.design.simc(plant)
     >>> check = Check(controller, plant.linear, default_scenario(plant.linear))
-    >>> own = FilteredPid(*(controller.values[f"{name}_1"]
+    >>> own = FilteredPid(*(controller.values[f"level_1.{name}"]
     ...                     for name in ("proportional_gain", "integral_time")))
     >>> same = Applied("parallel", own, "measurement")
-    >>> check.differences({1: same})["pump_1"] < 1e-12
+    >>> check.differences({"level_1": same})["pump_1"] < 1e-12
     True
     """
 
     def __init__(self, controller: Controller, model: LinearModel, scenario: Scenario) -> None:
         self.controller, self.model, self.scenario = controller, model, scenario
         self.original = Loop(controller, model).run(scenario)
-        self._known: dict[tuple[tuple[int, Applied], ...], dict[str, float]] = {}
+        self._known: dict[tuple[tuple[str, Applied], ...], dict[str, float]] = {}
 
-    def differences(self, applied: Mapping[int, Applied]) -> dict[str, float]:
+    def differences(self, applied: Mapping[str, Applied]) -> dict[str, float]:
         """Return the largest difference of each manipulated variable, as a share of its range.
 
         Parameters
         ----------
         applied : mapping
-            Number of a loop to what its block does; other loops stay as they are.
+            Loop to what its block does; other loops stay as they are.
         """
         key = tuple(sorted(applied.items()))
         if key not in self._known:
@@ -88,7 +87,7 @@ class Check:
 
 
 def in_form(
-    controller: Controller, model: LinearModel, applied: Mapping[int, Applied]
+    controller: Controller, model: LinearModel, applied: Mapping[str, Applied]
 ) -> Controller:
     """Return a controller with the forms and numbers of some of its PID loops replaced.
 
@@ -100,7 +99,7 @@ def in_form(
     model : LinearModel
         At whose operating point it starts at rest.
     applied : mapping
-        Number of a loop to what its block does.
+        Loop to what its block does.
 
     Examples
     --------
@@ -109,18 +108,21 @@ def in_form(
     law, values = controller.law, dict(controller.values)
     blocks = []
     for block in law.blocks:
-        if isinstance(block, PidBlock) and block.number in applied:
-            found = applied[block.number]
+        if isinstance(block, PidBlock) and block.owner in applied:
+            found = applied[block.owner]
             algorithm = _algorithm(found, block.form.algorithm)
             form = replace(block.form, algorithm=algorithm, derivative_on=found.derivative_on)
-            values |= _values(block.number, algorithm, found)
+            values |= {path(block.owner, k): v for k, v in _values(algorithm, found).items()}
             block = replace(block, form=form)
         blocks.append(block)
     changed = structure_law(
-        law.name, blocks, controlled=_inputs(law, "setpoint"), measured=_inputs(law, "measurement")
+        law.name,
+        blocks,
+        setpoints=_of_inputs(law, "sp"),
+        measured=[*_of_inputs(law, "pv").values()],
     )
     # A weight above 1 is none that a user should set, but some forms ask for it.
-    weights = {f"setpoint_weight_{number}" for number in applied}
+    weights = {path(loop, "setpoint_weight") for loop in applied}
     changed = replace(
         changed,
         parameters=tuple(
@@ -162,7 +164,7 @@ def _algorithm(applied: Applied, own: Algorithm) -> Algorithm:
     return applied.form if held else "parallel"
 
 
-def _values(number: int, algorithm: Algorithm, applied: Applied) -> dict[str, float]:
+def _values(algorithm: Algorithm, applied: Applied) -> dict[str, float]:
     gain, integral_time, derivative_time, filter_time, weight = applied.settings
     # An infinite integral time is none: such a loop has no integral to be set.
     finite = min(integral_time, signals.LARGEST_PARAMETER)
@@ -180,8 +182,13 @@ def _values(number: int, algorithm: Algorithm, applied: Applied) -> dict[str, fl
             "derivative_time": derivative_time,
             "derivative_filter": min(max(ratio, _RATIOS[0]), _RATIOS[1]),
         }
-    return {f"{name}_{number}": value for name, value in values.items()}
+    return values
 
 
-def _inputs(law: StepLaw, what: str) -> list[Signal]:
-    return [signal for signal in law.inputs if re.fullmatch(rf"{what}_\d+", signal.name)]
+def _of_inputs(law: StepLaw, part: str) -> dict[str, Signal]:
+    """Return the process signals of a law's inputs that are one part, by what these belong to."""
+    return {
+        signal.owner: replace(signal, name=signal.owner)
+        for signal in law.inputs
+        if signal.part == part
+    }

@@ -93,7 +93,7 @@ def filled(block: VendorBlock, tuning: StandardTuning) -> Filled:
     >>> from clepsydra.controllers.pid_form import PidForm
     >>> from clepsydra.deploy.vendor_tuning.vendors.every_block import vendor_block
     >>> volts = Signal("level", "V", low=0.0, high=10.0)
-    >>> tuning = StandardTuning(1, volts, volts, PidForm(), FilteredPid(-3.0, 30.0), 1)
+    >>> tuning = StandardTuning("k", volts, volts, PidForm(), FilteredPid(-3.0, 30.0), True)
     >>> found = filled(vendor_block("rockwell-pide-dependent"), tuning)
     >>> [setting.words for setting in found.settings]
     ['KC = 3 %/%', 'TI = 0.5 min']

@@ -39,7 +39,7 @@ def tuning_markdown(translation: Translation) -> str:
         lines.append("| block | settings | switches | by the numbers | by the block | see |")
         lines.append("|---|---|---|---|---|---|")
         for row, seen in zip(translation.rows, marks, strict=True):
-            if row.tuning.number != tuning.number:
+            if row.tuning.loop != tuning.loop:
                 continue
             settings = ", ".join(setting.words for setting in row.filled.settings)
             switches = ", ".join(f"{name}: {value}" for name, value in row.filled.choices)

@@ -51,7 +51,7 @@ def tuning_screen(translation: Translation) -> RenderableType:
         table.add_column("by the\nblock", justify="right", no_wrap=True)
         table.add_column("see", max_width=8, overflow="fold")
         for row, seen in zip(translation.rows, marks, strict=True):
-            if row.tuning.number != tuning.number:
+            if row.tuning.loop != tuning.loop:
                 continue
             cell = Text(", ".join(setting.words for setting in row.filled.settings))
             if row.filled.choices:

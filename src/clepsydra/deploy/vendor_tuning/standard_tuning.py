@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import from_si
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
@@ -22,8 +22,8 @@ class StandardTuning:
 
     Parameters
     ----------
-    number : int
-        k of the law's parameters.
+    loop : str
+        What its parameters belong to.
     measurement, moved : Signal
         As the process shows them; what is moved is an output, another loop's setpoint, or a
         signal of the scheme.
@@ -31,23 +31,23 @@ class StandardTuning:
         The controller's own.
     settings : FilteredPid
         In ISA form.
-    direct : int or None
-        Of the output, if nothing stands between.
+    direct : bool
+        Whether nothing stands between it and an output.
 
     Examples
     --------
     >>> level, pump = Signal("level", "m", low=0.0, high=5.0), Signal("pump", "V", low=0, high=10)
-    >>> tuning = StandardTuning(1, level, pump, PidForm(), FilteredPid(-4.0, 120.0), 1)
+    >>> tuning = StandardTuning("k", level, pump, PidForm(), FilteredPid(-4.0, 120.0), True)
     >>> tuning.title, tuning.action
     ('level by pump', 'direct')
     """
 
-    number: int
+    loop: str
     measurement: Signal
     moved: Signal
     form: PidForm
     settings: FilteredPid
-    direct: int | None
+    direct: bool
 
     @property
     def title(self) -> str:
@@ -129,7 +129,7 @@ def standard_tunings(
             refused.append((f"{measurement.name} by {moved.name}", str(error)))
             continue
         found.append(
-            StandardTuning(block.number, measurement, moved, block.form, settings, block.direct)
+            StandardTuning(block.owner, measurement, moved, block.form, settings, block.direct)
         )
     if not found:
         why = "; ".join(reason for _, reason in refused)
@@ -154,7 +154,7 @@ def _settings(block: PidBlock, controller: Controller) -> FilteredPid:
     form, values, place = block.form, controller.values, f"{controller.name}, {block.name}"
 
     def value(what: str, otherwise: float = 0.0) -> float:
-        return values.get(f"{what}_{block.number}", otherwise)
+        return values.get(path(block.owner, what), otherwise)
 
     gain = value("proportional_gain")
     if form.error != "linear":

@@ -78,8 +78,8 @@ class Translation:
     refused: tuple[tuple[str, str, str], ...]
     saturated: float
 
-    def row(self, loop: int, key: str) -> TranslatedLoop:
-        """Return the row of a loop's number and a block's key.
+    def row(self, loop: str, key: str) -> TranslatedLoop:
+        """Return the row of a loop and a block's key.
 
         Raises
         ------
@@ -87,7 +87,7 @@ class Translation:
             There is none.
         """
         for row in self.rows:
-            if (row.tuning.number, row.block.key) == (loop, key):
+            if (row.tuning.loop, row.block.key) == (loop, key):
                 return row
         raise KeyError((loop, key))
 
@@ -150,9 +150,10 @@ def translate(
 
     >>> import clepsydra as cl
     >>> found = translate(cl.design.simc(cl.load("quadruple-tank")), "quadruple-tank")
-    >>> [setting.words for setting in found.row(1, "rockwell-pide-independent").filled.settings]
+    >>> row = found.row("level_1", "rockwell-pide-independent")
+    >>> [setting.words for setting in row.filled.settings]
     ['KP = 3 %/%', 'KI = 5.6194 1/min']
-    >>> [setting.words for setting in found.row(1, "omron-pidat").filled.settings][:2]
+    >>> [setting.words for setting in found.row("level_1", "omron-pidat").filled.settings][:2]
     ['P = 33.3 %', 'Tik = 32 s']
     """
     plant = process if isinstance(process, Process) else load_process(process)
@@ -162,22 +163,22 @@ def translate(
     check = Check(controller, model, scenario if scenario is not None else default_scenario(model))
     rows: list[TranslatedLoop] = []
     for block in EVERY_BLOCK:
-        found: dict[int, Filled] = {}
+        found: dict[str, Filled] = {}
         for tuning in tunings:
             try:
-                found[tuning.number] = filled(block, tuning)
+                found[tuning.loop] = filled(block, tuning)
             except InputError as error:
                 refused.append((tuning.title, block.title, str(error)))
         if not found:
             continue
-        numbers = check.differences({number: each.numbers for number, each in found.items()})
-        blocks = check.differences({number: each.applied for number, each in found.items()})
+        numbers = check.differences({loop: each.numbers for loop, each in found.items()})
+        blocks = check.differences({loop: each.applied for loop, each in found.items()})
         rows += [
             TranslatedLoop(
-                tuning, block, found[tuning.number], _of(tuning, numbers), _of(tuning, blocks)
+                tuning, block, found[tuning.loop], _of(tuning, numbers), _of(tuning, blocks)
             )
             for tuning in tunings
-            if tuning.number in found
+            if tuning.loop in found
         ]
     return Translation(
         controller.title, plant.name, tuple(tunings), tuple(rows), tuple(refused), check.saturated()
@@ -185,7 +186,7 @@ def translate(
 
 
 def _of(tuning: StandardTuning, differences: dict[str, float]) -> float:
-    if tuning.direct is None:
+    if not tuning.direct:
         return max(differences.values())
     return differences[tuning.moved.name]
 
@@ -220,6 +221,6 @@ def _loop_dict(translation: Translation, tuning: StandardTuning) -> dict[str, An
                 "sources": list(row.block.sources),
             }
             for row in translation.rows
-            if row.tuning.number == tuning.number
+            if row.tuning.loop == tuning.loop
         ],
     }

@@ -28,7 +28,7 @@ def loop_words(tuning: StandardTuning) -> str:
     >>> from clepsydra.controllers.pid_form import PidForm
     >>> from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid
     >>> volts = Signal("level", "V", low=0.0, high=10.0)
-    >>> loop_words(StandardTuning(1, volts, volts, PidForm(), FilteredPid(3.0, 30.0), 1))
+    >>> loop_words(StandardTuning("k", volts, volts, PidForm(), FilteredPid(3.0, 30.0), True))
     'level (0 to 10 V) by level (0 to 10 V), reverse acting: K = 3 V/V = 3 %/%, Ti = 30 s, b = 1.'
     """
     numbers, signals = tuning.settings, (tuning.measurement, tuning.moved)
@@ -44,7 +44,7 @@ def loop_words(tuning: StandardTuning) -> str:
         shown.append(f"derivative on the {tuning.form.derivative_on}")
     shown.append(f"b = {printed_number(numbers.setpoint_weight)}")
     names = " by ".join(_scale_words(signal) for signal in signals)
-    through = "" if tuning.direct is not None else " Other blocks stand between it and the outputs."
+    through = "" if tuning.direct else " Other blocks stand between it and the outputs."
     return f"{names}, {tuning.action} acting: {', '.join(shown)}.{through}"
 
 

@@ -75,7 +75,8 @@ def design_by_time(
     >>> analysis = cl.load("equalisation-tank").analysis
     >>> together = MultiloopPid(analysis.model, analysis.pairing, PidForm(), "by hand")
     >>> loop = TimedLoop(lambda time: PidSettings(-100.0 / time, 4 * time), 1e3, "a guess")
-    >>> design_by_time(together, [loop], 500.0, "By hand", "Models").values["integral_time_1"]
+    >>> found = design_by_time(together, [loop], 500.0, "By hand", "Models")
+    >>> found.values[f"{found.measurements[0]}.integral_time"]
     2000.0
     """
     method = together.method

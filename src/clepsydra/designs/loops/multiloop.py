@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
@@ -158,10 +158,9 @@ class MultiloopPid:
 
     def _blank(self, outputs: tuple[str, ...], inputs: tuple[str, ...]) -> Controller:
         law = multiloop_pid_law(
-            len(self.loops),
+            [loop.output for loop in self.loops],
+            [loop.input for loop in self.loops],
             self.form,
-            measured=[loop.output for loop in self.loops],
-            manipulated=[loop.input for loop in self.loops],
             decoupling=self.decoupling,
         )
         values = {parameter.name: parameter.initial for parameter in law.parameters} | self._fixed
@@ -186,8 +185,8 @@ class MultiloopPid:
             return {}
         at = self.point.as_dict()
         given: dict[str, float] = {}
-        for i, loop in enumerate(self.loops, start=1):
-            given |= {f"remote_setpoint_{i}": at[loop.output.name], f"setpoint_source_{i}": 0.0}
+        for y in (loop.output for loop in self.loops):
+            given |= {path(y, "remote_setpoint"): at[y.name], path(y, "setpoint_source"): 0.0}
         return given
 
     def _decoupled(self, joined: str) -> str:
@@ -196,8 +195,8 @@ class MultiloopPid:
     def _fixed_values(self, model: LinearModel) -> dict[str, float]:
         """Return limits and decoupling terms, which no setting of a loop changes."""
         values: dict[str, float] = {}
-        for i, loop in enumerate(self.loops, start=1):
-            values |= {f"low_limit_{i}": loop.input.low, f"high_limit_{i}": loop.input.high}
+        for u in (loop.input for loop in self.loops):
+            values |= {path(u, "low_limit"): u.low, path(u, "high_limit"): u.high}
         if self.decoupling is None:
             return values
         pairs = [(loop.output.name, loop.input.name) for loop in self.loops]
@@ -205,35 +204,32 @@ class MultiloopPid:
             found = inverted_decoupler(model, pairs, kind=self.decoupling)
         except NotApplicable as refusal:
             raise NotApplicable(f"{self.method} with decoupling", refusal.reason) from None
-        for i, row in enumerate(found.gain):
+        for i, loop in enumerate(self.loops):
             for j, other in enumerate(self.loops):
                 if i == j:
                     continue
-                place = f"{i + 1}_{j + 1}"
-                values[f"feedforward_gain_{place}"] = float(row[j])
-                values[f"feedforward_reference_{place}"] = other.resting_input
+                owner = path(path(loop.input, "feedforward"), other.input.name)
+                values[path(owner, "gain")] = float(found.gain[i, j])
+                values[path(owner, "reference")] = other.resting_input
                 if self.decoupling == "dynamic":
-                    values[f"feedforward_lead_{place}"] = float(found.lead[i, j])
-                    values[f"feedforward_lag_{place}"] = float(found.lag[i, j])
+                    values[path(owner, "lead")] = float(found.lead[i, j])
+                    values[path(owner, "lag")] = float(found.lag[i, j])
         return values
 
     def _at_rest(self, values: dict[str, float]) -> dict[str, float]:
         at = self.point.as_dict()
         inputs: dict[str, float] = {}
-        for i, loop in enumerate(self.loops, start=1):
-            measured = at[loop.output.name]
-            inputs |= {f"setpoint_{i}": measured, f"measurement_{i}": measured}
-            inputs[f"tracking_{i}"] = loop.resting_input
+        for loop in self.loops:
+            inputs |= {path(loop.output, what): at[loop.output.name] for what in ("sp", "pv")}
+            inputs[path(loop.input, "tracking")] = loop.resting_input
         return state_at_rest(self._law, values, inputs)
 
     def _values(self, settings: Sequence[PidSettings]) -> dict[str, float]:
         values = dict(self._without_settings.values)
-        for i, setting in enumerate(settings, start=1):
-            own = law_settings(setting, self.form, self.method)
-            own |= {"setpoint_weight": 1.0}
-            values |= {
-                f"{name}_{i}": value for name, value in own.items() if f"{name}_{i}" in values
-            }
+        for loop, setting in zip(self.loops, settings, strict=True):
+            own = law_settings(setting, self.form, self.method) | {"setpoint_weight": 1.0}
+            named = {path(loop.output, name): value for name, value in own.items()}
+            values |= {name: value for name, value in named.items() if name in values}
         return rounded_values(self._law, values, self.point)
 
     def _in_words(self, settings: Sequence[PidSettings]) -> str:

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
+from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.polynomial_controller import PolynomialShape
@@ -54,12 +55,13 @@ class LoopGains(NamedTuple):
         """How many there are of each."""
         return PolynomialShape(len(self.measurement), len(self.setpoint), len(self.increment))
 
-    def values(self, number: int) -> dict[str, float]:
-        """Return the law's parameters of loop i."""
-        found = {f"reference_gain_{number}": self.error}
-        for stem in ("measurement", "setpoint", "increment"):
-            for j, value in enumerate(getattr(self, stem), start=1):
-                found[f"{stem}_gain_{number}_{j}"] = value
+    def values(self, measured: Signal) -> dict[str, float]:
+        """Return the law's parameters of the loop of a measurement."""
+        found = {path(measured, "reference_gain"): self.error}
+        for what in ("measurement", "setpoint", "increment"):
+            gains = getattr(self, what)
+            names = elements(path(measured, f"{what}_gain"), len(gains))
+            found |= dict(zip(names, gains, strict=True))
         return found
 
 
@@ -162,17 +164,18 @@ class PairedDesign(NamedTuple):
 
     def _values(self, gains: Sequence[LoopGains]) -> dict[str, float]:
         values = dict(self.fixed)
-        for i, (loop, pair) in enumerate(zip(gains, self.pairs, strict=True), start=1):
-            values |= loop.values(i)
-            values |= {f"low_limit_{i}": pair.input.low, f"high_limit_{i}": pair.input.high}
+        for loop, pair in zip(gains, self.pairs, strict=True):
+            values |= loop.values(pair.output)
+            u = pair.input
+            values |= {path(u, "low_limit"): u.low, path(u, "high_limit"): u.high}
         return rounded_values(self.law, values, self.point)
 
     def _with(self, gains: Sequence[LoopGains]) -> Controller:
         values = applicable_values(self.law, self._values(gains), self.method)
         at_rest: dict[str, float] = {}
-        for i, pair in enumerate(self.pairs, start=1):
-            at_rest |= {f"setpoint_{i}": pair.resting_output, f"tracking_{i}": pair.resting_input}
-            at_rest[f"measurement_{i}"] = pair.resting_output
+        for pair in self.pairs:
+            at_rest |= {path(pair.output, what): pair.resting_output for what in ("sp", "pv")}
+            at_rest[path(pair.input, "tracking")] = pair.resting_input
         outputs = tuple(pair.output.name for pair in self.pairs)
         return Controller(
             name=self.name,

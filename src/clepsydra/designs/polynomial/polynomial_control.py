@@ -102,9 +102,9 @@ def design_polynomial(
         return [_gains(pair, request, factor) for pair in pairs]
 
     law = polynomial_law(
+        [pair.output for pair in pairs],
+        [pair.input for pair in pairs],
         [loop.shape for loop in gains_at(1.0)],
-        measured=[pair.output for pair in pairs],
-        manipulated=[pair.input for pair in pairs],
     )
     design = PairedDesign(
         "2DOF polynomial, LQ", FAMILY, METHOD, model, point, pairs, law, {}, gains_at

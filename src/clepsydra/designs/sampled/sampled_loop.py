@@ -100,7 +100,7 @@ def inputs_at_rest(controller: Controller, model: LinearModel) -> dict[str, floa
     >>> import clepsydra as cl
     >>> plant = cl.load("quadruple-tank")
     >>> inputs = inputs_at_rest(cl.design.simc(plant), plant.linear)
-    >>> inputs["time_step"], inputs["setpoint_1"] == inputs["measurement_1"]
+    >>> inputs["time_step"], inputs["level_1.sp"] == inputs["level_1.pv"]
     (1.0, True)
     """
     point = operating_point_of(model)
@@ -128,7 +128,7 @@ class SampledLoops:
     >>> plant = cl.load("quadruple-tank")
     >>> controller = cl.design.simc(plant)
     >>> loops = SampledLoops(controller, plant.linear)
-    >>> loops.at(controller.values | {"proportional_gain_1": -3.0}).is_stable
+    >>> loops.at(controller.values | {"level_1.proportional_gain": -3.0}).is_stable
     False
     """
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.observers.current_observer import observer_values
 from clepsydra.controllers.observers.structure import ObserverStructure
 from clepsydra.designs.states.observed_process import ObservedProcess
@@ -46,9 +47,10 @@ class Estimation(NamedTuple):
         matrices = (self.held, self.moved, self.shown, self.correction)
         return ObserverStructure(self.estimated, *(matrix != 0.0 for matrix in matrices))
 
-    def values(self) -> dict[str, float]:
+    def values(self, measured: Sequence[Signal], manipulated: Sequence[Signal]) -> dict[str, float]:
         """Return the values of the law's parameters."""
-        return observer_values(self.structure(), self.held, self.moved, self.shown, self.correction)
+        matrices = (self.held, self.moved, self.shown, self.correction)
+        return observer_values(self.structure(), measured, manipulated, *matrices)
 
 
 def with_loads(observed: ObservedProcess) -> ObservedProcess:
@@ -69,7 +71,7 @@ def with_loads(observed: ObservedProcess) -> ObservedProcess:
     >>> from clepsydra.designs.states.observed_process import observed_process
     >>> seen = observed_process(cl.load("wet-well").linear, None, "observer")
     >>> [signal.name for signal in with_loads(seen).estimated]
-    ['well.level', 'duty.actual', 'load at duty']
+    ['well.level', 'duty.actual', 'duty.load']
     """
     from dataclasses import replace
 
@@ -78,7 +80,7 @@ def with_loads(observed: ObservedProcess) -> ObservedProcess:
     N, m = observed.moved.shape
     process = operating_point_of(observed.model).process
     loads = tuple(
-        replace(process.signal(name), name=f"load at {name}") for name in observed.model.inputs
+        replace(process.signal(name), name=path(name, "load")) for name in observed.model.inputs
     )
     return replace(
         observed,

@@ -96,13 +96,13 @@ def feedback_controller(
     >>> seen = observed_process(cl.load("equalisation-tank").linear, None, "by hand")
     >>> gain = np.array([[-0.5]])  # a higher level asks for more outflow
     >>> controller = feedback_controller("by hand", seen, gain, np.ones(1), 60.0, None)
-    >>> round(controller.values["precompensator_1_1"], 9) == controller.values["feedback_1_1"]
+    >>> found = controller.values
+    >>> round(found["outflow.precompensator.level"], 9) == found["outflow.feedback.level"]
     True
     """
     model = observed.model
-    rows = [number - 1 for number in observed.controlled]
     ahead = precompensator(
-        observed.held, observed.moved, observed.shown[rows], feedback, moves, name
+        observed.held, observed.moved, observed.shown[observed.controlled], feedback, moves, name
     )
     if estimation is None:
         # The law sees measurements: F x = (F C⁻¹) y where y = C x.

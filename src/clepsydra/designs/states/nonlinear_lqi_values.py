@@ -8,10 +8,15 @@ from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.observers.measured_state import StateSource
 from clepsydra.controllers.process_equations import ProcessEquations, model_parameter
 from clepsydra.designs.states.linear_quadratic import LqiGains
+from clepsydra.designs.states.state_controllers import (
+    matrix_values,
+    parts_values,
+    rest_values,
+)
 
 
 def constant_values(source: StateSource) -> dict[str, float]:
-    """Return the values of model_* that a source of the state computes with.
+    """Return the values of model.* that a source of the state computes with.
 
     Examples
     --------
@@ -25,62 +30,42 @@ def constant_values(source: StateSource) -> dict[str, float]:
     return {model_parameter(each).name: each.value for each in source.constants}
 
 
-def gain_values(gains: LqiGains) -> dict[str, float]:
-    """Return feedback_i_j and integral_gain_i_j.
+def gain_values(equations: ProcessEquations, gains: LqiGains) -> dict[str, float]:
+    """Return feedback and integral_gain of the outputs.
 
     Examples
     --------
     >>> import numpy as np
-    >>> gain_values(LqiGains(np.array([[2.0]]), np.array([[0.5]]), np.array([0.5])))
-    {'feedback_1_1': 2.0, 'integral_gain_1_1': 0.5}
+    >>> import clepsydra as cl
+    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> equations = process_equations(cl.load("three-tanks").linear)
+    >>> gains = LqiGains(np.array([[3.0, 2.0, 1.0]]), np.array([[0.5]]), np.array([0.5]))
+    >>> gain_values(equations, gains)["feed.integral_gain.level_3"]
+    0.5
     """
+    inputs = equations.inputs
     return {
-        f"{what}_{i}_{j}": float(value)
-        for what, rows in (("feedback", gains.feedback), ("integral_gain", gains.integral))
-        for i, row in enumerate(rows, start=1)
-        for j, value in enumerate(row, start=1)
+        **matrix_values("feedback", inputs, equations.states, gains.feedback),
+        **matrix_values("integral_gain", inputs, equations.outputs, gains.integral),
     }
 
 
 def output_values(
     equations: ProcessEquations, tracking_times: Sequence[float], anti_windup: AntiWindup
 ) -> dict[str, float]:
-    """Return reference_state_j, bias_i, limits and tracking times.
+    """Return references of the states, biases, limits and tracking times.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
     >>> equations = process_equations(cl.load("quadruple-tank").linear)
-    >>> output_values(equations, [30.0, 30.0], "none")["bias_1"]
+    >>> output_values(equations, [30.0, 30.0], "none")["pump_1.bias"]
     3.0
     """
-    process, at = equations.point.process, equations.point.as_dict()
-    values = {f"reference_state_{j}": at[name] for j, name in enumerate(equations.states, 1)}
-    for i, name in enumerate(equations.inputs, start=1):
-        signal = process.signal(name)
-        values |= {
-            f"bias_{i}": at[name],
-            f"low_limit_{i}": signal.low,
-            f"high_limit_{i}": signal.high,
-        }
-        if anti_windup == "back_calculation":
-            values[f"tracking_time_{i}"] = float(tracking_times[i - 1])
+    at, states, inputs = equations.point.as_dict(), equations.states, equations.inputs
+    values = parts_values("reference", states, [at[name] for name in states])
+    values |= rest_values(equations.point, inputs)
+    if anti_windup == "back_calculation":
+        values |= parts_values("tracking_time", inputs, tracking_times)
     return values
-
-
-def output_state(equations: ProcessEquations) -> dict[str, float]:
-    """Return integral_i and last_output_i at rest.
-
-    Examples
-    --------
-    >>> import clepsydra as cl
-    >>> from clepsydra.controllers.process_equations import process_equations
-    >>> output_state(process_equations(cl.load("wet-well").linear))["integral_1"]
-    0.0
-    """
-    at = equations.point.as_dict()
-    state: dict[str, float] = {}
-    for i, name in enumerate(equations.inputs, start=1):
-        state |= {f"integral_{i}": 0.0, f"last_output_{i}": at[name]}
-    return state

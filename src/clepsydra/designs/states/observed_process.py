@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
+from clepsydra.controllers.blocks.ports import identifier
 from clepsydra.controllers.observers.structure import MOST_ESTIMATES
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.sampled.sampled_process import NotSampled, sampled_process, sampled_states
@@ -45,7 +46,7 @@ class ObservedProcess:
     >>> import clepsydra as cl
     >>> seen = observed_process(cl.load("eight-tanks").linear, None, "Kalman filter")
     >>> len(seen.estimated), seen.measurements, seen.controlled
-    (8, ('level_8',), (1,))
+    (8, ('level_8',), [0])
     """
 
     model: LinearModel
@@ -57,9 +58,9 @@ class ObservedProcess:
     shown: np.ndarray
 
     @property
-    def controlled(self) -> tuple[int, ...]:
-        """For each controlled output the number (from 1) of its measurement."""
-        return tuple(self.measurements.index(name) + 1 for name in self.model.outputs)
+    def controlled(self) -> list[int]:
+        """For each controlled output the place of its measurement."""
+        return [self.measurements.index(name) for name in self.model.outputs]
 
     @property
     def sizes(self) -> np.ndarray:
@@ -177,7 +178,7 @@ def _aged(signal: Signal, age: float) -> Signal:
     """Return the signal, named by how long ago it was."""
     if age == 0.0:
         return signal
-    return dataclasses.replace(signal, name=f"{signal.name} {age:g} s before")
+    return dataclasses.replace(signal, name=path(signal, identifier(f"{age:g}_s_before")))
 
 
 def _without_rounding(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:

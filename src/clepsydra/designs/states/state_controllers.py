@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.linear_quadratic_integral import FAMILY as LQI_FAMILY
@@ -20,6 +21,7 @@ from clepsydra.designs.states.estimation import Estimation
 from clepsydra.designs.states.measured_states import with_outputs
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
+from clepsydra.linear.operating_point import OperatingPoint
 
 
 def lqi_controller(
@@ -62,25 +64,20 @@ def lqi_controller(
     >>> levels = ("level_1", "level_2", "level_3")
     >>> gains = 1e-4 * np.ones((1, 3)), 1e-6 * np.ones((1, 1))
     >>> controller = lqi_controller("LQI, by hand", model, levels, *gains, [60.0], "none")
-    >>> controller.values["feedback_1_2"], controller.setpoints
+    >>> controller.values["feed.feedback.level_2"], controller.setpoints
     (0.0001, ('level_3',))
     """
     point = operating_point_of(model)
-    process = point.process
     law = lqi_law(
-        len(measurements),
-        len(model.inputs),
-        [measurements.index(output) + 1 for output in model.outputs],
+        *_signals(model, measurements),
+        model.outputs,
         anti_windup,
         observer=None if estimation is None else estimation.structure(),
-        measured=[process.signal(each) for each in measurements],
-        manipulated=[process.signal(each) for each in model.inputs],
     )
     values = _common_values(model, measurements, feedback, estimation)
-    for i, row in enumerate(integral, start=1):
-        values |= {f"integral_gain_{i}_{j}": float(value) for j, value in enumerate(row, start=1)}
-        if anti_windup == "back_calculation":
-            values[f"tracking_time_{i}"] = float(tracking_times[i - 1])
+    values |= matrix_values("integral_gain", model.inputs, model.outputs, integral)
+    if anti_windup == "back_calculation":
+        values |= parts_values("tracking_time", model.inputs, tracking_times)
     values = designed_values(law, values, point, name)
     return Controller(
         name=name,
@@ -128,23 +125,18 @@ def state_feedback_controller(
     >>> levels = ("level_1", "level_2", "level_3")
     >>> gains = 1e-4 * np.ones((1, 3)), 1e-3 * np.ones((1, 1))
     >>> controller = state_feedback_controller("by hand", model, levels, *gains, 60.0)
-    >>> controller.values["precompensator_1_1"]
+    >>> controller.values["feed.precompensator.level_3"]
     0.001
     """
     point = operating_point_of(model)
-    process = point.process
     law = state_feedback_law(
-        len(measurements),
-        len(model.inputs),
-        [measurements.index(output) + 1 for output in model.outputs],
+        *_signals(model, measurements),
+        model.outputs,
         observer=None if estimation is None else estimation.structure(),
-        measured=[process.signal(each) for each in measurements],
-        manipulated=[process.signal(each) for each in model.inputs],
     )
     values = _common_values(model, measurements, feedback, estimation)
-    for i, row in enumerate(precompensator, start=1):
-        values |= {f"precompensator_{i}_{j}": float(value) for j, value in enumerate(row, start=1)}
-        values[f"fading_time_{i}"] = fading_time
+    values |= matrix_values("precompensator", model.inputs, model.outputs, precompensator)
+    values |= parts_values("fading_time", model.inputs, [fading_time] * len(model.inputs))
     values = designed_values(law, values, point, name)
     return Controller(
         name=name,
@@ -191,6 +183,72 @@ def sensitivity_peak(controller: Controller, model: LinearModel) -> float:
     return loop.maximum_sensitivity
 
 
+def matrix_values(
+    matrix: str, to: Sequence[str], by: Sequence[str], numbers: np.ndarray
+) -> dict[str, float]:
+    """Return the values of the numbers of a matrix.
+
+    Examples
+    --------
+    >>> matrix_values("feedback", ["pump"], ["tank_1", "tank_2"], np.array([[2.0, 0.5]]))
+    {'pump.feedback.tank_1': 2.0, 'pump.feedback.tank_2': 0.5}
+    """
+    return {
+        effect(row, matrix, column): float(value)
+        for row, values in zip(to, numbers, strict=True)
+        for column, value in zip(by, values, strict=True)
+    }
+
+
+def parts_values(part: str, of: Sequence[str], values: Iterable[float]) -> dict[str, float]:
+    """Return the values of one part of several signals.
+
+    Examples
+    --------
+    >>> parts_values("bias", ["pump_1", "pump_2"], [3, 4])
+    {'pump_1.bias': 3.0, 'pump_2.bias': 4.0}
+    """
+    return {path(name, part): float(value) for name, value in zip(of, values, strict=True)}
+
+
+def rest_values(point: OperatingPoint, inputs: Sequence[str]) -> dict[str, float]:
+    """Return bias and limits of outputs.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> rest_values(operating_point_of(cl.load("quadruple-tank").linear), ["pump_1"])
+    {'pump_1.bias': 3.0, 'pump_1.low_limit': 0.0, 'pump_1.high_limit': 10.0}
+    """
+    at, moved = point.as_dict(), [point.process.signal(name) for name in inputs]
+    return {
+        **parts_values("bias", inputs, [at[name] for name in inputs]),
+        **parts_values("low_limit", inputs, [signal.low for signal in moved]),
+        **parts_values("high_limit", inputs, [signal.high for signal in moved]),
+    }
+
+
+def output_at_rest(point: OperatingPoint, inputs: Sequence[str]) -> dict[str, float]:
+    """Return integral and last_output of outputs at rest, where the bias stands beside them.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> output_at_rest(operating_point_of(cl.load("quadruple-tank").linear), ["pump_1"])
+    {'pump_1.integral': 0.0, 'pump_1.last_output': 3.0}
+    """
+    at = point.as_dict()
+    return {
+        **parts_values("integral", inputs, [0.0] * len(inputs)),
+        **parts_values("last_output", inputs, [at[name] for name in inputs]),
+    }
+
+
+def _signals(model: LinearModel, measurements: Sequence[str]) -> tuple[list[Signal], list[Signal]]:
+    process = operating_point_of(model).process
+    return [process.signal(y) for y in measurements], [process.signal(u) for u in model.inputs]
+
+
 def _common_values(
     model: LinearModel,
     measurements: tuple[str, ...],
@@ -199,28 +257,19 @@ def _common_values(
 ) -> dict[str, float]:
     """Return the values of references, observer, feedback, biases and limits."""
     point = operating_point_of(model)
-    process, at = point.process, point.as_dict()
-    values = {f"reference_measurement_{j}": at[name] for j, name in enumerate(measurements, 1)}
+    at, state = point.as_dict(), measurements
+    values = parts_values("reference", measurements, [at[name] for name in measurements])
     if estimation is not None:
-        values |= estimation.values()
-    for i, (name, row) in enumerate(zip(model.inputs, feedback, strict=True), start=1):
-        signal = process.signal(name)
-        values |= {f"feedback_{i}_{j}": float(value) for j, value in enumerate(row, start=1)}
-        values |= {
-            f"bias_{i}": at[name],
-            f"low_limit_{i}": signal.low,
-            f"high_limit_{i}": signal.high,
-        }
-    return values
+        values |= estimation.values(*_signals(model, measurements))
+        state = tuple(signal.name for signal in estimation.estimated)
+    values |= matrix_values("feedback", model.inputs, state, feedback)
+    return values | rest_values(point, model.inputs)
 
 
 def _at_rest(model: LinearModel, estimation: Estimation | None) -> dict[str, float]:
-    at = operating_point_of(model).as_dict()
-    state: dict[str, float] = {}
-    for i, name in enumerate(model.inputs, start=1):
-        state |= {f"integral_{i}": 0.0, f"last_output_{i}": at[name]}
+    state = output_at_rest(operating_point_of(model), model.inputs)
     if estimation is not None:
-        state |= {f"estimate_{j}": 0.0 for j in range(1, len(estimation.estimated) + 1)}
+        state |= {path(signal, "estimate"): 0.0 for signal in estimation.estimated}
     return state
 
 

@@ -129,9 +129,9 @@ def fuzzy_run(
     point = operating_point_of(model)
     controller = WiredFuzzy(fuzzy_file(reading), point.process).controller(point, "fuzzy")
     times = {
-        name: reading.filter_time for name in controller.values if name.startswith("filter_time")
+        name: reading.filter_time for name in controller.values if name.endswith(".filter_time")
     }
-    offsets = {n: 0.0 for n in controller.initial_state if n.startswith("offset")}
+    offsets = {n: 0.0 for n in controller.initial_state if n.endswith(".offset")}
     controller = dataclasses.replace(
         controller,
         values=controller.values | times,

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 
+from clepsydra.base.signal import path
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
@@ -48,6 +49,7 @@ OPTIMAL = {
     "inflow": Constants("inflow", "optimal", 61.5, 7.641e-4, 5.034, 3.208e-2),  # (83)
 }
 _VARIANTS: tuple[Variant, Variant] = ("outflow", "inflow")
+_CONTROLLED = ("concentration", "volume")
 #: C_in of Table 6 has no limit, see `_claims` [mol/m³].
 _FREE = 1e9
 _TUNING_PERIOD, _TUNING_HORIZON = 2e-3, 20.0  # [s]
@@ -59,12 +61,12 @@ _NO_ERROR = 1e-11
 _NO_INTEGRAL, _NO_DERIVATIVE = 1e7, 1e-5
 #: What is tuned [1, 1/s, s], between which bounds.
 _BOUNDS = {
-    "proportional_gain_1": (0.5, 500.0),
-    "integral_time_1": (1e-3, _NO_INTEGRAL),
-    "derivative_time_1": (_NO_DERIVATIVE, 1.0),
-    "proportional_gain_2": (0.05, 80.0),
-    "integral_time_2": (1e-2, _NO_INTEGRAL),
-    "derivative_time_2": (_NO_DERIVATIVE, 1.0),
+    "concentration.proportional_gain": (0.5, 500.0),
+    "concentration.integral_time": (1e-3, _NO_INTEGRAL),
+    "concentration.derivative_time": (_NO_DERIVATIVE, 1.0),
+    "volume.proportional_gain": (0.05, 80.0),
+    "volume.integral_time": (1e-2, _NO_INTEGRAL),
+    "volume.derivative_time": (_NO_DERIVATIVE, 1.0),
 }
 #: The type that each type contains: its optimum is a start as well.
 _CONTAINED: dict[Actions, Actions] = {"PI": "P", "PID": "PI"}
@@ -111,37 +113,42 @@ def pi_controller(
 
     Examples
     --------
-    >>> pi_controller(BY_HAND["inflow"], model_of("inflow")).values["proportional_gain_2"]
+    >>> pi_controller(BY_HAND["inflow"], model_of("inflow")).values["volume.proportional_gain"]
     -5.0
     """
     sign = 1.0 if constants.constant == "outflow" else -1.0
     flow = "inflow" if constants.constant == "outflow" else "outflow"
-    law = multiloop_pid_law(2, form or PidForm(anti_windup="none"))
+    moved = ("inflow.impurity", flow)
+    law = multiloop_pid_law(_CONTROLLED, moved, form or PidForm(anti_windup="none"))
     # Concentrations in mol: the gain of C has no unit of amount.
     given = {
-        "proportional_gain_1": constants.gain_c,
-        "integral_time_1": constants.time_c,
-        "proportional_gain_2": sign * constants.gain_v,
-        "integral_time_2": constants.time_v,
-        "setpoint_weight_1": 1.0,
-        "setpoint_weight_2": 1.0,
-        "low_limit_1": -_FREE if free else 0.0,
-        "high_limit_1": _FREE if free else 25.0 * KMOL,
-        "low_limit_2": 0.0,
-        "high_limit_2": 1.0,
+        "concentration.proportional_gain": constants.gain_c,
+        "concentration.integral_time": constants.time_c,
+        "volume.proportional_gain": sign * constants.gain_v,
+        "volume.integral_time": constants.time_v,
+        "concentration.setpoint_weight": 1.0,
+        "volume.setpoint_weight": 1.0,
+        "inflow.impurity.low_limit": -_FREE if free else 0.0,
+        "inflow.impurity.high_limit": _FREE if free else 25.0 * KMOL,
+        path(flow, "low_limit"): 0.0,
+        path(flow, "high_limit"): 1.0,
         **(settings or {}),
     }
     values = {each.name: given.get(each.name, each.initial) for each in law.parameters}
-    at = operating_point_of(model).as_dict()
-    names = ("concentration", "volume"), ("inflow.impurity", flow)
-    inputs = {f"setpoint_{i}": at[name] for i, name in enumerate(names[0], start=1)}
-    inputs |= {f"measurement_{i}": at[name] for i, name in enumerate(names[0], start=1)}
-    inputs |= {f"tracking_{i}": at[name] for i, name in enumerate(names[1], start=1)}
-    state = state_at_rest(law, values, inputs)
+    state = state_at_rest(law, values, inputs_at_rest(model, _CONTROLLED, moved))
     return Controller(
         f"PI, {constants.tuned}", "multiloop PI", "Constants of the document.", law, values,
-        state, names[0], names[0], names[1],
+        state, _CONTROLLED, _CONTROLLED, moved,
     )  # fmt: skip
+
+
+def inputs_at_rest(
+    model: LinearModel, controlled: Sequence[str], moved: Sequence[str]
+) -> dict[str, float]:
+    """Return setpoints, measurements and tracking values of a law at the operating point."""
+    at = operating_point_of(model).as_dict()
+    held = {path(y, part): at[y] for part in ("sp", "pv") for y in controlled}
+    return held | {path(u, "tracking"): at[u] for u in moved}
 
 
 def _signed_error() -> list[Row]:
@@ -183,8 +190,9 @@ def tuned(variant: Variant, index: str) -> Constants:
     """Return the constants that minimise the larger index of C and V, from those by hand."""
     values = minimax_tuned(variant, index, "PI").controller.values
     return Constants(
-        variant, f"tuned for {index}", values["proportional_gain_1"], values["integral_time_1"],
-        abs(values["proportional_gain_2"]), values["integral_time_2"],
+        variant, f"tuned for {index}",
+        values["concentration.proportional_gain"], values["concentration.integral_time"],
+        abs(values["volume.proportional_gain"]), values["volume.integral_time"],
     )  # fmt: skip
 
 
@@ -199,19 +207,20 @@ def minimax_tuned(variant: Variant, index: str, actions: Actions) -> TuningResul
     by_hand = BY_HAND[variant]
     sign = 1.0 if variant == "outflow" else -1.0
     hand = {
-        "proportional_gain_1": by_hand.gain_c,
-        "integral_time_1": by_hand.time_c,
-        "proportional_gain_2": sign * by_hand.gain_v,
-        "integral_time_2": by_hand.time_v,
-    } | {f"derivative_time_{i}": 1e-3 for i in (1, 2)}
+        "concentration.proportional_gain": by_hand.gain_c,
+        "concentration.integral_time": by_hand.time_c,
+        "volume.proportional_gain": sign * by_hand.gain_v,
+        "volume.integral_time": by_hand.time_v,
+    } | {path(y, "derivative_time"): 1e-3 for y in _CONTROLLED}
     starts = [hand]
     if actions in _CONTAINED:
         least = minimax_tuned(variant, index, _CONTAINED[actions]).controller.values
-        without = {f"integral_time_{i}": _NO_INTEGRAL for i in (1, 2)}
-        without |= {f"derivative_time_{i}": _NO_DERIVATIVE for i in (1, 2)}
-        fastest = {f"proportional_gain_{i}": _BOUNDS[f"proportional_gain_{i}"][1] for i in (1, 2)}
-        fastest["proportional_gain_2"] *= sign
-        starts.append(hand | fastest | {"integral_time_2": _NO_INTEGRAL})
+        without = {path(y, "integral_time"): _NO_INTEGRAL for y in _CONTROLLED}
+        without |= {path(y, "derivative_time"): _NO_DERIVATIVE for y in _CONTROLLED}
+        gains = [path(y, "proportional_gain") for y in _CONTROLLED]
+        fastest = {name: _BOUNDS[name][1] for name in gains}
+        fastest["volume.proportional_gain"] *= sign
+        starts.append(hand | fastest | {"volume.integral_time": _NO_INTEGRAL})
         starts.append(without | {name: least[name] for name in _BOUNDS if name in least})
     found = [_tuned_from(start, variant, index, actions) for start in starts]
     return min(found, key=lambda each: each.objective)
@@ -222,7 +231,7 @@ def _tuned_from(
 ) -> TuningResult:
     model = without_limit(model_of(variant, _TUNING_PERIOD))
     form = PidForm(actions, derivative_on="error", anti_windup="none")
-    filters = {f"derivative_filter_{i}": 10.0 for i in (1, 2)}
+    filters = {path(y, "derivative_filter"): 10.0 for y in _CONTROLLED}
     controller = pi_controller(
         BY_HAND[variant], model, form, free=True, settings={**start, **filters}
     )
@@ -243,7 +252,7 @@ def _tuned_from(
 
 def _bounded(name: str, variant: Variant) -> TunedParameter:
     low, high = _BOUNDS[name]
-    if name == "proportional_gain_2" and variant == "inflow":  # f_out acts the other way
+    if name == "volume.proportional_gain" and variant == "inflow":  # f_out acts the other way
         low, high = -high, -low
     return TunedParameter(name, low, high)
 

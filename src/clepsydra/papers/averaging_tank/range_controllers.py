@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
 
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.schedule import Schedule
@@ -26,9 +28,10 @@ from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
 from clepsydra.papers.averaging_tank.lqi_runs import COLUMNS, Weights
 from clepsydra.papers.averaging_tank.model import KMOL
-from clepsydra.papers.averaging_tank.pi import BY_HAND, pi_controller
+from clepsydra.papers.averaging_tank.pi import BY_HAND, inputs_at_rest, pi_controller
 from clepsydra.papers.averaging_tank.step_run import high_model_of
 from clepsydra.papers.averaging_tank.symbols import Variant
+from clepsydra.program.step_law import StepLaw
 
 #: The loops of the document, and what its conclusion asks for.
 _LAWS = ("PI", "LQI", "PI, scheduled", "LQI, scheduled", "LQI, recomputed")
@@ -47,7 +50,8 @@ def controller_of(constant: Variant, kind: str, period: float) -> Controller:
     Examples
     --------
     >>> controller = controller_of("outflow", "PI, scheduled", 0.01)
-    >>> [controller.values[f"proportional_gain_1_at_{k}"] for k in (1, 2, 3)]
+    >>> gain = "concentration.proportional_gain"
+    >>> [value for name, value in controller.values.items() if name.startswith(gain)][:3]
     [12.5, 25.0, 50.0]
     """
     law = kind.removesuffix(", anti-windup")
@@ -135,27 +139,21 @@ def gains_at(weights: Weights, volume: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _tracking(plain: Controller, first: float, second: float) -> Controller:
-    times = {"tracking_time_1": first, "tracking_time_2": second}
+    times = {"concentration.tracking_time": first, "volume.tracking_time": second}
     return dataclasses.replace(plain, values={**plain.values, **times})
 
 
 def _scheduled_pi(plain: Controller, model: LinearModel, period: float) -> Controller:
     """Return PI control whose gain of C is in proportion to the volume, as its element 1/V asks."""
     process = operating_point_of(model).process
-    schedule = Schedule("measurement_2", process.signal("volume"), len(VOLUMES))
-    law = scheduled_law(plain.law, schedule, ["proportional_gain_1"])
-    values = {name: value for name, value in plain.values.items() if name != "proportional_gain_1"}
-    gain = plain.values["proportional_gain_1"]
-    for k, volume in enumerate(VOLUMES, start=1):
-        values |= {
-            f"schedule_point_{k}": volume,
-            f"proportional_gain_1_at_{k}": gain * volume / 2.0,
-        }
-    values["schedule_filter_time"] = period
-    return dataclasses.replace(
-        plain, name="PI, scheduled", law=law, values=values,
-        initial_state=state_at_rest(law, values, _rest(plain, model)),
-    )  # fmt: skip
+    schedule = Schedule("volume.pv", process.signal("volume"), len(VOLUMES))
+    scheduled = "concentration.proportional_gain"
+    law = scheduled_law(plain.law, schedule, [scheduled])
+    values = {name: value for name, value in plain.values.items() if name != scheduled}
+    gain = plain.values[scheduled]
+    values |= _points(schedule, period)
+    values |= _table(schedule, scheduled, [gain * volume / 2.0 for volume in VOLUMES])
+    return _rescheduled(dataclasses.replace(plain, name="PI, scheduled"), model, law, values)
 
 
 def _scheduled_lqi(
@@ -165,32 +163,46 @@ def _scheduled_lqi(
         "LQI, scheduled", model, _MEASURED, *gains_at(weights, 2.0), [1.0, 1.0], winding
     )
     process = operating_point_of(model).process
+    schedule = Schedule("volume.pv", process.signal("volume"), len(VOLUMES))
     law = scheduled_lqi_law(
         [process.signal(name) for name in _MEASURED],
         [process.signal(name) for name in plain.manipulated],
-        [1, 2],
-        Schedule("measurement_2", process.signal("volume"), len(VOLUMES)),
+        _MEASURED,
+        schedule,
         winding,
     )
     known = {parameter.name for parameter in law.parameters}
     values = {name: value for name, value in plain.values.items() if name in known}
-    for k, volume in enumerate(VOLUMES, start=1):
-        values[f"schedule_point_{k}"] = volume
-        for what, rows in zip(
-            ("feedback", "integral_gain"), gains_at(weights, volume), strict=True
-        ):
-            values |= {
-                f"{what}_{i + 1}_{j + 1}_at_{k}": float(rows[i, j])
-                for i in range(2)
-                for j in range(2)
-            }
-        if winding == "back_calculation":
-            values |= {f"tracking_time_{i}_at_{k}": 1.0 for i in (1, 2)}
-    values["schedule_filter_time"] = period
+    values |= _points(schedule, period)
+    gains = zip(*(gains_at(weights, volume) for volume in VOLUMES), strict=True)
+    for what, found in zip(("feedback", "integral_gain"), gains, strict=True):
+        for i, output in enumerate(plain.manipulated):
+            for j, name in enumerate(_MEASURED):
+                scheduled = path(path(output, what), name)
+                values |= _table(schedule, scheduled, [float(rows[i, j]) for rows in found])
+    if winding == "back_calculation":
+        for output in plain.manipulated:
+            values |= _table(schedule, path(output, "tracking_time"), [1.0] * len(VOLUMES))
+    return _rescheduled(plain, model, law, values)
+
+
+def _points(schedule: Schedule, period: float) -> dict[str, float]:
+    names = [parameter.name for parameter in schedule.parameters()]
+    return dict(zip(names, (*VOLUMES, period), strict=True))
+
+
+def _table(schedule: Schedule, name: str, values: Sequence[float]) -> dict[str, float]:
+    names = [parameter.name for parameter in schedule.table(Signal(name))]
+    return dict(zip(names, values, strict=True))
+
+
+def _rescheduled(
+    plain: Controller, model: LinearModel, law: StepLaw, values: dict[str, float]
+) -> Controller:
+    rest = inputs_at_rest(model, plain.measurements, plain.manipulated)
     return dataclasses.replace(
-        plain, law=law, values=values,
-        initial_state=state_at_rest(law, values, _rest(plain, model)),
-    )  # fmt: skip
+        plain, law=law, values=values, initial_state=state_at_rest(law, values, rest)
+    )
 
 
 def _recomputed_lqi(
@@ -206,10 +218,3 @@ def _recomputed_lqi(
     return recomputed_lqi_controller(
         equations, MeasuredState(equations), None, found, _FOLLOWS, [1.0, 1.0], winding
     )
-
-
-def _rest(plain: Controller, model: LinearModel) -> dict[str, float]:
-    at = operating_point_of(model).as_dict()
-    rest = {f"setpoint_{j}": at[name] for j, name in enumerate(plain.setpoints, start=1)}
-    rest |= {f"measurement_{j}": at[name] for j, name in enumerate(plain.measurements, start=1)}
-    return rest | {f"tracking_{i}": at[name] for i, name in enumerate(plain.manipulated, start=1)}

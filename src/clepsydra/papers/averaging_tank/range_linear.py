@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.sampled.sampled_process import held_over
 from clepsydra.linear.linear_model import LinearModel
@@ -48,13 +49,10 @@ def linear_errors(
     rest_y = np.array([at[name] for name in controller.measurements])
     rest_u = np.array([at[name] for name in controller.manipulated])
     given = {signal.name: signal.initial for signal in law.inputs} | {"time_step": period}
-    for j, name in enumerate(controller.setpoints, start=1):
-        given[f"setpoint_{j}"] = at[name] + sizes.get(name, 0.0)
-    places = [
-        next(i for i, s in enumerate(law.inputs) if s.name == f"measurement_{j + 1}")
-        for j in range(len(rest_y))
-    ]
-    rows = [i for i, s in enumerate(law.outputs) if s.name.startswith("manipulated_")]
+    given |= {path(name, "sp"): at[name] + sizes.get(name, 0.0) for name in controller.setpoints}
+    names = [signal.name for signal in law.inputs]
+    places = [names.index(path(name, "pv")) for name in controller.measurements]
+    rows = [i for i, signal in enumerate(law.outputs) if signal.part == "out"]
     inputs = np.array([given[signal.name] for signal in law.inputs])
     parameters = [controller.values[parameter.name] for parameter in law.parameters]
     state = np.array([controller.initial_state[entry.name] for entry in law.state])

@@ -35,7 +35,7 @@ _ROBUST = 2.0
 _LENIENT_PEAK, _LENIENT_GAIN = 3.0, 1.5
 _LARGEST_GAIN = 100.0
 #: A PID that settles as soon as the predictor: its times as shares of AMIGO's, and its max|S|.
-_TUNED = {"integral_time": 1.12, "derivative_time": 0.95}
+_TUNED = {"level_8.integral_time": 1.12, "level_8.derivative_time": 0.95}
 _TUNED_PEAK = 1.6
 
 
@@ -93,12 +93,12 @@ def _tuned_pid() -> Controller:
     """Return a PID that settles soon: AMIGO's with other times, its gain by max|S|."""
     model, pairing = chain().model, chain().pairing
     plain = without_limits(design_amigo(model, pairing, form=PidForm("PID")))
-    times = {f"{name}_1": factor * plain.values[f"{name}_1"] for name, factor in _TUNED.items()}
+    times = {name: factor * plain.values[name] for name, factor in _TUNED.items()}
     loops = SampledLoops(plain, model)
 
     def with_gain(share: float) -> dict[str, float]:
-        gain = share * plain.values["proportional_gain_1"]
-        return plain.values | times | {"proportional_gain_1": gain}
+        gain = share * plain.values["level_8.proportional_gain"]
+        return plain.values | times | {"level_8.proportional_gain": gain}
 
     low, high = 0.5, 2.0
     for _ in range(30):

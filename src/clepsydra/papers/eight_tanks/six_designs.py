@@ -9,6 +9,7 @@ from functools import cache
 
 import numpy as np
 
+from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.polynomial.element_sampling import sampled_transfer
 from clepsydra.designs.polynomial.sampled_model import SampledModel
@@ -167,11 +168,18 @@ def designed(penalty: float, poles: tuple[float, ...]) -> Controller:
 
 
 def without_limits(controller: Controller) -> Controller:
-    """Return a controller whose limits are out of reach, since the document has none."""
+    """Return a controller whose limits are out of reach, since the document has none.
+
+    Examples
+    --------
+    >>> found = designed(10.0, (0.5,)).values
+    >>> found["feed.low_limit"] == -found["feed.high_limit"] == -_WIDE
+    True
+    """
     limits = {
-        name: -_WIDE if name.startswith("low") else _WIDE
-        for name in controller.values
-        if "_limit_" in name
+        path(u, end): wide
+        for u in controller.manipulated
+        for end, wide in (("low_limit", -_WIDE), ("high_limit", _WIDE))
     }
     return dataclasses.replace(controller, values=controller.values | limits)
 

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
 
-from clepsydra.controllers.conditioned_linear import ConditionedMatrices, conditioned_linear_law
+from clepsydra.base.signal import elements, path
+from clepsydra.controllers.conditioned_linear import (
+    FAMILY,
+    ConditionedMatrices,
+    conditioned_linear_law,
+)
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+from clepsydra.controllers.parameters import remembered_parameters
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.designs.glover_mcfarlane import design_glover_mcfarlane
 from clepsydra.designs.loop_shaping.precompensator import Precompensator, sampled_precompensator
@@ -36,7 +43,7 @@ def decentralised(set_up: SetUp) -> Controller:
 
     Examples
     --------
-    >>> round(decentralised(MINIMUM).values["proportional_gain_1"], 3)
+    >>> round(decentralised(MINIMUM).values["level_1.proportional_gain"], 3)
     1.74
     """
     return design_phase_margin(
@@ -135,18 +142,18 @@ def at_the_simulator(controller: Controller, process: Process) -> Controller:
     """
     measured = [process.signal(name) for name in controller.measurements]
     manipulated = [process.signal(name) for name in controller.manipulated]
-    if "memory_gain_1_1" in controller.values or "error_gain_1_1" in controller.values:
+    if controller.family == FAMILY:
         matrices = matrices_of(controller).unconditioned()
-        law = conditioned_linear_law(matrices, measured=measured, manipulated=manipulated)
-        values = matrices.values()
-        for i in range(1, len(manipulated) + 1):
-            values |= {f"bias_{i}": 0.0, f"fading_time_{i}": 1.0}
+        law = conditioned_linear_law(measured, manipulated, matrices)
+        values = matrices.values(measured, manipulated)
+        for signal in manipulated:
+            values |= {path(signal, "bias"): 0.0, path(signal, "fading_time"): 1.0}
     else:
-        law = multiloop_pid_law(len(measured), FORM, measured=measured, manipulated=manipulated)
+        law = multiloop_pid_law(measured, manipulated, FORM)
         values = dict(controller.values)
-    for i, signal in enumerate(manipulated, start=1):
-        values |= {f"low_limit_{i}": signal.low, f"high_limit_{i}": signal.high}
-    remembered = {f"last_{name}" for name in values}
+    for signal in manipulated:
+        values |= {path(signal, "low_limit"): signal.low, path(signal, "high_limit"): signal.high}
+    remembered = remembered_parameters(law, values)
     return Controller(
         name=controller.name,
         family=controller.family,
@@ -162,18 +169,19 @@ def at_the_simulator(controller: Controller, process: Process) -> Controller:
 
 def matrices_of(controller: Controller) -> ConditionedMatrices:
     """Return the matrices of a controller of the conditioned linear law."""
-    states = sum(entry.name.startswith("memory_") for entry in controller.law.state)
-    outputs, errors = len(controller.manipulated), len(controller.measurements)
-    shapes = {
-        "transition": (states, states),
-        "error_effect": (states, errors),
-        "output_effect": (states, outputs),
-        "memory_gain": (outputs, states),
+    known = {entry.name for entry in controller.law.state}
+    memory = [name for name in elements("memory", len(known)) if name in known]
+    outputs, errors = controller.manipulated, controller.measurements
+    effects = {
+        "transition": (memory, memory),
+        "error_effect": (memory, errors),
+        "output_effect": (memory, outputs),
+        "memory_gain": (outputs, memory),
         "error_gain": (outputs, errors),
     }
-    found = {prefix: np.zeros(shape) for prefix, shape in shapes.items()}
-    for name, value in controller.values.items():
-        prefix, row, column = [*name.rsplit("_", 2), "", ""][:3]
-        if prefix in found:
-            found[prefix][int(row) - 1, int(column) - 1] = value
-    return ConditionedMatrices(*found.values())
+
+    def matrix(what: str, to: Sequence[str], by: Sequence[str]) -> np.ndarray:
+        names = [[path(path(row, what), column) for column in by] for row in to]
+        return np.array([[controller.values.get(name, 0.0) for name in row] for row in names])
+
+    return ConditionedMatrices(*(matrix(what, *names) for what, names in effects.items()))

@@ -23,7 +23,7 @@ LIMIT = 10.0
 
 def alpha() -> Findings:
     """Fill the tanks with many an α."""
-    lanes = {f"controller.saturation_rate_{j}": RATES for j in (1, 2)}
+    lanes = {f"controller.level_{j}.saturation_rate": RATES for j in (1, 2)}
     volts = fill(in_volts("variable_structure"), LIMIT, parameters=lanes)
     nu = fill(in_nu("variable_structure"), LIMIT, parameters=lanes)
     return Findings((_adjusts(volts, nu),), (_figure(volts, nu),))

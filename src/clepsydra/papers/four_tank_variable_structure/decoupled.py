@@ -79,9 +79,11 @@ def decoupled(way: VirtualAntiWindup, reading: DecoupledReading = DECOUPLED_READ
     parameters, start = {}, {}
     for loop, settings in enumerate(virtual_settings(), start=1):
         times = np.full(len(LIMITS), reading.sensor / _JOHANSSONS)
-        parameters[f"controller.virtual_gain_{loop}"] = times * settings.gain
-        parameters[f"controller.virtual_integral_gain_{loop}"] = times * settings.integral_gain
-        start[f"controller.last_virtual_gain_{loop}"] = times * settings.gain
+        parameters[f"controller.level_{loop}.virtual_gain"] = times * settings.gain
+        parameters[f"controller.level_{loop}.virtual_integral_gain"] = (
+            times * settings.integral_gain
+        )
+        start[f"controller.level_{loop}.last_virtual_gain"] = times * settings.gain
     return fill(in_nu(way, alpha_on=reading.alpha_on), LIMITS, parameters=parameters, start=start)
 
 

@@ -85,10 +85,11 @@ def filled_in(
     parameters, start = dict(process or {}), {}
     for loop, settings in enumerate(SETTINGS, start=1):
         gains = np.array([settings.gain * each.sensor / _SENSORS[0] for each in readings])
-        parameters[f"controller.proportional_gain_{loop}"] = gains
-        start[f"controller.last_proportional_gain_{loop}"] = gains
+        parameters[f"controller.level_{loop}.proportional_gain"] = gains
+        start[f"controller.level_{loop}.last_proportional_gain"] = gains
         biases = np.array([each.bias for each in readings])
-        start |= {f"controller.{name}_{loop}": biases for name in ("integral", "last_output")}
+        owned = (f"level_{loop}.integral", f"pump_{loop}.last_output")
+        start |= {f"controller.{name}": biases for name in owned}
     limits = np.array([each.limit for each in readings])
     return fill(in_volts(way), limits, parameters=parameters, start=start)
 

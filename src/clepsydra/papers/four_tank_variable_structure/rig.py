@@ -209,20 +209,13 @@ def fill(
     loop = Loop(controller, at_target().model)
     setpoints = {f"level_{j}.setpoint": VOLTS_PER_METRE * h for j, h in enumerate(target, start=1)}
     program = closed_loop(loop.process, controller, substeps=1, constant=loop.at_rest() | setpoints)
-    empty = (
-        ".level",
-        "controller.integral_",
-        "controller.virtual_integral_",
-        "controller.last_output_",
-        "controller.estimate_",
-    )
+    empty = (".level", ".integral", ".virtual_integral", ".last_output", ".estimate")
     state: dict[str, float | np.ndarray] = {
-        name: 0.0 if name.endswith(empty[0]) or name.startswith(empty[1:]) else value
-        for name, value in loop.initial_state().items()
+        name: 0.0 if name.endswith(empty) else value for name, value in loop.initial_state().items()
     }
     state |= dict(start or {})
     given: dict[str, float | np.ndarray] = dict(loop.law_parameters())
-    given |= {f"controller.high_limit_{i}": limits for i in (1, 2)}
+    given |= {f"controller.pump_{i}.high_limit": limits for i in (1, 2)}
     given |= dict(parameters or {})
     samples = round(DURATION / loop.process.sampling_period)
     run = Kernel(program).run(samples, state=state, parameters=given, every=KEPT)

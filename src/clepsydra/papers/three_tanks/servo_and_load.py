@@ -61,19 +61,21 @@ def _feedback(loop: FeedbackLoop) -> Controller:
 
 def _pid_controller() -> Controller:
     """Return PID control with the printed gains, derivative on the measurement, Td/10 filter."""
-    law = multiloop_pid_law(1, PidForm("PID", anti_windup="conditional_integration"))
+    law = multiloop_pid_law(
+        ["level_3"], ["feed"], PidForm("PID", anti_windup="conditional_integration")
+    )
     values = {
-        "proportional_gain_1": GAIN,
-        "integral_time_1": GAIN / INTEGRAL_GAIN,
-        "derivative_time_1": DERIVATIVE_GAIN / GAIN,
-        "derivative_filter_1": 10.0,
-        "setpoint_weight_1": 1.0,
-        "low_limit_1": 0.0,
-        "high_limit_1": 1e-4,
+        "level_3.proportional_gain": GAIN,
+        "level_3.integral_time": GAIN / INTEGRAL_GAIN,
+        "level_3.derivative_time": DERIVATIVE_GAIN / GAIN,
+        "level_3.derivative_filter": 10.0,
+        "level_3.setpoint_weight": 1.0,
+        "feed.low_limit": 0.0,
+        "feed.high_limit": 1e-4,
     }
     rest = float(find_equilibrium(three_tanks()).state[2])
     state = state_at_rest(
-        law, values, {"setpoint_1": rest, "measurement_1": rest, "tracking_1": FLOW}
+        law, values, {"level_3.sp": rest, "level_3.pv": rest, "feed.tracking": FLOW}
     )
     return Controller(
         "Ziegler-Nichols PID", "multiloop PID", "The document's gains.", law, values, state,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 
 from clepsydra.base.errors import InputError
@@ -17,7 +17,6 @@ from clepsydra.process.table_reader import TableReader
 from clepsydra.studies.file.design_arguments import design_keys, read_arguments, with_model
 from clepsydra.studies.file.design_names import DESIGN_NAMES
 from clepsydra.studies.file.fuzzy_table import FUZZY_KEYS, read_fuzzy_table
-from clepsydra.studies.file.law_parameters import LoopSignals
 from clepsydra.studies.file.own_law_table import OWN_LAW_KEYS, read_own_law
 from clepsydra.studies.file.placed import placed
 from clepsydra.studies.file.request import ControllerRequest, Maker
@@ -65,7 +64,7 @@ def read_controllers(
     >>> (request,) = read_controllers(general, process, Path())
     >>> analysis = analyse(process)
     >>> controller = request.make(analysis, analysis.model)
-    >>> controller.name, round(controller.values["integral_time_1"])
+    >>> controller.name, round(controller.values["level.integral_time"])
     ('tight', 1320)
     """
     if not general.has("controllers"):
@@ -118,7 +117,7 @@ def _controller(rows: TableReader, name: str, process: Process, folder: Path) ->
 def _scheme(rows: TableReader, name: str, process: Process, folder: Path) -> _Made:
     table = rows.table(name, "a table", _WAYS, (*SCHEME_KEYS, "tune"))
     scheme = read_scheme(table, name, process)
-    tune = _tuning(table, process, scheme.loops)
+    tune = _tuning(table, process)
     return lambda analysis, model: scheme.controller(analysis.operating_point), tune
 
 
@@ -203,13 +202,12 @@ def _pairing(table: TableReader, analysis: Analysis) -> tuple[tuple[str, str], .
 def _tuning(
     table: TableReader,
     process: Process,
-    loops: Mapping[str, LoopSignals] | None = None,
     weighted: WeightedStart | None = None,
 ) -> TuningRequest | None:
     if not table.has("tune"):
         return None
     rows = table.table("tune", "a table", "write [controllers.NAME.tune]", TUNING_KEYS)
-    return read_tuning(rows, process, loops, weighted)
+    return read_tuning(rows, process, weighted)
 
 
 def _checked(make: Maker, tune: TuningRequest | None) -> Maker:

@@ -90,7 +90,7 @@ def read_fuzzy_table(table: TableReader, name: str, process: Process, folder: Pa
     ...     _ = (Path(folder) / "halves.toml").write_text(rules)
     ...     table = TableReader(parse(b'fuzzy = "halves.toml"', "study.toml"), (), FUZZY_KEYS)
     ...     found = read_fuzzy_table(table, "two rules", point.process, Path(folder))
-    >>> found.controller(point).initial_state["last_output_1"]
+    >>> found.controller(point).initial_state["pump_1.last_output"]
     3.0
     """
     expected, remedy = "the name of a file of sets and rules", 'write as in fuzzy = "rules.toml"'

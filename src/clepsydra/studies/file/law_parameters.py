@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import split_quantity
-from clepsydra.controllers.controller import Controller
-from clepsydra.process.process import Process
+from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.process.table_reader import TableReader
+from clepsydra.program.step_law import StepLaw
 from clepsydra.studies.file.gains import read_gain
 from clepsydra.studies.file.joined_unit import Time, has_units_of, unit_of_gain
 
@@ -19,27 +20,44 @@ LAW_NAMES = {
     "setpoint_low": "setpoint_low_limit",
     "setpoint_high": "setpoint_high_limit",
 }
+_KEYS = {law: key for key, law in LAW_NAMES.items()}
 #: The gains of a loop, with what their unit has beside those of the signals.
 GAINS: dict[str, Time] = {"gain": "1", "integral_gain": "1/s", "derivative_gain": "s"}
 
 
-@dataclass(frozen=True)
-class LoopSignals:
-    """The number of a PID loop in its law, what it measures, and what it moves.
+def loops_of(law: StepLaw) -> dict[str, PidBlock]:
+    """Return the PID loops of a law by what a study file calls them.
 
     Examples
     --------
-    >>> LoopSignals(1, Signal("level", "m"), Signal("pump", "V")).parameter("gain")
-    'proportional_gain_1'
+    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
+    >>> list(loops_of(multiloop_pid_law(["level_1", "level_2"], ["pump_1", "pump_2"])))
+    ['level_1', 'level_2']
     """
+    return {block.owner: block for block in law.blocks if isinstance(block, PidBlock)}
 
-    number: int
-    measurement: Signal
-    moved: Signal
 
-    def parameter(self, key: str) -> str:
-        """Return the law's name for a key of the loop."""
-        return f"{LAW_NAMES.get(key, key)}_{self.number}"
+def parameter_of(loop: PidBlock, key: str) -> str:
+    """Return the law's name for a key of a loop.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.pid_form import PidForm
+    >>> parameter_of(PidBlock.of(Signal("level", "m"), PidForm(), Signal("pump", "V")), "gain")
+    'level.proportional_gain'
+    """
+    return path(loop.owner, LAW_NAMES.get(key, key))
+
+
+def key_of(parameter: Signal) -> str:
+    """Return what a study file calls a parameter of a loop.
+
+    Examples
+    --------
+    >>> key_of(Signal("level.setpoint_low_limit", "m")), key_of(Signal("level.integral_time", "s"))
+    ('setpoint_low', 'integral_time')
+    """
+    return _KEYS.get(parameter.part, parameter.part)
 
 
 @dataclass(frozen=True)
@@ -51,24 +69,21 @@ class LawParameters:
     known : mapping
         Parameter of the law to its signal.
     loops : mapping
-        Loop of the law, as a study file calls it, to its signals.
+        Loop of the law, as a study file calls it, to its block.
 
     Examples
     --------
-    >>> level, pump = Signal("level", "m"), Signal("pump", "V")
-    >>> names = LawParameters({}, {"level": LoopSignals(1, level, pump)})
-    >>> names.loops["level"].parameter("integral_time")
-    'integral_time_1'
+    See `law_parameters`.
     """
 
     known: Mapping[str, Signal]
-    loops: Mapping[str, LoopSignals] = field(default_factory=dict)
+    loops: Mapping[str, PidBlock] = field(default_factory=dict)
 
     def read(self, table: TableReader, key: str, name: str, expected: str, remedy: str) -> float:
         """Return the value at a key of a table, which is one of the law's parameter `name`."""
         for loop in self.loops.values():
             for gain, time in GAINS.items():
-                if loop.parameter(gain) == name:
+                if parameter_of(loop, gain) == name:
                     return read_gain(
                         table, key, loop.moved, loop.measurement,
                         expected=expected, remedy=remedy, time=time,
@@ -87,32 +102,41 @@ class LawParameters:
         return table.quantity(key, unit, expected, remedy)
 
 
-def law_parameters(
-    controller: Controller, process: Process, loops: Mapping[str, LoopSignals] | None = None
-) -> LawParameters:
-    """Return the parameters of a controller's law; of multiloop control with its loops.
-
-    Parameters
-    ----------
-    controller : Controller
-    process : Process
-    loops : mapping, optional
-        Those of a control scheme. A multiloop controller calls each loop by its measurement.
+def law_parameters(law: StepLaw) -> LawParameters:
+    """Return the parameters of a law, with its loops.
 
     Examples
     --------
     >>> import clepsydra as cl
-    >>> plant = cl.load("quadruple-tank")
-    >>> controller = cl.design.simc(plant)
-    >>> names = law_parameters(controller, plant.process)
-    >>> names.loops["level_2"].parameter("gain")
-    'proportional_gain_2'
+    >>> names = law_parameters(cl.design.simc(cl.load("quadruple-tank")).law)
+    >>> parameter_of(names.loops["level_2"], "gain")
+    'level_2.proportional_gain'
     """
-    known = {parameter.name: parameter for parameter in controller.law.parameters}
-    if loops is None and controller.family.startswith("multiloop"):
-        pairs = zip(controller.measurements, controller.manipulated, strict=True)
-        loops = {
-            output: LoopSignals(number, process.signal(output), process.signal(moved))
-            for number, (output, moved) in enumerate(pairs, start=1)
-        }
-    return LawParameters(known, loops or {})
+    return LawParameters({parameter.name: parameter for parameter in law.parameters}, loops_of(law))
+
+
+def new_name(old: str, known: Collection[str]) -> str:
+    """Return what a numbered name of a parameter is called now; empty where that is unknown.
+
+    A parameter of former versions, "integral_time_2", was that of the second of its kind.
+
+    Examples
+    --------
+    >>> new_name("integral_time_2", ["level_1.integral_time", "level_2.integral_time"])
+    'level_2.integral_time'
+    >>> new_name("feedback_1_2", ["pump.feedback.level_1", "pump.feedback.level_2"])
+    'pump.feedback.level_2'
+    """
+    found = re.fullmatch(r"(\w+?)_(?:(\d+)_)?(\d+)", old)
+    if found is None:
+        return ""
+    kind, row, place = found[1], int(found[2] or 1), int(found[3])
+    whole, divided = {kind}, set(kind.split("_", 1))
+    owned = {name: set(name.split(".")) for name in known}
+    alike = [name for name, parts in owned.items() if whole <= parts or divided <= parts]
+    columns = len(alike)
+    if found[2]:
+        # Those of a matrix stand row by row; a row is of one owner.
+        columns = sum(name.split(".")[0] == alike[0].split(".")[0] for name in alike)
+    number = (row - 1) * columns + place - 1
+    return alike[number] if 0 < place <= columns and number < len(alike) else ""

@@ -28,7 +28,7 @@ def check_law_range(table: TableReader, key: str, parameter: Signal, value: floa
     --------
     >>> from clepsydra.process.document import parse
     >>> table = TableReader(parse(b"lag = '1e6 h'", "a.toml"), (), None)
-    >>> check_law_range(table, "lag", Signal("lag_1", "s", low=0.0, high=1e9), 3.6e9)
+    >>> check_law_range(table, "lag", Signal("feedforward.rain.lag", "s", low=0.0, high=1e9), 3.6e9)
     Traceback (most recent call last):
         ...
     clepsydra.base.errors.InputError: a.toml, line 1, lag: got '1e6 h', expected a value from 0 to \

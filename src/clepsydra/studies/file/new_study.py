@@ -6,7 +6,7 @@ import json
 from string import Template
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
@@ -150,8 +150,8 @@ def _steps(process: Process, scenario: Scenario) -> str:
 def _written_out(process: Process, designed: Controller) -> str:
     pairs = zip(designed.measurements, designed.manipulated, strict=True)
     loops = []
-    for number, (output, moved) in enumerate(pairs, start=1):
-        gain = designed.values[f"proportional_gain_{number}"]
+    for output, moved in pairs:
+        gain, time = _settings(designed, output)
         shown = percent_gain(gain, process.signal(output), process.signal(moved))
         loops.append(
             "\n".join(
@@ -162,19 +162,23 @@ def _written_out(process: Process, designed: Controller) -> str:
                     'actions = "PI"',
                     f'action = "{"reverse" if gain > 0.0 else "direct"}"',
                     f'gain = "{abs(shown):.4g} %/%"',
-                    f'integral_time = "{time_text(designed.values[f"integral_time_{number}"], 4)}"',
+                    f'integral_time = "{time_text(time, 4)}"',
                 )
             )
         )
     return "\n\n".join(loops)
 
 
+def _settings(designed: Controller, output: str) -> tuple[float, float]:
+    gain, time = (path(output, part) for part in ("proportional_gain", "integral_time"))
+    return designed.values[gain], designed.values[time]
+
+
 def _bounds(process: Process, designed: Controller) -> dict[str, str]:
     """Return bounds around the settings of the first loop."""
     output, moved = designed.measurements[0], designed.manipulated[0]
-    gain = designed.values["proportional_gain_1"]
+    gain, time = _settings(designed, output)
     shown = abs(percent_gain(gain, process.signal(output), process.signal(moved)))
-    time = designed.values["integral_time_1"]
     gains = [f"{shown * factor:.2g} %/%" for factor in (1.0 / _WIDTH, _WIDTH)]
     times = [time_text(time * factor, 4) for factor in (1.0 / _WIDTH, _WIDTH)]
     return {"gain_bounds": json.dumps(gains), "time_bounds": json.dumps(times)}

@@ -10,6 +10,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.own_law import load_law
+from clepsydra.controllers.signals import owners
 from clepsydra.designs.own_law import own_controller
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.process.names_among import names_among
@@ -19,6 +20,12 @@ from clepsydra.program.step_law import StepLaw
 from clepsydra.studies.file.law_parameters import LawParameters
 from clepsydra.studies.file.placed import placed
 
+#: What one of a kind is called, and what a law's signal is of it.
+_KINDS = {
+    "measurements": ("measurement", "pv"),
+    "setpoints": ("setpoint", "sp"),
+    "manipulated": ("manipulated", "out"),
+}
 OWN_LAW_KEYS = ("law", "measurements", "setpoints", "manipulated", "parameters", "initial_state")
 
 
@@ -32,7 +39,7 @@ class OwnLaw:
     name : str
     law : StepLaw
     measurements, setpoints, manipulated : tuple of str
-        In the order of the law's numbers.
+        In the order of the law.
     values, initial_state : dict
 
     Examples
@@ -87,11 +94,11 @@ def read_own_law(table: TableReader, name: str, process: Process, folder: Path) 
     >>> import clepsydra as cl
     >>> import tempfile
     >>> from clepsydra.process.document import parse
-    >>> code = '''inputs = ["measurement_1"]
-    ... outputs = ["manipulated_1"]
+    >>> code = '''inputs = ["level.pv"]
+    ... outputs = ["pump.out"]
     ... parameters = {"gain": 2.0}
     ... def step(state, inputs, parameters, time_step):
-    ...     return {}, {"manipulated_1": parameters["gain"] * inputs["measurement_1"]}
+    ...     return {}, {"pump.out": parameters["gain"] * inputs["level.pv"]}
     ... '''
     >>> text = b'''law = "half.py"
     ... measurements = ["level_1"]
@@ -140,16 +147,15 @@ def read_own_law(table: TableReader, name: str, process: Process, folder: Path) 
 
 def _names(table: TableReader, key: str, known: list[str], law: StepLaw) -> tuple[str, ...]:
     """Return the process signals for one kind of signal of the law, one for each."""
-    prefix = {"measurements": "measurement", "setpoints": "setpoint", "manipulated": "manipulated"}
-    signals = [*law.inputs, *law.outputs]
-    count = sum(signal.name.startswith(f"{prefix[key]}_") for signal in signals)
+    words, part = _KINDS[key]
+    count = len(owners([*law.inputs, *law.outputs], part))
     if not table.has(key) and count == 0:
         return ()
     found = names_among(
         known,
         table,
         key,
-        expected=f"a list of {count} names, one for each {prefix[key]} of the law",
+        expected=f"a list of {count} names, one for each {words} of the law",
         remedy=f'write as in ["{known[0]}"]',
         each=f"one of {', '.join(known)}",
     )
@@ -157,7 +163,7 @@ def _names(table: TableReader, key: str, known: list[str], law: StepLaw) -> tupl
         raise table.refused(
             key,
             ", ".join(found),
-            f"{count} names, one for each {prefix[key]} of the law",
+            f"{count} names, one for each {words} of the law",
             "add or remove names",
         )
     return found

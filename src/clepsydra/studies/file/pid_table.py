@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, get_args
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import from_si
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.pid_form import (
@@ -18,7 +18,7 @@ from clepsydra.controllers.pid_form import (
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.process.table_reader import TableReader
 from clepsydra.studies.file.gains import check_in_range, read_gain, read_rate, read_value
-from clepsydra.studies.file.law_parameters import GAINS, LAW_NAMES
+from clepsydra.studies.file.law_parameters import GAINS, key_of
 from clepsydra.studies.file.law_range import check_law_range
 from clepsydra.studies.file.placed import placed
 
@@ -119,9 +119,8 @@ class PidTable:
     ... integral_time = "5 min"
     ... '''
     >>> table = TableReader(parse(text, "study.toml"), (), LOOP_KEYS)
-    >>> block = PidBlock("level", 1, read_form(table), level, 1, pump, 1, 1)
-    >>> read = PidTable(table, block)
-    >>> read.values["proportional_gain_1"], read.values["integral_time_1"], read.assumed
+    >>> read = PidTable(table, PidBlock.of(level, read_form(table), pump))
+    >>> read.values["level.proportional_gain"], read.values["level.integral_time"], read.assumed
     (-4.0, 300.0, ['setpoint_weight = 1', 'tracking_time = 300 s'])
     """
 
@@ -130,7 +129,7 @@ class PidTable:
         self.values: dict[str, float] = {}
         self.places: dict[str, str] = {}
         self.assumed: list[str] = []
-        keys = {_key(parameter.name, block.number): parameter for parameter in block.parameters()}
+        keys = {key_of(parameter): parameter for parameter in block.parameters()}
         for key in table.present:
             if key in _SETTINGS and key not in keys:
                 raise table.refused(
@@ -145,7 +144,7 @@ class PidTable:
             if table.has(key):
                 check_law_range(table, key, parameter, value)
             self.places[parameter.name] = table.place(key)
-        low, high = (f"setpoint_{end}_limit_{block.number}" for end in ("low", "high"))
+        low, high = (path(block.owner, f"setpoint_{end}_limit") for end in ("low", "high"))
         if low in self.values and not self.values[low] < self.values[high]:
             raise table.refused(
                 "setpoint_low" if table.has("setpoint_low") else "setpoint_high",
@@ -235,8 +234,7 @@ class PidTable:
 
     def _tracking_time(self) -> float:
         """Return Ti, or √(Ti Td) with derivative action."""
-        number = self.block.number
-        values = {name.removesuffix(f"_{number}"): v for name, v in self.values.items()}
+        values = {Signal(name).part: value for name, value in self.values.items()}
         if self.block.form.algorithm == "parallel":
             gain = values["proportional_gain"]
             integral_time = gain / values["integral_gain"]
@@ -251,11 +249,6 @@ class PidTable:
         unit = "" if signal.shown_unit == "1" else f" {signal.shown_unit}"
         self.assumed.append(f"{key} = {shown:.4g}{unit}")
         return value
-
-
-def _key(parameter: str, number: int) -> str:
-    stem = parameter.removesuffix(f"_{number}")
-    return {law: key for key, law in LAW_NAMES.items()}.get(stem, stem)
 
 
 def _words(block: PidBlock) -> str:

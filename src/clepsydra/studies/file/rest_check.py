@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import from_si
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.program.step_law import StepLaw
@@ -31,7 +31,7 @@ class FirstSamples(NamedTuple):
 
     Examples
     --------
-    >>> FirstSamples({"integral_1": 3.0}, ()).notes
+    >>> FirstSamples({"level.integral": 3.0}, ()).notes
     ()
     """
 
@@ -59,7 +59,7 @@ def first_samples(
     law : StepLaw
     values, state : mapping
     inputs : mapping
-        setpoint_j, measurement_j and tracking_i at the operating point, and the free inputs.
+        sp, pv and tracking of the signals at the operating point, and the free inputs.
     manipulated : sequence of Signal
     period : float
         Of the samples [s].
@@ -70,16 +70,16 @@ def first_samples(
 
     >>> from clepsydra.controllers.at_rest import state_at_rest
     >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> law = multiloop_pid_law(1)
-    >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
     >>> pump = Signal("pump_1", "V", low=0.0, high=10.0)
-    >>> inputs = dict(setpoint_1=5.0, measurement_1=4.0, tracking_1=3.0)
+    >>> law = multiloop_pid_law(["level"], [pump])
+    >>> values = {parameter.name: parameter.initial for parameter in law.parameters}
+    >>> inputs = {"level.sp": 5.0, "level.pv": 4.0, "pump_1.tracking": 3.0}
     >>> state = state_at_rest(law, values, inputs)
     >>> first_samples(law, values, state, inputs, [pump], 1.0).notes[0][:68]
     'At the operating point it moves pump_1 from 3 V to 3.03333 V in 3 sa'
     """
     given = {signal.name: signal.initial for signal in law.inputs} | dict(inputs)
-    given |= {name: float(Mode.AUTOMATIC) for name in given if name.startswith("mode_")}
+    given |= {path(signal, "mode"): float(Mode.AUTOMATIC) for signal in manipulated}
     given |= {"time_step": period}
     now = np.array([state[entry.name] for entry in law.state])
     for _ in range(_SAMPLES):
@@ -92,8 +92,8 @@ def first_samples(
     names = [signal.name for signal in law.outputs]
     found = dict(zip(names, np.array(outputs).ravel(), strict=True))
     notes = []
-    for number, signal in enumerate(manipulated, start=1):
-        before, after = given[f"tracking_{number}"], float(found[f"manipulated_{number}"])
+    for signal in manipulated:
+        before, after = given[path(signal, "tracking")], float(found[path(signal, "out")])
         size = signal.span if math.isfinite(signal.span) else max(abs(before), 1.0)
         if abs(after - before) > _STILL * size:
             first, last = (

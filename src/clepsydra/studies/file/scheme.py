@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
+from clepsydra.base.signal import path
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import check_parameters
@@ -11,7 +12,6 @@ from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import StepLaw
-from clepsydra.studies.file.law_parameters import LoopSignals
 from clepsydra.studies.file.placed import placed
 from clepsydra.studies.file.rest_check import first_samples
 from clepsydra.studies.file.scheme_blocks import SchemeBlocks
@@ -39,8 +39,6 @@ class Scheme:
     follows : dict
         Input of the law that stands at a signal's value at rest.
     measurements, setpoints, manipulated : tuple of str
-    loops : dict
-        Name to what a loop measures and moves.
     design : str
     notes : tuple of str
 
@@ -58,7 +56,6 @@ class Scheme:
     measurements: tuple[str, ...]
     setpoints: tuple[str, ...]
     manipulated: tuple[str, ...]
-    loops: dict[str, LoopSignals] = field(default_factory=dict)
     design: str = ""
     notes: tuple[str, ...] = ()
 
@@ -68,12 +65,9 @@ class Scheme:
         values = self.values | {name: at[signal] for name, signal in self.at_point.items()}
         free = self.fixed | {name: at[signal] for name, signal in self.follows.items()}
         inputs = dict(free)
-        for number, name in enumerate(self.setpoints, start=1):
-            inputs[f"setpoint_{number}"] = at[name]
-        for number, name in enumerate(self.measurements, start=1):
-            inputs[f"measurement_{number}"] = at[name]
-        for number, name in enumerate(self.manipulated, start=1):
-            inputs[f"tracking_{number}"] = at[name]
+        inputs |= {path(name, "sp"): at[name] for name in self.setpoints}
+        inputs |= {path(name, "pv"): at[name] for name in self.measurements}
+        inputs |= {path(name, "tracking"): at[name] for name in self.manipulated}
         state = state_at_rest(self.law, values, inputs)
         signals = [point.process.signal(name) for name in self.manipulated]
         begins = first_samples(
@@ -125,7 +119,7 @@ def read_scheme(table: TableReader, name: str, process: Process) -> Scheme:
     >>> process = load_process("equalisation-tank")
     >>> table = TableReader(parse(text, "study.toml"), (), None)
     >>> controller = read_scheme(table, "by hand", process).controller(find_equilibrium(process))
-    >>> controller.values["proportional_gain_1"], controller.manipulated
+    >>> controller.values["level.proportional_gain"], controller.manipulated
     (-2.0, ('outflow',))
     """
     parts = read_parts(table, process)
@@ -151,7 +145,6 @@ def read_scheme(table: TableReader, name: str, process: Process) -> Scheme:
         measurements=blocks.measurements,
         setpoints=blocks.setpoints,
         manipulated=tuple(wiring.outputs),
-        loops=blocks.loops,
         design=f"Written out, {'; '.join(blocks.words)}.",
         notes=tuple(notes),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
 from clepsydra.controllers.pid_parameters import GAINS
@@ -20,7 +20,6 @@ from clepsydra.designs.request import in_shown_unit
 from clepsydra.process.table_reader import TableReader
 from clepsydra.program.step_law import StepLaw
 from clepsydra.studies.file.gains import check_in_range, read_gain, read_rate, read_value
-from clepsydra.studies.file.law_parameters import LoopSignals
 from clepsydra.studies.file.law_range import check_law_range
 from clepsydra.studies.file.pid_table import PidTable
 from clepsydra.studies.file.scheme_parts import Feedforward, Loop, Ratio, SchemeParts, Split
@@ -28,7 +27,7 @@ from clepsydra.studies.file.scheme_wiring import Way, Wiring
 
 
 class SchemeBlocks:
-    """The blocks of a scheme; what is numbered follows the order of the file.
+    """The blocks of a scheme; each owns its parameters by its name in the file.
 
     Parameters
     ----------
@@ -44,8 +43,6 @@ class SchemeBlocks:
         Parameter to the signal whose value at the operating point it takes.
     fixed, follows : dict
         Free inputs of the law to their value, or to the signal whose value they take.
-    loops : dict
-        Name to what a loop measures and moves.
     assumed : list of str
     words : list of str
         What each loop does, for the reader.
@@ -68,7 +65,6 @@ class SchemeBlocks:
         self.at_point: dict[str, str] = {}
         self.fixed: dict[str, float] = {}
         self.follows: dict[str, str] = {}
-        self.loops: dict[str, LoopSignals] = {}
         self.assumed: list[str] = []
         self.words: list[str] = []
         self._measured = self._all_measured()
@@ -78,36 +74,33 @@ class SchemeBlocks:
         for selector in parts.selectors:
             name = f"selector {selector.name}"
             self.blocks.append(SelectorBlock(name, self._ports(name), selector.selection))
-        legs = 0
         for split in parts.splits:
-            self._add_split(split, legs)
-            legs += len(split.parts)
+            self._add_split(split)
         for ratio in parts.ratios:
             self._add_ratio(ratio)
-        for target, labels in wiring.feedforward.items():
-            self._add_feedforward(target, labels)
-        for number, name in enumerate(wiring.outputs, start=1):
-            self._add_output(number, parts.process.signal(name))
+        for target, terms in wiring.feedforward.items():
+            self._add_feedforward(target, terms)
+        for name in wiring.outputs:
+            self._add_output(parts.process.signal(name))
 
     @property
     def measurements(self) -> tuple[str, ...]:
-        """The sensors of the scheme: measurement_1, measurement_2, …"""
+        """The sensors of the scheme."""
         return tuple(self._measured)
 
     @property
     def setpoints(self) -> tuple[str, ...]:
-        """The measurements whose setpoints the operator gives: setpoint_1, setpoint_2, …"""
-        return tuple(name for name, value in self._setpoints if value is None)
+        """The measurements whose setpoints the operator gives."""
+        return tuple(name for name in self._setpoints if path(name, "sp") not in self.fixed)
 
     def law(self, name: str) -> StepLaw:
         """Return the step law, named after the controller."""
-        process = self.parts.process
         words = "".join(c if c.isascii() and c.isalnum() else "_" for c in name.lower())
         identifier = "_".join(word for word in words.split("_") if word)[:40].strip("_")
         return structure_law(
             f"scheme_{identifier}" if identifier else "scheme",
             self.blocks,
-            controlled=[process.signal(name) for name, _ in self._setpoints],
+            setpoints=self._setpoints,
             measured=list(self._measured.values()),
         )
 
@@ -117,17 +110,26 @@ class SchemeBlocks:
         found |= {ratio.wild.name: ratio.wild for ratio in parts.ratios}
         return found | {each.signal.name: each.signal for each in parts.feedforwards}
 
-    def _all_setpoints(self) -> list[tuple[str, float | None]]:
-        """Return the setpoints that no loop gives: the operator's first, then the fixed ones."""
-        free = [loop for loop in self.parts.loops if self.wiring.outer(loop) is None]
-        by_operator = dict.fromkeys(loop.measurement.name for loop in free if loop.setpoint is None)
-        fixed = [
-            (loop.measurement.name, loop.setpoint) for loop in free if loop.setpoint is not None
-        ]
-        return [*((name, None) for name in by_operator), *fixed]
+    def _all_setpoints(self) -> dict[str, Signal]:
+        """Return what the setpoints that no loop gives belong to: the operator's come first.
 
-    def _measured_number(self, name: str) -> int:
-        return list(self._measured).index(name) + 1
+        The operator's belongs to the measurement, a fixed one to its loop.
+        """
+        free = [loop for loop in self.parts.loops if self.wiring.outer(loop) is None]
+        found = {loop.measurement.name: loop.measurement for loop in free if loop.setpoint is None}
+        for loop in free:
+            if loop.setpoint is None:
+                continue
+            if loop.name in found:
+                raise self.parts.table.refused(
+                    "loops",
+                    loop.name,
+                    f"another name for a loop with a fixed setpoint: {loop.name} is the setpoint "
+                    "that the operator gives",
+                    f"rename it, for example to {loop.name}_fixed",
+                )
+            found[loop.name] = loop.measurement
+        return found
 
     def _ports(self, target: str) -> tuple[str, ...]:
         """Return the ports whose values lead to a block or an output."""
@@ -147,37 +149,34 @@ class SchemeBlocks:
         way = next(each for each in wiring.ways if each.source == name)
         output = way.target.removeprefix("output ")
         straight = output != way.target and name not in wiring.feedforward
-        setpoint: int | str
+        setpoint = path(loop.measurement if loop.setpoint is None else loop.name, "sp")
+        if loop.setpoint is not None:
+            self.fixed[setpoint] = loop.setpoint
         if outer:
             setpoint = self._port(outer[0])
-            self.follows[f"local_setpoint_{loop.number}"] = loop.measurement.name
-            self.fixed[f"setpoint_source_{loop.number}"] = 1.0
-        else:
-            setpoint = self._setpoints.index((loop.measurement.name, loop.setpoint)) + 1
-            if loop.setpoint is not None:
-                self.fixed[f"setpoint_{setpoint}"] = loop.setpoint
+            self.follows[path(loop.name, "local_setpoint")] = loop.measurement.name
+            self.fixed[path(loop.name, "setpoint_source")] = 1.0
         if loop.form.remote_setpoint:
-            self.follows[f"remote_setpoint_{loop.number}"] = loop.measurement.name
-            self.fixed[f"setpoint_source_{loop.number}"] = 0.0
+            self.follows[path(loop.name, "remote_setpoint")] = loop.measurement.name
+            self.fixed[path(loop.name, "setpoint_source")] = 0.0
         block = PidBlock(
             name,
-            loop.number,
+            loop.name,
             loop.form,
             loop.measurement,
-            self._measured_number(loop.measurement.name),
             moved,
             setpoint,
-            wiring.outputs.index(output) + 1 if straight else None,
+            inner=bool(outer),
+            direct=straight,
         )
         self.blocks.append(block)
-        self.loops[loop.name] = LoopSignals(loop.number, loop.measurement, moved)
         read = PidTable(loop.table, block)
         self.values |= read.values
         self.places |= read.places
         self.assumed += [f"{loop.name}.{each}" for each in read.assumed]
         self.words.append(_words(loop, block, read.values))
 
-    def _add_split(self, split: Split, before: int) -> None:
+    def _add_split(self, split: Split) -> None:
         name = f"split {split.name}"
         legs = []
         for place, part in enumerate(split.parts):
@@ -187,18 +186,18 @@ class SchemeBlocks:
                 value = read_value(part.table, key, moved, "a value", f"give {moved.name} there")
                 check_in_range(part.table, key, moved, value, "a value")
                 ends.append(value)
-            legs.append(Leg(before + place + 1, moved, part.start, part.end, *ends))
+            owner = path(split.name, moved.name)
+            legs.append(Leg(owner, moved, part.start, part.end, *ends))
         self.blocks.append(SplitRangeBlock(name, self._ports(name)[0], tuple(legs)))
 
     def _add_ratio(self, ratio: Ratio) -> None:
         name = f"ratio {ratio.name}"
         moved, sources = self.wiring.moved_by(name), self._ports(name)
-        wild = self._measured_number(ratio.wild.name)
         source = sources[0] if sources else None
-        self.blocks.append(RatioBlock(name, ratio.number, ratio.wild, wild, moved, source))
+        self.blocks.append(RatioBlock(name, ratio.name, ratio.wild, moved, source))
         for key in ("ratio",) if source is None else ("lowest_ratio", "highest_ratio"):
             self._put(
-                f"{key}_{ratio.number}",
+                path(ratio.name, key),
                 read_gain(
                     ratio.table, key, moved, ratio.wild,
                     expected="a ratio", remedy="give what is moved per measurement",
@@ -206,41 +205,33 @@ class SchemeBlocks:
                 ratio.table, key,
             )  # fmt: skip
 
-    def _add_feedforward(self, target: str, labels: list[str]) -> None:
+    def _add_feedforward(self, target: str, added: list[Feedforward]) -> None:
         moved = self.wiring.moved_by(target)
-        terms = [each for each in self.parts.feedforwards if each.label in labels]
-        block = FeedforwardBlock(
-            _with_feedforward(target),
-            target,
-            moved,
-            tuple(
-                FeedforwardTerm(
-                    each.label,
-                    each.signal,
-                    f"measurement_{self._measured_number(each.signal.name)}",
-                    _is_dynamic(each.table),
-                )
-                for each in terms
-            ),
-        )
-        self.blocks.append(block)
-        for each in terms:
+        terms = [
+            FeedforwardTerm(
+                _owner(each), moved, each.signal, measured=True, dynamic=_is_dynamic(each.table)
+            )
+            for each in added
+        ]
+        name = _with_feedforward(target)
+        self.blocks.append(FeedforwardBlock(name, target, moved, tuple(terms)))
+        for each in added:
             self._add_term(each, moved)
 
     def _add_term(self, term: Feedforward, moved: Signal) -> None:
-        table, label = term.table, term.label
+        table, owner = term.table, _owner(term)
         value = read_gain(
             table, "gain", moved, term.signal,
             expected="a gain", remedy=f"give the change of {moved.name} per {term.signal.name}",
         )  # fmt: skip
-        self._put(f"feedforward_gain_{label}", value, table, "gain")
+        self._put(path(owner, "gain"), value, table, "gain")
         if _is_dynamic(table):
             for key in ("lead", "lag"):
                 time = table.quantity(
                     key, "s", "a time", "give both lead and lag, or neither", at_least=0.0
                 )
-                self._put(f"feedforward_{key}_{label}", time, table, key)
-        reference = f"feedforward_reference_{label}"
+                self._put(path(owner, key), time, table, key)
+        reference = path(owner, "reference")
         if table.has("reference"):
             value = read_value(
                 table, "reference", term.signal, "a value", "leave it out for the operating point"
@@ -250,12 +241,10 @@ class SchemeBlocks:
         else:
             self.at_point[reference] = term.signal.name
 
-    def _add_output(self, number: int, signal: Signal) -> None:
+    def _add_output(self, signal: Signal) -> None:
         table = self.parts.outputs.get(signal.name)
         limited = table is not None and table.has("rate_limit")
-        self.blocks.append(
-            OutputBlock(number, signal, self._ports(f"output {signal.name}")[0], limited)
-        )
+        self.blocks.append(OutputBlock(signal, self._ports(f"output {signal.name}")[0], limited))
         if table is None:
             return
         ends = {"low": signal.low, "high": signal.high}
@@ -263,7 +252,7 @@ class SchemeBlocks:
             if table.has(key):
                 ends[key] = read_value(table, key, signal, "a limit", "leave it out for the range")
                 check_in_range(table, key, signal, ends[key], "a limit")
-                self._put(f"{key}_limit_{number}", ends[key], table, key)
+                self._put(path(signal, f"{key}_limit"), ends[key], table, key)
         if not ends["low"] < ends["high"]:
             key, side, other = (
                 ("low", "below", "high") if table.has("low") else ("high", "above", "low")
@@ -277,7 +266,7 @@ class SchemeBlocks:
             )
         if limited:
             rate = read_rate(table, "rate_limit", signal, "a rate of change", "give the fastest")
-            self._put(f"rate_limit_{number}", rate, table, "rate_limit")
+            self._put(path(signal, "rate_limit"), rate, table, "rate_limit")
 
     def _put(self, parameter: str, value: float, table: TableReader, key: str) -> None:
         (signal,) = (each for each in self.blocks[-1].parameters() if each.name == parameter)
@@ -290,17 +279,22 @@ def _with_feedforward(source: str) -> str:
     return f"{source} with feedforward"
 
 
+def _owner(term: Feedforward) -> str:
+    """Return what a term's parameters belong to: its table in the file."""
+    return path("feedforward", term.name)
+
+
 def _is_dynamic(table: TableReader) -> bool:
     return table.has("lead") or table.has("lag")
 
 
 def _words(loop: Loop, block: PidBlock, values: dict[str, float]) -> str:
     """Return what a loop does as a phrase."""
-    number, form, signals = loop.number, loop.form, (block.measurement, block.moved)
+    form, signals = loop.form, (block.measurement, block.moved)
     units = [signal.shown_unit for signal in signals]
     said = []
     for name, (key, time) in zip(("K", "Ki", "Kd"), GAINS.items(), strict=True):
-        value = values.get(f"{key}_{number}")
+        value = values.get(path(loop.name, key))
         if value is None:
             continue
         if all(map(has_range, signals)):
@@ -310,8 +304,8 @@ def _words(loop: Loop, block: PidBlock, values: dict[str, float]) -> str:
             shown /= from_si(1.0, block.measurement.unit, units[0])
             said.append(f"{name} = {shown:.3g} ({units[1]})/({units[0]}){time}")
     for name, key in (("Ti", "integral_time"), ("Td", "derivative_time")):
-        if f"{key}_{number}" in values:
-            said.append(f"{name} = {time_text(values[f'{key}_{number}'])}")
+        if (parameter := path(loop.name, key)) in values:
+            said.append(f"{name} = {time_text(values[parameter])}")
     if loop.setpoint is not None:
         said.append(f"setpoint {in_shown_unit(loop.measurement, loop.setpoint)}")
     return (

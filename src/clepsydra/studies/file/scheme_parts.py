@@ -30,8 +30,6 @@ class Loop:
     ----------
     table : TableReader
     name : str
-    number : int
-        k, from 1.
     form : PidForm
     measurement : Signal
     setpoint : float or None
@@ -46,7 +44,6 @@ class Loop:
 
     table: TableReader
     name: str
-    number: int
     form: PidForm
     measurement: Signal
     setpoint: float | None
@@ -108,7 +105,6 @@ class Ratio:
 
     table: TableReader
     name: str
-    number: int
     wild: Signal
     output: str
 
@@ -124,7 +120,6 @@ class Feedforward:
 
     table: TableReader
     name: str
-    label: str
     signal: Signal
     to: str
 
@@ -163,10 +158,7 @@ def read_parts(table: TableReader, process: Process) -> SchemeParts:
     return SchemeParts(
         table=table,
         process=process,
-        loops=tuple(
-            _loop(row, name, number, process)
-            for number, (name, row) in enumerate(_rows(table, "loops", LOOP_KEYS), start=1)
-        ),
+        loops=tuple(_loop(row, name, process) for name, row in _rows(table, "loops", LOOP_KEYS)),
         selectors=tuple(
             _selector(row, name, process) for name, row in _rows(table, "selectors", SELECTOR_KEYS)
         ),
@@ -174,14 +166,12 @@ def read_parts(table: TableReader, process: Process) -> SchemeParts:
             _split(row, name, process) for name, row in _rows(table, "split_ranges", SPLIT_KEYS)
         ),
         ratios=tuple(
-            Ratio(row, name, number, _measurement(row, process), _output(row, process))
-            for number, (name, row) in enumerate(_rows(table, "ratios", RATIO_KEYS), start=1)
+            Ratio(row, name, _measurement(row, process), _output(row, process))
+            for name, row in _rows(table, "ratios", RATIO_KEYS)
         ),
         feedforwards=tuple(
-            Feedforward(row, name, str(number), _measurement(row, process), _adds_to(row, table))
-            for number, (name, row) in enumerate(
-                _rows(table, "feedforward", FEEDFORWARD_KEYS), start=1
-            )
+            Feedforward(row, name, _measurement(row, process), _adds_to(row, table))
+            for name, row in _rows(table, "feedforward", FEEDFORWARD_KEYS)
         ),
         outputs=_outputs(table, process),
     )
@@ -211,13 +201,12 @@ def table_name(key: str) -> str:
     return f"[controllers.NAME.{key}.NAME]"
 
 
-def _loop(table: TableReader, name: str, number: int, process: Process) -> Loop:
+def _loop(table: TableReader, name: str, process: Process) -> Loop:
     form = read_form(table)
     measurement = _measurement(table, process)
     return Loop(
         table,
         name,
-        number,
         form,
         measurement,
         _setpoint(table, measurement, form),

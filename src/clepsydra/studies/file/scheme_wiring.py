@@ -12,7 +12,14 @@ from clepsydra.process.table_reader import TableReader
 from clepsydra.studies.file.gains import read_gain
 from clepsydra.studies.file.joined_unit import unit_of_gain
 from clepsydra.studies.file.pid_table import check_tracks
-from clepsydra.studies.file.scheme_parts import Loop, Ratio, SchemeParts, Selector, Split
+from clepsydra.studies.file.scheme_parts import (
+    Feedforward,
+    Loop,
+    Ratio,
+    SchemeParts,
+    Selector,
+    Split,
+)
 
 _SETPOINT = ".setpoint"
 
@@ -305,9 +312,9 @@ class Wiring:
                 return found
         return []
 
-    def _feedforward(self) -> dict[str, list[str]]:
-        """Return the labels of the terms that are added to each part."""
-        found: dict[str, list[str]] = {}
+    def _feedforward(self) -> dict[str, list[Feedforward]]:
+        """Return the terms that are added to each part."""
+        found: dict[str, list[Feedforward]] = {}
         names = {
             name.split(" ", 1)[1]: name for name in self._by_name if not name.startswith("split ")
         }
@@ -320,5 +327,5 @@ class Wiring:
                     f"a loop, selector or ratio of this scheme ({', '.join(names)})",
                     suggestion(each.to, names, "choose one of them"),
                 )
-            found.setdefault(names[each.to], []).append(each.label)
+            found.setdefault(names[each.to], []).append(each)
         return found

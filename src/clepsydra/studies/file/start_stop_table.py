@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import check_parameters
+from clepsydra.controllers.signals import owners
 from clepsydra.controllers.start_stop_levels import FAMILY, start_stop_law
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.names_among import names_among
@@ -57,10 +58,9 @@ class StartStop:
         """Return the controller; all pumps stand until the level says otherwise."""
         at = point.as_dict()
         resting = {
-            f"tracking_{i}": self.values[f"stopped_value_{i}"]
-            for i in range(1, len(self.pumps) + 1)
+            path(pump, "tracking"): self.values[path(pump, "stopped_value")] for pump in self.pumps
         }
-        inputs = {"measurement_1": at[self.measurement], **resting}
+        inputs = {path(self.measurement, "pv"): at[self.measurement], **resting}
         return Controller(
             name=self.name,
             family=FAMILY,
@@ -104,7 +104,7 @@ def read_start_stop(table: TableReader, name: str, process: Process) -> StartSto
     ... '''
     >>> table = TableReader(parse(text, "study.toml"), (), START_STOP_KEYS)
     >>> found = read_start_stop(table, "pumps", load_process("wet-well:start-stop"))
-    >>> found.values["start_level_2"], found.values["running_value_1"]
+    >>> found.values["stage.2.start_level"], found.values["duty.running_value"]
     (0.013, 1.0)
     """
     sensors = {signal.name: signal for signal in process.measurements}
@@ -128,20 +128,24 @@ def read_start_stop(table: TableReader, name: str, process: Process) -> StartSto
         remedy=f'write as in pumps = ["{inputs[0]}"]',
         each="the name of a manipulated variable",
     )
-    law = start_stop_law(
-        len(pumps), measured=measured, manipulated=[process.signal(pump) for pump in pumps]
-    )
+    driven = [process.signal(pump) for pump in pumps]
+    law = start_stop_law([measured], driven)
     values = {parameter.name: parameter.initial for parameter in law.parameters}
     places: dict[str, str] = {}
+    written: list[list[float]] = []
     for key, parameter in (("start", "start_level"), ("stop", "stop_level")):
         levels = _one_for_each(table, key, pumps, [measured] * len(pumps))
-        values |= {f"{parameter}_{j}": value for j, value in enumerate(levels, start=1)}
-        places |= {f"{parameter}_{j}": table.place(key) for j in range(1, len(pumps) + 1)}
-    _check_levels(table, values, len(pumps))
+        names = [path(stage, parameter) for stage in owners(law.parameters, parameter)]
+        values |= dict(zip(names, levels, strict=True))
+        places |= dict.fromkeys(names, table.place(key))
+        written.append(levels)
+    _check_levels(table, *written)
     for key in ("running", "stopped"):
         if table.has(key):
-            moved = _one_for_each(table, key, pumps, [process.signal(pump) for pump in pumps])
-            values |= {f"{key}_value_{i}": value for i, value in enumerate(moved, start=1)}
+            moved = _one_for_each(table, key, pumps, driven)
+            values |= {
+                path(pump, f"{key}_value"): value for pump, value in zip(pumps, moved, strict=True)
+            }
     values["alternation"] = float(table.flag("alternation", default=True))
     values["shortest_rest"] = table.quantity(
         "shortest_rest", "s", "a time", "leave it out for none", at_least=0.0, default=0.0
@@ -154,15 +158,13 @@ def read_start_stop(table: TableReader, name: str, process: Process) -> StartSto
     return StartStop(name, law, values, measured.name, pumps)
 
 
-def _check_levels(table: TableReader, values: dict[str, float], pumps: int) -> None:
+def _check_levels(table: TableReader, start: list[float], stop: list[float]) -> None:
     """Refuse what `start_stop_levels.check_levels` does, in the words of the file."""
     starts, stops = table.raw("start"), table.raw("stop")
     assert isinstance(starts, list) and isinstance(stops, list)
-    start = [values[f"start_level_{j}"] for j in range(1, pumps + 1)]
-    stop = [values[f"stop_level_{j}"] for j in range(1, pumps + 1)]
     side = "above" if start[0] >= stop[0] else "below"
     sign = 1.0 if side == "above" else -1.0
-    for j in range(pumps):
+    for j in range(len(start)):
         if not sign * (start[j] - stop[j]) > 0.0:
             raise table.refused(
                 "start",

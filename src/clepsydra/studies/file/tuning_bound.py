@@ -17,20 +17,20 @@ class Bound:
         With a list of two quantities at `key`.
     key : str
         A parameter of the law, a key of a loop, or what a weight is of.
-    loop : str or None
-        The loop, if it is a key of one; of a weight its kind, "inputs".
+    owner : str or None
+        What it belongs to, if that is written before it: a loop; of a weight its kind, "inputs".
 
     Examples
     --------
     >>> from clepsydra.process.document import parse
     >>> text = b'level.gain = ["0.1 %/%", "10 %/%"]'
-    >>> Bound(TableReader(parse(text, "study.toml"), ("level",), None), "gain", "level").loop
+    >>> Bound(TableReader(parse(text, "study.toml"), ("level",), None), "gain", "level").owner
     'level'
     """
 
     table: TableReader
     key: str
-    loop: str | None
+    owner: str | None
 
     def check_order(self, low: float, high: float) -> None:
         """Refuse bounds of which the low one, as it was read, is not below the high one.

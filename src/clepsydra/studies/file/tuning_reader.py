@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator
 
+from clepsydra.base.signal import path
 from clepsydra.base.suggestion import suggestion
 from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.loop.running_averaging import AVERAGING_SCORES
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader, shown_value
 from clepsydra.studies.file.gains import read_value
-from clepsydra.studies.file.law_parameters import LoopSignals
 from clepsydra.studies.file.placed import placed
 from clepsydra.studies.file.tuning_bound import Bound
 from clepsydra.studies.file.tuning_request import TuningRequest
@@ -37,7 +37,6 @@ _NAMES = 'write as in objective = "iae", ["iae[level_1]", "ise[level_2]"] or { i
 def read_tuning(
     table: TableReader,
     process: Process,
-    loops: Mapping[str, LoopSignals] | None = None,
     weighted: WeightedStart | None = None,
 ) -> TuningRequest:
     """Read what a controller is to be tuned for.
@@ -52,8 +51,6 @@ def read_tuning(
     table : TableReader
         With `TUNING_KEYS`.
     process : Process
-    loops : mapping, optional
-        Loops of a control scheme.
     weighted : callable, optional
         What makes the start of a design by weights.
 
@@ -77,7 +74,7 @@ def read_tuning(
     with placed(table):
         objective = _objective(table, process)
         limits = _limits(table, process)
-    return TuningRequest(table, objective, limits, _bounds(table), loops, weighted)
+    return TuningRequest(table, objective, limits, _bounds(table), weighted)
 
 
 def _objective(table: TableReader, process: Process) -> Objective:
@@ -190,18 +187,22 @@ def _bounds(table: TableReader) -> tuple[Bound, ...] | None:
         return None
     remedy = 'write as in level.gain = ["0.1 %/%", "10 %/%"], or leave parameters out'
     rows = table.table("parameters", "parameters with their bounds", remedy)
-    found = []
-    for name in rows.present:
-        if isinstance(rows.raw(name), dict):
-            loop = rows.table(name, "a loop", remedy)
-            found += [Bound(loop, key, name) for key in loop.present]
-        else:
-            found.append(Bound(rows, name, None))
+    found = list(_bounds_below(rows, None, remedy))
     if not found:
         raise table.refused("parameters", "none", "at least one parameter", remedy)
     for bound in found:
-        _check_pair(bound, _WEIGHT_REMEDY if bound.loop in KINDS else remedy)
+        _check_pair(bound, _WEIGHT_REMEDY if bound.owner in KINDS else remedy)
     return tuple(found)
+
+
+def _bounds_below(rows: TableReader, owner: str | None, remedy: str) -> Iterator[Bound]:
+    """Yield the bounds of a table, and of those below it; a weight's name is one key."""
+    for name in rows.present:
+        if isinstance(rows.raw(name), dict) and owner not in KINDS:
+            below = rows.table(name, "a loop", remedy)
+            yield from _bounds_below(below, path(owner, name) if owner else name, remedy)
+        else:
+            yield Bound(rows, name, owner)
 
 
 def _check_pair(bound: Bound, remedy: str) -> None:

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from clepsydra.base.signal import path
 from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
-from clepsydra.designs.applicability import NotApplicable
 from clepsydra.linear.linear_model import LinearModel
-from clepsydra.linear.linearise import operating_point_of
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.table_reader import TableReader, shown_value
-from clepsydra.studies.file.law_parameters import GAINS, LawParameters, LoopSignals, law_parameters
+from clepsydra.studies.file.law_parameters import (
+    GAINS,
+    LawParameters,
+    key_of,
+    law_parameters,
+    new_name,
+    parameter_of,
+)
 from clepsydra.studies.file.law_range import check_law_range, in_written_unit
 from clepsydra.studies.file.placed import placed
 from clepsydra.studies.file.tuning_bound import Bound
@@ -28,14 +34,10 @@ from clepsydra.studies.tuning.lqi_weights import WeightedDesign
 from clepsydra.studies.tuning.objective import Limits, Objective
 from clepsydra.studies.tuning.parameters import ROUNDING, LawSpace, TunedParameter, around
 from clepsydra.studies.tuning.result import TuningResult
-from clepsydra.studies.tuning.search import METHOD, Progress
+from clepsydra.studies.tuning.search import Progress
 from clepsydra.studies.tuning.tune import tune
 from clepsydra.studies.tuning.tuned_lqi import tuned_weights, usual_wear, weight_space
-
-#: How far a parameter may move from where it starts, up and down, where no bounds are given.
-FACTOR = 10.0
-#: What is tuned where nothing is named.
-TUNED = ("proportional_gain_", "integral_time_", "integral_gain_")
+from clepsydra.studies.tuning.tuned_pid import gains_and_times
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +52,6 @@ class TuningRequest:
     limits : Limits
     bounds : tuple of Bound or None
         None where gains and integral times are tuned within a factor of ten, or weights.
-    loops : mapping or None
-        Loops of a control scheme by their names; None of other laws.
     weighted : callable or None
         What makes the start of a design by weights, which are tuned unless `bounds` name
         parameters of the law.
@@ -65,7 +65,6 @@ class TuningRequest:
     objective: Objective
     limits: Limits
     bounds: tuple[Bound, ...] | None
-    loops: Mapping[str, LoopSignals] | None = None
     weighted: WeightedStart | None = None
 
     def check(self, controller: Controller, model: LinearModel) -> None:
@@ -85,8 +84,8 @@ class TuningRequest:
             with placed(self.table, places_of(self.bounds)):
                 weight_space(start, weights)
             return
-        parameters = self.parameters_of(controller, model)
-        with placed(self.table, self._places(controller, model)):
+        parameters = self.parameters_of(controller)
+        with placed(self.table, self._places(controller)):
             LawSpace(controller, parameters)
 
     def run(
@@ -118,8 +117,8 @@ class TuningRequest:
                     progress=progress,
                     state_file=state_file,
                 )
-        parameters = self.parameters_of(controller, model)
-        with placed(self.table, self._places(controller, model)):
+        parameters = self.parameters_of(controller)
+        with placed(self.table, self._places(controller)):
             return tune(
                 controller,
                 model,
@@ -133,21 +132,11 @@ class TuningRequest:
                 state_file=state_file,
             )
 
-    def parameters_of(
-        self, controller: Controller, model: LinearModel
-    ) -> tuple[TunedParameter, ...]:
+    def parameters_of(self, controller: Controller) -> tuple[TunedParameter, ...]:
         """Return what is tuned of a controller, with its bounds in the law's units."""
         if self.bounds is None:
-            names = [
-                name
-                for name, value in controller.values.items()
-                if name.startswith(TUNED) and value != 0.0
-            ]
-            if not names:
-                reason = f"{controller.name} has no gain and no integral time to tune"
-                raise NotApplicable(METHOD, reason)
-            return around(controller, names, FACTOR)
-        parameters = self._law(controller, model)
+            return gains_and_times(controller)
+        parameters = law_parameters(controller.law)
         return tuple(_tuned(bound, controller, parameters) for bound in self.bounds)
 
     def _weighted_start(self, controller: Controller, model: LinearModel) -> WeightedDesign | None:
@@ -156,12 +145,9 @@ class TuningRequest:
             return None
         return self.weighted(controller, model)
 
-    def _law(self, controller: Controller, model: LinearModel) -> LawParameters:
-        return law_parameters(controller, operating_point_of(model).process, self.loops)
-
-    def _places(self, controller: Controller, model: LinearModel) -> dict[str, str]:
+    def _places(self, controller: Controller) -> dict[str, str]:
         """Return where the bounds of each parameter of the law stand."""
-        parameters = self._law(controller, model)
+        parameters = law_parameters(controller.law)
         return {
             _law_name(bound, parameters): bound.table.place(bound.key)
             for bound in self.bounds or ()
@@ -181,7 +167,7 @@ def _tuned(bound: Bound, controller: Controller, parameters: LawParameters) -> T
     low, high = ends
     start = controller.values[name]
     # The gain of a loop is written without its sign, which its action says.
-    unsigned = bound.loop is not None and key in GAINS
+    unsigned = bound.owner in parameters.loops and key in GAINS
     if unsigned and low < 0.0:
         raise table.refused(
             key,
@@ -218,34 +204,25 @@ def _check_start(table: TableReader, key: str, ends: list[float], start: float) 
 
 def _law_name(bound: Bound, parameters: LawParameters) -> str:
     """Return the parameter of the law that a bound is for."""
-    if bound.loop is None:
-        if bound.key in parameters.known:
-            return bound.key
-        known = (*parameters.known, *parameters.loops)
-    elif bound.loop in parameters.loops:
-        loop = parameters.loops[bound.loop]
-        if loop.parameter(bound.key) in parameters.known:
-            return loop.parameter(bound.key)
-        known = tuple(
-            key
-            for name in parameters.known
-            if name.endswith(f"_{loop.number}")
-            for key in [name.removesuffix(f"_{loop.number}").replace("proportional_gain", "gain")]
-        )
-    else:
+    written = bound.key if bound.owner is None else path(bound.owner, bound.key)
+    loop = parameters.loops.get(bound.owner or "")
+    name = written if loop is None else parameter_of(loop, bound.key)
+    if name in parameters.known:
+        return name
+    if loop is not None:
+        known = tuple(key_of(parameter) for parameter in loop.parameters())
+    elif bound.owner is not None and parameters.loops:
         known = tuple(parameters.loops)
         raise bound.table.refused(
-            bound.key,
-            f"{bound.loop}.{bound.key}",
-            f"a loop of this controller ({', '.join(known)})"
-            if known
-            else "a parameter of the "
-            f"law, since it has no loops: one of {', '.join(parameters.known)}",
-            suggestion(bound.loop, known, "choose one of them"),
-        )
+            bound.key, written, f"a loop of this controller ({', '.join(known)})",
+            suggestion(bound.owner, known, "choose one of them"),
+        )  # fmt: skip
+    else:
+        known = (*parameters.known, *parameters.loops)
+    now = new_name(bound.key, parameters.known)
     raise bound.table.refused(
         bound.key,
-        bound.key,
+        bound.key if loop is not None else written,
         f"a parameter that can be tuned: {', '.join(known)}",
-        suggestion(bound.key, known, "choose one of them"),
+        f"write {now}" if now else suggestion(bound.key, known, "choose one of them"),
     )

@@ -30,8 +30,8 @@ def of_weights(bounds: Sequence[Bound]) -> bool:
     >>> of_weights([])
     False
     """
-    weighed = [bound for bound in bounds if bound.loop in KINDS]
-    others = [bound for bound in bounds if bound.loop not in KINDS]
+    weighed = [bound for bound in bounds if bound.owner in KINDS]
+    others = [bound for bound in bounds if bound.owner not in KINDS]
     if weighed and others:
         raise others[0].table.refused(
             others[0].key,
@@ -71,11 +71,11 @@ def places_of(bounds: Sequence[Bound] | None) -> dict[str, str]:
     >>> places_of(None)
     {}
     """
-    return {f"{bound.loop}.{bound.key}": bound.table.place(bound.key) for bound in bounds or ()}
+    return {f"{bound.owner}.{bound.key}": bound.table.place(bound.key) for bound in bounds or ()}
 
 
 def _weight(bound: Bound, known: dict[str, float]) -> TunedParameter:
-    table, key, name = bound.table, bound.key, f"{bound.loop}.{bound.key}"
+    table, key, name = bound.table, bound.key, f"{bound.owner}.{bound.key}"
     if name not in known:
         raise table.refused(
             key,

@@ -79,7 +79,8 @@ class BatchEvaluation:
     >>> setpoints = np.repeat(at_rest, 200, axis=0) + [0.1, 0.0]
     >>> step = Scenario(1.0, setpoints, np.zeros((200, 2)), np.zeros((200, 4)), (), 1)
     >>> batch = BatchEvaluation(controller, plant.linear, [step], ["iae[level_1]"])
-    >>> batch.run({"proportional_gain_1": np.array([3.0, 6.0])}).scores["iae[level_1]"].round(2)
+    >>> gains = {"level_1.proportional_gain": np.array([3.0, 6.0])}
+    >>> batch.run(gains).scores["iae[level_1]"].round(2)
     array([0.74, 0.39])
     """
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
 from clepsydra.designs.designed_values import applicable_values
 from clepsydra.designs.states.linear_quadratic import LqiGains, lqi_gains_by_weights
@@ -67,7 +68,8 @@ class LqiWeights:
     >>> list(weights.numbers)
     ['states.tank_3.level', 'inputs.feed', 'integrals.level_3']
     >>> found, own = weights.values(weights.numbers), start.controller.values
-    >>> round(found["feedback_1_1"] / own["feedback_1_1"], 5)  # it runs with six digits
+    >>> name = "feed.feedback.level_3"
+    >>> round(found[name] / own[name], 5)  # it runs with six digits
     1.0
     """
 
@@ -115,20 +117,24 @@ class LqiWeights:
         )
         # The law sees measurements: F x = (F M⁻¹) y where y = M x.
         feedback = np.linalg.solve(self._shown.T, gains.feedback.T).T
+        controller = start.controller
+        moved, own = controller.manipulated, controller.values
         found = {
-            f"{name}_{i}_{j}": float(value)
-            for name, matrix in (("feedback", feedback), ("integral_gain", gains.integral))
-            for i, row in enumerate(matrix, start=1)
-            for j, value in enumerate(row, start=1)
+            path(path(u, part), y): float(value)
+            for part, matrix, columns in (
+                ("feedback", feedback, controller.measurements),
+                ("integral_gain", gains.integral, controller.setpoints),
+            )
+            for u, row in zip(moved, matrix, strict=True)
+            for y, value in zip(columns, row, strict=True)
         }
-        own = start.controller.values
         times = start.tracking_times(feedback, gains)
         found |= {
             name: time
-            for i, time in enumerate(times, start=1)
-            if (name := f"tracking_time_{i}") in own
+            for u, time in zip(moved, times, strict=True)
+            if (name := path(u, "tracking_time")) in own
         }
-        applicable_values(start.controller.law, {**own, **found}, start.controller.name)
+        applicable_values(controller.law, {**own, **found}, controller.name)
         return found
 
     def words(self, process: Process) -> WeightWords:

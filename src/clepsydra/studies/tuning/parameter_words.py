@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
@@ -32,36 +32,35 @@ class ParameterWords:
     >>> from clepsydra.process.reader import load_process
     >>> process = load_process("wet-well")
     >>> words = ParameterWords(design_simc(analyse(process).model), process)
-    >>> words.name("proportional_gain_1"), words.value("proportional_gain_1", -125.0)
+    >>> words.name("level.proportional_gain"), words.value("level.proportional_gain", -125.0)
     ('level.gain', '2 %/%')
     """
 
     def __init__(self, controller: Controller, process: Process) -> None:
         self._parameters = {parameter.name: parameter for parameter in controller.law.parameters}
         self._loops = {
-            block.number: block for block in controller.law.blocks if isinstance(block, PidBlock)
+            parameter.name: block
+            for block in controller.law.blocks
+            if isinstance(block, PidBlock)
+            for parameter in block.parameters()
         }
-        self._controller, self._process = controller, process
 
     def name(self, parameter: str) -> str:
         """Return "level.gain" of a loop, as in a study file, or the law's own name."""
-        stem, block = self._of_loop(parameter)
-        if block is None:
+        if parameter not in self._loops:
             return parameter
-        # The loops that a design makes are numbered, and called by what they measure.
-        loop = block.name.removeprefix("loop ")
-        loop = self._measured(block).name if loop == str(block.number) else loop
-        return f"{loop}.{_NAMES.get(stem, stem)}"
+        signal = self._parameters[parameter]
+        return path(signal.owner, _NAMES.get(signal.part, signal.part))
 
     def value(self, parameter: str, value: float) -> str:
         """Return a value [the law's unit]; of a loop's gain without the sign of its action."""
-        stem, block = self._of_loop(parameter)
         signal = self._parameters[parameter]
-        if block is not None and stem in GAINS:
-            measured, moved = self._measured(block), self._moved(block)
+        if self._is_gain(parameter):
+            block = self._loops[parameter]
+            measured, moved = block.measurement, block.moved
             if has_range(measured) and has_range(moved):
                 shown = percent_gain(abs(value), measured, moved)
-                return f"{shown:.4g} %/%{GAINS[stem]}"
+                return f"{shown:.4g} %/%{GAINS[signal.part]}"
             return _quantity(signal, abs(value))
         if signal.unit == "s":
             return time_text(value)
@@ -69,24 +68,10 @@ class ParameterWords:
 
     def turns(self, parameter: str, value: float) -> bool:
         """Return whether `value` leaves a negative sign out, and larger is smaller."""
-        stem, block = self._of_loop(parameter)
-        return block is not None and stem in GAINS and value < 0.0
+        return self._is_gain(parameter) and value < 0.0
 
-    def _of_loop(self, parameter: str) -> tuple[str, PidBlock | None]:
-        """Return a parameter without its number, and the loop that it is of."""
-        stem, _, number = parameter.rpartition("_")
-        block = self._loops.get(int(number)) if number.isdecimal() else None
-        if block is None or parameter not in {each.name for each in block.parameters()}:
-            return parameter, None
-        return stem, block
-
-    def _measured(self, block: PidBlock) -> Signal:
-        return self._process.signal(self._controller.measurements[block.measured - 1])
-
-    def _moved(self, block: PidBlock) -> Signal:
-        if block.direct is None:
-            return block.moved
-        return self._process.signal(self._controller.manipulated[block.direct - 1])
+    def _is_gain(self, parameter: str) -> bool:
+        return parameter in self._loops and self._parameters[parameter].part in GAINS
 
 
 def limit_words(name: str, limit: float, process: Process) -> str:

@@ -27,7 +27,7 @@ class TunedParameter:
     Parameters
     ----------
     name : str
-        "proportional_gain_1"
+        "level_1.proportional_gain"
     low, high : float
         Bounds, in the law's unit.
     logarithmic : bool
@@ -44,10 +44,10 @@ class TunedParameter:
 
     Examples
     --------
-    >>> TunedParameter("integral_time_1", 400.0, 4.0)
+    >>> TunedParameter("tracking_time", 400.0, 4.0)
     Traceback (most recent call last):
         ...
-    clepsydra.base.errors.InputError: tuning, integral_time_1: got 'bounds 400 to 4', expected \
+    clepsydra.base.errors.InputError: tuning, tracking_time: got 'bounds 400 to 4', expected \
 a low bound below the high bound; exchange or widen them.
     """
 
@@ -79,7 +79,7 @@ a low bound below the high bound; exchange or widen them.
 
         Examples
         --------
-        >>> TunedParameter("integral_time_1", 4.0, 400.0).value(np.array([0.0, 0.5, 1.0])).round(9)
+        >>> TunedParameter("tracking_time", 4.0, 400.0).value(np.array([0.0, 0.5, 1.0])).round(9)
         array([  4.,  40., 400.])
         """
         share = np.asarray(share, dtype=float)
@@ -120,9 +120,9 @@ class LawSpace:
     --------
     >>> import clepsydra as cl
     >>> controller = cl.design.simc(cl.load("quadruple-tank"))
-    >>> space = LawSpace(controller, (TunedParameter("proportional_gain_1", 0.3, 30.0),))
-    >>> space.start.round(6), space.values_at(np.array([0.25]))["proportional_gain_1"].round(6)
-    (array([0.5]), array([0.948683]))
+    >>> space = LawSpace(controller, (TunedParameter("level_1.proportional_gain", 0.3, 30.0),))
+    >>> space.start.round(6), space.values_at(np.array([0.25]))
+    (array([0.5]), {'level_1.proportional_gain': array([0.9486833])})
     """
 
     controller: Controller
@@ -251,7 +251,7 @@ def check_start(parameter: TunedParameter, start: float) -> None:
 
     Examples
     --------
-    >>> check_start(TunedParameter("integral_time_1", 4.0, 400.0), 40.0)
+    >>> check_start(TunedParameter("level_1.integral_time", 4.0, 400.0), 40.0)
     """
     if not -ROUNDING <= parameter.share(start) <= 1.0 + ROUNDING:
         raise InputError(
@@ -286,14 +286,14 @@ def around(
     --------
     >>> import clepsydra as cl
     >>> controller = cl.design.simc(cl.load("quadruple-tank"))
-    >>> (time,) = around(controller, ["integral_time_1"])
+    >>> (time,) = around(controller, ["level_1.integral_time"])
     >>> round(time.low, 3), round(time.high, 1), time.followers
-    (3.203, 320.3, ('tracking_time_1',))
+    (3.203, 320.3, ('level_1.tracking_time',))
     """
     require_type(controller, Controller, "controller", "a Controller", "design one, or make one")
     names = sequence_of(
         names, str, "tuning, parameters", "a list of names of parameters",
-        f'write as in ["{next(iter(controller.values), "proportional_gain_1")}"]',
+        f'write as in ["{next(iter(controller.values), "level_1.proportional_gain")}"]',
     )  # fmt: skip
     if not is_finite_number(factor) or not factor > 1.0:
         raise InputError("tuning, factor", factor, "a number above 1", "10 is customary")

@@ -46,8 +46,8 @@ def resting_states(loop: Loop, values: Mapping[str, np.ndarray]) -> dict[str, np
     >>> import clepsydra as cl
     >>> plant = cl.load("quadruple-tank")
     >>> loop = Loop(cl.design.simc(plant), plant.linear)
-    >>> states = resting_states(loop, {"setpoint_weight_1": np.array([1.0, 0.5])})
-    >>> (states["integral_1"] - 3.0).round(3)
+    >>> states = resting_states(loop, {"level_1.setpoint_weight": np.array([1.0, 0.5])})
+    >>> (states["level_1.integral"] - 3.0).round(3)
     array([0.   , 9.197])
     """
     controller = loop.controller
@@ -83,9 +83,9 @@ def rested_elsewhere(own: Loop, other: Loop) -> dict[str, float]:
     >>> from dataclasses import replace
     >>> plant = cl.load("quadruple-tank")
     >>> controller = cl.design.simc(plant)
-    >>> halved = replace(controller, values={**controller.values, "setpoint_weight_1": 0.5})
+    >>> halved = replace(controller, values={**controller.values, "level_1.setpoint_weight": 0.5})
     >>> state = rested_elsewhere(Loop(controller, plant.linear), Loop(halved, plant.linear))
-    >>> round(state["integral_1"] - 3.0, 3)
+    >>> round(state["level_1.integral"] - 3.0, 3)
     9.197
     """
     before, after = (

@@ -82,7 +82,7 @@ def tune(
     >>> plant = cl.load("quadruple-tank-nonminimum-phase")
     >>> start = cl.design.simc(plant)
     >>> found = tune(start, plant.linear, default_scenario(plant.linear),
-    ...              around(start, ["proportional_gain_1", "integral_time_1"], 3.0),
+    ...              around(start, ["level_1.proportional_gain", "level_1.integral_time"], 3.0),
     ...              minimax("iae[level_1]", "iae[level_2]"), limits=Limits(2.0), generations=1)
     >>> found.objective < 1.0, found.maximum_sensitivity < 2.00001
     (True, True)

@@ -12,14 +12,14 @@ from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.scenario import Scenario
 from clepsydra.studies.tuning.objective import Limits, Objective, minimax
-from clepsydra.studies.tuning.parameters import around
+from clepsydra.studies.tuning.parameters import TunedParameter, around
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.tuning.search import GENERATIONS, METHOD, Progress
 from clepsydra.studies.tuning.tune import tune
 
-#: How far gains and integral times may move from the rule's, up and down.
+#: How far gains and integral times may move from where they start, up and down.
 _FACTOR = 10.0
-_TUNED = ("proportional_gain_", "integral_time_", "integral_gain_")
+_TUNED = ("proportional_gain", "integral_time", "integral_gain")
 
 
 def tuned_pid(
@@ -68,20 +68,13 @@ def tuned_pid(
     (True, True)
     """
     require_type(controller, Controller, "controller", "a Controller", "design one, or make one")
-    names = [
-        name
-        for name, value in controller.values.items()
-        if name.startswith(_TUNED) and value != 0.0
-    ]
-    if not names:
-        raise NotApplicable(METHOD, f"{controller.name} has no gain and no integral time to tune")
     if objective is None:
         objective = minimax(*(f"iae[{name}]" for name in dict.fromkeys(controller.setpoints)))
     return tune(
         controller,
         model,
         scenario,
-        around(controller, names, _FACTOR),
+        gains_and_times(controller),
         objective,
         limits=Limits(SENSITIVITY_LIMIT) if limits is None else limits,
         generations=generations,
@@ -90,3 +83,27 @@ def tuned_pid(
         progress=progress,
         state_file=state_file,
     )
+
+
+def gains_and_times(controller: Controller) -> tuple[TunedParameter, ...]:
+    """Return gains and integral times of a law, each within a factor of ten.
+
+    Raises
+    ------
+    NotApplicable
+        It has neither.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> [p.name for p in gains_and_times(cl.design.simc(cl.load("three-tanks")))]
+    ['level_3.proportional_gain', 'level_3.integral_time']
+    """
+    names = [
+        parameter.name
+        for parameter in controller.law.parameters
+        if parameter.part in _TUNED and controller.values[parameter.name] != 0.0
+    ]
+    if not names:
+        raise NotApplicable(METHOD, f"{controller.name} has no gain and no integral time to tune")
+    return around(controller, names, _FACTOR)

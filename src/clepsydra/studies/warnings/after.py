@@ -30,9 +30,9 @@ def run_warnings(run: Run) -> tuple[str, ...]:
     >>> from clepsydra.process.reader import load_process
     >>> analysis = analyse(load_process("quadruple-tank"))
     >>> designed = design_simc(analysis.model, analysis.pairing)
-    >>> for gain in (designed.values["proportional_gain_1"], 50.0):
+    >>> for gain in (designed.values["level_1.proportional_gain"], 50.0):
     ...     controller = replace(
-    ...         designed, values=designed.values | {"proportional_gain_1": gain})
+    ...         designed, values=designed.values | {"level_1.proportional_gain": gain})
     ...     run = Loop(controller, analysis.model).run(default_scenario(analysis.model))
     ...     words = run_warnings(run)
     ...     print(len(words), *words)

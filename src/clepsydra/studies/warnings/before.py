@@ -64,7 +64,7 @@ def warnings_before(
     >>> scenario = default_scenario(analysis.model)
     >>> warnings_before(analysis, analysis.model, controller, scenario)
     ()
-    >>> wrong = replace(controller, values=controller.values | {"proportional_gain_1": -3.0})
+    >>> wrong = replace(controller, values=controller.values | {"level_1.proportional_gain": -3.0})
     >>> print(warnings_before(analysis, analysis.model, wrong, scenario)[0].partition(":")[0])
     The closed loop of level_1 and level_2 is unstable by its linear model
     """

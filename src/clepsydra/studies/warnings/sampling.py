@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 
+from clepsydra.base.signal import path
 from clepsydra.base.words import listed, time_text
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.signals import owners
 from clepsydra.studies.warnings.loop_response import LoopResponse
 
 #: ωc T from which on the sampling is too slow [rad].
@@ -64,13 +66,13 @@ def _crossover(response: LoopResponse) -> list[str]:
 
 def _derivative(controller: Controller, period: float) -> list[str]:
     values, times = controller.values, {}
-    for name, value in values.items():
-        number = name.rpartition("_")[2]
-        if name.startswith("filter_time_") and values.get(f"derivative_gain_{number}", 0.0):
-            times[number] = value
-        elif name.startswith("derivative_time_") and value > 0.0:
-            times[number] = value / values[f"derivative_filter_{number}"]
-    short = {number: time for number, time in times.items() if time < period}
+    for loop in owners(controller.law.parameters, "filter_time"):
+        if values.get(path(loop, "derivative_gain"), 0.0):
+            times[loop] = values[path(loop, "filter_time")]
+    for loop in owners(controller.law.parameters, "derivative_time"):
+        if (time := values[path(loop, "derivative_time")]) > 0.0:
+            times[loop] = time / values[path(loop, "derivative_filter")]
+    short = {loop: time for loop, time in times.items() if time < period}
     if not short:
         return []
     loops = "loop" if len(short) == 1 else "loops"

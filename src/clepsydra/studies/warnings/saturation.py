@@ -103,13 +103,11 @@ def saturation_warnings(run: Run) -> list[str]:
 
 
 def _wound_up(run: Run, shares: dict[str, float]) -> list[str]:
-    wound = winds_up(run.controller, run.process)
-    names = [run.controller.manipulated[number - 1] for number in wound]
     return [
         f"{name} winds up: its integral has no anti-windup and went on while it stood at a limit, "
         f"for {100 * shares[name]:.2g} % of the time; choose conditional integration or "
         "back-calculation."
-        for name in names
+        for name in winds_up(run.controller, run.process)
         if shares[name] > 0.0
     ]
 

@@ -9,11 +9,11 @@ from itertools import product
 
 import numpy as np
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import to_si
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_parameters import GAINS
-from clepsydra.controllers.signals import LARGEST_PARAMETER, ratio_of_units
+from clepsydra.controllers.signals import LARGEST_PARAMETER, owners, ratio_of_units
 from clepsydra.designs.loops.control_authority import largest_proportional_gain
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
@@ -85,8 +85,7 @@ def unit_warnings(controller: Controller, model: LinearModel, response: LoopResp
             right_way = all((factor > 1.0) == upward for factor in factors.values())
             if right_way and loops.is_good(factors):
                 return [
-                    loops.warning(units, number, factor, upward)
-                    for number, factor in factors.items()
+                    loops.warning(units, loop, factor, upward) for loop, factor in factors.items()
                 ]
     return []
 
@@ -98,15 +97,17 @@ class _Loops:
         self.controller, self.model = controller, model
         point = operating_point_of(model)
         at = point.as_dict()
+        names = owners(controller.law.inputs, "pv")
+        signal = point.process.signal
         self.pairs = {
-            number: (point.process.signal(measurement), point.process.signal(manipulated))
-            for number, (measurement, manipulated) in enumerate(
-                zip(controller.measurements, controller.manipulated, strict=True), start=1
+            loop: (signal(measurement), signal(manipulated))
+            for loop, measurement, manipulated in zip(
+                names, controller.measurements, controller.manipulated, strict=True
             )
         }
         self.largest = {
-            number: largest_proportional_gain(measurement, manipulated, at[manipulated.name])
-            for number, (measurement, manipulated) in self.pairs.items()
+            loop: largest_proportional_gain(measurement, manipulated, at[manipulated.name])
+            for loop, (measurement, manipulated) in self.pairs.items()
         }
         seen = model.select(tuple(dict.fromkeys(controller.setpoints)), controller.manipulated)
         roots = roots_of(seen)
@@ -115,17 +116,17 @@ class _Loops:
         decaying = roots.poles[roots.poles.real < -radius]
         self.time_constants = float(np.sum((-1.0 / decaying).real))
 
-    def too_large(self, controller: Controller) -> list[int]:
+    def too_large(self, controller: Controller) -> list[str]:
         return [
-            number
-            for number, largest in self.largest.items()
-            if abs(controller.values[f"proportional_gain_{number}"]) > _TOO_LARGE * largest
+            loop
+            for loop, largest in self.largest.items()
+            if abs(controller.values[path(loop, "proportional_gain")]) > _TOO_LARGE * largest
         ]
 
-    def too_weak(self, controller: Controller, response: LoopResponse) -> list[int]:
+    def too_weak(self, controller: Controller, response: LoopResponse) -> list[str]:
         found = []
-        for number, (measurement, manipulated) in self.pairs.items():
-            gain = abs(controller.values[f"proportional_gain_{number}"])
+        for loop, (measurement, manipulated) in self.pairs.items():
+            gain = abs(controller.values[path(loop, "proportional_gain")])
             crossovers = response.channels[measurement.name].crossovers
             fastest = float(crossovers.max(initial=0.0))
             if self.integrates:
@@ -133,32 +134,32 @@ class _Loops:
             else:
                 weak = fastest * self.time_constants < _TOO_SLOW
             if weak and gain > 0.0:
-                found.append(number)
+                found.append(loop)
         return found
 
     def is_calm(self, response: LoopResponse) -> bool:
         return response.loop.maximum_sensitivity <= LARGEST_PEAK
 
-    def conversions(self, numbers: list[int]) -> Iterator[tuple[Units, dict[int, float]]]:
+    def conversions(self, loops: list[str]) -> Iterator[tuple[Units, dict[str, float]]]:
         """Yield the units that gains may be in, and the factor of each loop to those of the law.
 
         All suspected loops were given in the same way, or one of them by itself.
         """
-        groups = [numbers, *([number] for number in numbers)] if len(numbers) > 1 else [numbers]
-        for group in groups if numbers else []:
+        groups = [loops, *([loop] for loop in loops)] if len(loops) > 1 else [loops]
+        for group in groups if loops else []:
             for units in product(_UNITS, _UNITS):
-                factors = {number: self.factor(number, units) for number in group}
+                factors = {loop: self.factor(loop, units) for loop in group}
                 if all(abs(math.log(f)) >= math.log(_LEAST_FACTOR) for f in factors.values()):
                     yield units, factors
 
-    def factor(self, number: int, units: Units) -> float:
-        measurement, manipulated = self.pairs[number]
+    def factor(self, loop: str, units: Units) -> float:
+        measurement, manipulated = self.pairs[loop]
         return _size(manipulated, units[0]) / _size(measurement, units[1])
 
-    def is_good(self, factors: dict[int, float]) -> bool:
+    def is_good(self, factors: dict[str, float]) -> bool:
         values = dict(self.controller.values)
-        for number, factor in factors.items():
-            for name in (f"{gain}_{number}" for gain in GAINS):
+        for loop, factor in factors.items():
+            for name in (path(loop, gain) for gain in GAINS):
                 if name in values:
                     values[name] *= factor
                     if abs(values[name]) > LARGEST_PARAMETER:
@@ -175,9 +176,9 @@ class _Loops:
             and not set(factors) & {*self.too_large(changed), *self.too_weak(changed, response)}
         )
 
-    def warning(self, units: Units, number: int, factor: float, upward: bool) -> str:
-        measurement, manipulated = self.pairs[number]
-        name = f"proportional_gain_{number}"
+    def warning(self, units: Units, loop: str, factor: float, upward: bool) -> str:
+        measurement, manipulated = self.pairs[loop]
+        name = path(loop, "proportional_gain")
         gain = self.controller.values[name]
         unit = ratio_of_units(manipulated.unit, measurement.unit)
         unit = "" if unit == "1" else f" {unit}"

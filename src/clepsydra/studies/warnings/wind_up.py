@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.signals import owners
+from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario
 from clepsydra.process.process import Process
+from clepsydra.program.entries import signal_of
+from clepsydra.program.step_law import StepLaw
 from clepsydra.studies.warnings.loop_response import LoopResponse
 from clepsydra.studies.warnings.words import shown
 
@@ -24,12 +28,12 @@ _LONG = 3.0
 _BEYOND = 1e-3
 
 
-def winds_up(controller: Controller, process: Process) -> tuple[int, ...]:
+def winds_up(controller: Controller, process: Process) -> tuple[str, ...]:
     """Return the outputs whose integral goes on for ever while the output stands at its limit.
 
-    Nothing is taken from names: the step law itself runs for four samples with its measurements
-    a thousand ranges away from their setpoints, and what its states of the name "integral" gain
-    in the third and in the fourth sample is compared. Under conditional integration and
+    The step law itself runs for four samples with its measurements a thousand ranges away from
+    their setpoints, and what its integrals gain in the third and in the fourth sample is
+    compared. Under conditional integration and
     clamping that is nothing, and back-calculation makes it less from sample to sample.
 
     Parameters
@@ -40,8 +44,8 @@ def winds_up(controller: Controller, process: Process) -> tuple[int, ...]:
 
     Returns
     -------
-    tuple of int
-        i of manipulated_i.
+    tuple of str
+        In the order of the law.
 
     Examples
     --------
@@ -51,12 +55,12 @@ def winds_up(controller: Controller, process: Process) -> tuple[int, ...]:
     >>> winds_up(controller, plant.process)
     ()
     """
-    found: set[int] = set()
+    found: set[str] = set()
     if not all(isinstance(entry, Signal) for entry in controller.law.state):
         return ()
     for direction in (-_FAR, _FAR):
         found |= _winding(controller, process, direction)
-    return tuple(sorted(found))
+    return tuple(name for name in controller.manipulated if name in found)
 
 
 def wind_up_warnings(
@@ -94,19 +98,17 @@ def wind_up_warnings(
     ]
 
 
-def _winding(controller: Controller, process: Process, direction: float) -> set[int]:
+def _winding(controller: Controller, process: Process, direction: float) -> set[str]:
     law = controller.law
     given = controller.free_inputs | {"time_step": process.sampling_period}
-    for number, name in enumerate(controller.setpoints, start=1):
-        given[f"setpoint_{number}"] = _middle(process.signal(name))
-    for number, name in enumerate(controller.measurements, start=1):
-        signal = process.signal(name)
-        given[f"measurement_{number}"] = _middle(signal) + direction * _span(signal)
-        given[f"sensor_{number}"] = 1.0
-    for number, name in enumerate(controller.manipulated, start=1):
-        middle = _middle(process.signal(name))
-        given |= {f"mode_{number}": float(Mode.AUTOMATIC), f"manual_{number}": middle}
-        given[f"tracking_{number}"] = middle
+    at = {path(name, "setpoint"): _middle(process.signal(name)) for name in controller.setpoints}
+    for signal in map(process.signal, controller.measurements):
+        at[signal.name] = _middle(signal) + direction * _span(signal)
+        at[path(signal, "sensor")] = 1.0
+    for signal in map(process.signal, controller.manipulated):
+        at |= {path(signal, what): _middle(signal) for what in ("manual", "tracking")}
+        at[path(signal, "mode")] = float(Mode.AUTOMATIC)
+    given |= {name: at[wire] for name, wire in controller.input_wires.items() if wire in at}
     inputs = [given.get(signal.name, signal.initial) for signal in law.inputs]
     parameters = [controller.values[parameter.name] for parameter in law.parameters]
     state = np.array([controller.initial_state[entry.name] for entry in law.state])
@@ -118,17 +120,27 @@ def _winding(controller: Controller, process: Process, direction: float) -> set[
     ends = dict(zip([s.name for s in law.outputs], np.array(outputs).ravel(), strict=True))
     gains = np.diff(rows, axis=0)[1:]
     largest = np.max(np.abs(rows), axis=0)
-    found = set()
-    for place, entry in enumerate(law.state):
-        if not entry.name.startswith("integral_"):
+    found, moved = set(), _moved(law)
+    wired = dict(zip(owners(law.outputs, "out"), controller.manipulated, strict=True))
+    for place, entry in enumerate(map(signal_of, law.state)):
+        output = moved.get(entry.owner)
+        if entry.part != "integral" or output not in wired:
             continue
-        output = entry.name.rpartition("_")[2]
-        limits = (controller.values.get(f"{end}_limit_{output}") for end in ("low", "high"))
+        limits = (controller.values.get(path(output, f"{end}_limit")) for end in ("low", "high"))
         third, fourth = np.abs(gains[:, place])
         goes_on = third > _STILL * largest[place] and fourth >= third * (1.0 - _STILL)
-        if goes_on and ends.get(f"manipulated_{output}", np.nan) in limits:
-            found.add(int(output))
+        if goes_on and ends[path(output, "out")] in limits:
+            found.add(wired[output])
     return found
+
+
+def _moved(law: StepLaw) -> dict[str, str]:
+    """Return the output that an integral moves, by what the integral belongs to."""
+    outputs = owners(law.outputs, "out")
+    # What has loops without blocks has one from each measurement to an output.
+    found = dict(zip(owners(law.inputs, "pv"), outputs, strict=False)) if not law.blocks else {}
+    loops = (block for block in law.blocks if isinstance(block, PidBlock))
+    return found | {output: output for output in outputs} | {b.owner: b.moved.name for b in loops}
 
 
 def _without(
@@ -140,14 +152,14 @@ def _without(
     if response is None:
         return []
     process, at, words = point.process, point.as_dict(), []
-    for number in winds_up(controller, process):
-        name = controller.manipulated[number - 1]
+    for name in winds_up(controller, process):
+        row = controller.manipulated.index(name)
         signal = process.signal(name)
         for segment in scenario.segments:
             if segment.kind != "setpoint" or segment.signal not in controller.setpoints:
                 continue
             column = controller.setpoints.index(segment.signal)
-            kick = float(response.law.D_setpoint[number - 1, column]) * segment.size
+            kick = float(response.law.D_setpoint[row, column]) * segment.size
             asked = at[name] + kick
             beyond = max(asked - signal.high, signal.low - asked)
             if beyond > _BEYOND * _span(signal):
@@ -163,16 +175,14 @@ def _without(
 
 
 def _slow_tracking(controller: Controller) -> list[str]:
-    values, words = controller.values, []
-    for name, tracking in values.items():
-        if not name.startswith("tracking_time_"):
-            continue
-        number = name.removeprefix("tracking_time_")
-        integral = values.get(f"integral_time_{number}")
-        if integral is not None and tracking > _LONG * integral:
-            output = controller.manipulated[int(number) - 1]
+    values, words, moved = controller.values, [], _moved(controller.law)
+    for owner in owners(controller.law.parameters, "tracking_time"):
+        tracking, integral = (
+            values.get(path(owner, f"{what}_time")) for what in ("tracking", "integral")
+        )
+        if tracking is not None and integral is not None and tracking > _LONG * integral:
             words.append(
-                f"{output} comes out of saturation slowly: its tracking time of "
+                f"{moved[owner]} comes out of saturation slowly: its tracking time of "
                 f"{time_text(tracking)} is {tracking / integral:.1f} times its integral time of "
                 f"{time_text(integral)}; make it at most as long."
             )
