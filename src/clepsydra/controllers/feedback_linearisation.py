@@ -317,7 +317,7 @@ def smallest_effect(virtual: VirtualInput) -> Signal:
     moved, measured = virtual.moved, virtual.measurement
     return signals.gain(
         path(measured, "smallest_effect"),
-        signals.ratio_of_units(virtual.unit, moved.unit),
+        signals.per(virtual.quantity, moved),
         1.0,
         f"smallest effect of {moved.name} on {measured.name} that is divided by",
     )

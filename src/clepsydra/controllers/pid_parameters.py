@@ -36,31 +36,16 @@ def pid_parameters(form: PidForm, measurement: Signal, moved: Signal) -> list[Si
     ['proportional_gain', 'integral_time', 'setpoint_weight']
     """
     way = f"from {measurement.name} to {moved.name}"
-    ratio = signals.ratio_of_units
-    found = [
-        signals.gain(
-            "proportional_gain",
-            ratio(moved.unit, measurement.unit),
-            1.0,
-            f"proportional gain {way}",
-        )
-    ]
+    ratio = signals.per(moved, measurement)
+    found = [signals.gain("proportional_gain", ratio, 1.0, f"proportional gain {way}")]
     if form.algorithm == "parallel":
         found += _parallel(form, measurement, moved, way)
     else:
         found += _times(form)
     found += _shape(form, measurement)
     if form.setpoint_ramp:
-        found.append(
-            Signal(
-                "setpoint_ramp",
-                ratio(measurement.unit, "s"),
-                low=0.0,
-                high=signals.LARGEST_PARAMETER,
-                initial=signals.LARGEST_PARAMETER,
-                description=f"largest rate of change of the setpoint of {measurement.name}",
-            )
-        )
+        words = f"largest rate of change of the setpoint of {measurement.name}"
+        found.append(signals.largest_rate("setpoint_ramp", measurement, words))
     if form.tracks_back:
         found.append(signals.TRACKING_TIME)
     return found
@@ -117,13 +102,15 @@ def _times(form: PidForm) -> list[Signal]:
 def _parallel(form: PidForm, measurement: Signal, moved: Signal, way: str) -> list[Signal]:
     found = []
     if form.has_integral:
-        unit = signals.ratio_of_units(moved.unit, measurement.unit, "s")
+        unit = signals.per(moved, measurement, "s")
         found.append(signals.gain("integral_gain", unit, 0.0, f"integral gain {way}"))
     if form.has_derivative:
-        per = signals.ratio_of_units(moved.unit, measurement.unit)
-        unit = "s" if per == "1" else f"s {per}"
+        ratio = signals.per(moved, measurement)
+        seconds = ("s" if unit == "1" else f"s {unit}" for unit in (ratio.unit, ratio.shown_unit))
         found += [
-            signals.gain("derivative_gain", unit, 0.0, f"derivative gain {way}"),
+            signals.gain(
+                "derivative_gain", signals.of_units(*seconds), 0.0, f"derivative gain {way}"
+            ),
             signals.duration("filter_time", "time constant of the derivative's filter"),
         ]
     return found
@@ -135,6 +122,7 @@ def _shape(form: PidForm, measurement: Signal) -> list[Signal]:
             Signal(
                 "gap",
                 measurement.unit,
+                measurement.display_unit,
                 low=0.0,
                 high=signals.LARGEST_PARAMETER,
                 description=f"half the width of the gap around the setpoint of {measurement.name}",
@@ -152,6 +140,7 @@ def _shape(form: PidForm, measurement: Signal) -> list[Signal]:
             Signal(
                 "squared_error_scale",
                 measurement.unit,
+                measurement.display_unit,
                 low=signals.SHORTEST_TIME,
                 high=signals.LARGEST_PARAMETER,
                 initial=1.0,

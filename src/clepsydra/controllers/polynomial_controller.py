@@ -193,7 +193,7 @@ class IncrementalLoop:
     def parameters(self) -> list[Signal]:
         """Return the gains and the limits."""
         y, u = self.measured, self.moved
-        unit = signals.ratio_of_units(u.unit, y.unit)
+        unit = signals.per(u, y)
         difference = (
             f"gain on the difference of {{}} between {{}} and {{}} samples ago, to {u.name}"
         )

@@ -149,10 +149,10 @@ class _Law:
         common, found = self.common, []
         for y in common.controlled:
             words = f"largest acceptable error of {y.name}"
-            found.append(signals.size(path(y, "largest_error"), y.unit, words))
+            found.append(signals.size(path(y, "largest_error"), y, words))
         for u in common.manipulated:
             words = f"largest acceptable move of {u.name}"
-            found.append(signals.size(path(u, "largest_move"), u.unit, words))
+            found.append(signals.size(path(u, "largest_move"), u, words))
         for y in common.controlled:
             words = f"time for which a largest error of {y.name} may last"
             found.append(signals.duration(path(y, "horizon"), words))
@@ -160,7 +160,7 @@ class _Law:
         found.append(signals.duration("input_filter_time", words))
         for x in common.equations.signals_of_states():
             words = f"size in which numbers are scaled, of {x.name}"
-            found.append(signals.size(path(x, "size"), x.unit, words))
+            found.append(signals.size(path(x, "size"), x, words))
         constants = dict.fromkeys(
             (*common.source.constants, *common.equations.used_in(self._linear))
         )

@@ -17,6 +17,8 @@ from clepsydra.program.entries import signal_of
 SHORTEST_TIME = 1e-6
 #: The largest magnitude of a gain or a limit that is taken for a reasonable one.
 LARGEST_PARAMETER = 1e9
+#: Parts that are a largest rate, of which the largest number is none, whatever its unit.
+LARGEST_RATES = frozenset({"rate_limit", "setpoint_rate", "setpoint_ramp"})
 
 
 def process_signals(given: Sequence[Signal | str], place: str) -> tuple[Signal, ...]:
@@ -170,8 +172,8 @@ def limit_parameters(signal: Signal) -> list[Signal]:
     low = signal.low if math.isfinite(signal.low) else 0.0
     high = signal.high if math.isfinite(signal.high) else 100.0
     return [
-        gain(path(signal, "low_limit"), signal.unit, low, f"low limit of {signal.name}"),
-        gain(path(signal, "high_limit"), signal.unit, high, f"high limit of {signal.name}"),
+        gain(path(signal, "low_limit"), signal, low, f"low limit of {signal.name}"),
+        gain(path(signal, "high_limit"), signal, high, f"high limit of {signal.name}"),
     ]
 
 
@@ -277,17 +279,52 @@ def ratio_of_units(numerator: str, *denominators: str) -> str:
     return f"{numerator}/({' '.join(below)})" if len(below) > 1 else f"{numerator}/{below[0]}"
 
 
-def gain(name: str, unit: str, initial: float, description: str) -> Signal:
+def per(quantity: Signal, *others: Signal | str) -> Signal:
+    """Return what has the units of one quantity for each of others, in SI and as shown.
+
+    Examples
+    --------
+    >>> level, pump = Signal("level", "m", "cm"), Signal("pump", "1", "%")
+    >>> gain = per(pump, level)
+    >>> gain.unit, gain.display_unit, per(level, pump, "s").display_unit
+    ('1/m', '%/cm', 'cm/(% s)')
+    """
+    unit = ratio_of_units(quantity.unit, *(o if isinstance(o, str) else o.unit for o in others))
+    shown = (o if isinstance(o, str) else o.shown_unit for o in others)
+    return of_units(unit, ratio_of_units(quantity.shown_unit, *shown))
+
+
+def of_units(unit: str, shown: str) -> Signal:
+    """Return what has a unit and one that it is shown in, which may be the same.
+
+    Examples
+    --------
+    >>> of_units("V", "mV").display_unit, of_units("V", "V").display_unit
+    ('mV', '')
+    """
+    return Signal("", unit, shown if shown != unit else "")
+
+
+def gain(name: str, of: Signal | str, initial: float, description: str) -> Signal:
     """Return a parameter that may have either sign: a gain, a bias, a limit.
+
+    Parameters
+    ----------
+    name : str
+    of : Signal or str
+        What has its units, see `per`; or the unit.
+    initial : float
+    description : str
 
     Examples
     --------
     >>> gain("pump_1.bias", "V", 3.0, "output at the operating point").initial
     3.0
     """
-    return Signal(
-        name,
-        unit,
+    units = of_units(of, of) if isinstance(of, str) else of_units(of.unit, of.shown_unit)
+    return replace(
+        units,
+        name=name,
         low=-LARGEST_PARAMETER,
         high=LARGEST_PARAMETER,
         initial=initial,
@@ -295,7 +332,7 @@ def gain(name: str, unit: str, initial: float, description: str) -> Signal:
     )
 
 
-def coefficient(name: str, unit: str, description: str) -> Signal:
+def coefficient(name: str, of: Signal | str, description: str) -> Signal:
     """Return a number of a polynomial or a matrix from one sample to the next.
 
     Where a process is sampled often its poles stand near one, and six digits of such a number
@@ -306,7 +343,7 @@ def coefficient(name: str, unit: str, description: str) -> Signal:
     >>> coefficient("transition", "1", "effect of a memory on itself").digits
     9
     """
-    return replace(gain(name, unit, 0.0, description), digits=9)
+    return replace(gain(name, of, 0.0, description), digits=9)
 
 
 def number_of(
@@ -330,8 +367,7 @@ def number_of(
     >>> found.name, found.unit
     ('pump.feedback.level', 'V/m')
     """
-    unit = ratio_of_units(to.unit, by.unit, *times)
-    found = gain(effect(to, matrix, by), unit, 0.0, description)
+    found = gain(effect(to, matrix, by), per(to, by, *times), 0.0, description)
     return replace(found, matrix=matrix, digits=digits)
 
 
@@ -344,10 +380,10 @@ def at_rest(signal: Signal, part: str) -> Signal:
     'pump_1.bias'
     """
     words = f"{signal.name} at the operating point"
-    return gain(path(signal, part), signal.unit, 0.0, words)
+    return gain(path(signal, part), signal, 0.0, words)
 
 
-def size(name: str, unit: str, description: str) -> Signal:
+def size(name: str, of: Signal | str, description: str) -> Signal:
     """Return a parameter above zero that is divided by or squared: a largest error, a noise.
 
     Examples
@@ -355,9 +391,18 @@ def size(name: str, unit: str, description: str) -> Signal:
     >>> size("largest_error", "V", "largest acceptable error of level_1").low
     1e-12
     """
-    return Signal(
-        name, unit, low=1e-12, high=LARGEST_PARAMETER, initial=1.0, description=description
-    )
+    return replace(gain(name, of, 1.0, description), low=1e-12)
+
+
+def largest_rate(name: str, of: Signal, description: str) -> Signal:
+    """Return the parameter of a largest rate; the largest number that it may have is none.
+
+    Examples
+    --------
+    >>> largest_rate("pump_1.rate_limit", Signal("pump_1", "1", "%"), "").display_unit
+    '%/s'
+    """
+    return replace(gain(name, per(of, "s"), LARGEST_PARAMETER, description), low=0.0)
 
 
 def duration(name: str, description: str) -> Signal:

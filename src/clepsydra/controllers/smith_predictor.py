@@ -185,11 +185,9 @@ class _PredictedLoop:
 
     def parameters(self) -> list[Signal]:
         y, u, shape = self.measured, self.moved, self.shape
-        gain, coefficient, per = signals.gain, signals.coefficient, signals.ratio_of_units
+        gain, coefficient, per = signals.gain, signals.coefficient, signals.per
         found = [
-            coefficient(
-                path(y, "model_gain"), per(y.unit, u.unit), f"what {u.name} adds in a sample"
-            ),
+            coefficient(path(y, "model_gain"), per(y, u), f"what {u.name} adds in a sample"),
             *(
                 coefficient(name, "1", f"a{j} of the model of {y.name}")
                 for j, name in enumerate(elements(path(y, "model_feedback"), shape.order), start=1)
@@ -198,13 +196,13 @@ class _PredictedLoop:
                 coefficient(name, "1", f"b{j} / B(1) of the model of {y.name}")
                 for j, name in enumerate(elements(path(y, "model_share"), shape.tail), start=1)
             ),
-            gain(path(u, "bias"), u.unit, 0.0, f"{u.name} at the operating point"),
+            gain(path(u, "bias"), u, 0.0, f"{u.name} at the operating point"),
         ]
         if shape.error_feedback:
             words = f"what the predicted error of {y.name} adds to the model's input"
             found += [
-                gain(path(y, "error_feedback"), per(u.unit, y.unit), 0.0, words),
-                gain(path(y, "reference"), y.unit, 0.0, f"{y.name} at the operating point"),
+                gain(path(y, "error_feedback"), per(u, y), 0.0, words),
+                gain(path(y, "reference"), y, 0.0, f"{y.name} at the operating point"),
             ]
         return self.controller.parameters() + found
 

@@ -184,7 +184,7 @@ beyond stage.1.start_level, 1; let each stage start after the one before it.
 def _stage_parameters(stage: str, number: int, level: Signal) -> list[Signal]:
     words = f"{level.name} at which stage {number}"
     return [
-        signals.gain(path(stage, what), level.unit, 0.0, f"{words} {end}")
+        signals.gain(path(stage, what), level, 0.0, f"{words} {end}")
         for what, end in (("start_level", "begins"), ("stop_level", "ends"))
     ]
 
@@ -192,11 +192,9 @@ def _stage_parameters(stage: str, number: int, level: Signal) -> list[Signal]:
 def _pump_parameters(pump: Signal) -> list[Signal]:
     low, high = signals.limit_parameters(pump)
     return [
+        signals.gain(path(pump, "running_value"), pump, high.initial, f"{pump.name} while it runs"),
         signals.gain(
-            path(pump, "running_value"), pump.unit, high.initial, f"{pump.name} while it runs"
-        ),
-        signals.gain(
-            path(pump, "stopped_value"), pump.unit, low.initial, f"{pump.name} while it stands"
+            path(pump, "stopped_value"), pump, low.initial, f"{pump.name} while it stands"
         ),
         low,
         high,

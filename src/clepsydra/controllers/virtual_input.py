@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import casadi as ca
@@ -139,9 +139,10 @@ class VirtualInput:
         return elements(self._named("virtual_damping"), self.degree - 1)
 
     @property
-    def unit(self) -> str:
-        """Unit of ν."""
-        return rate_unit(self.measurement.unit, self.degree)
+    def quantity(self) -> Signal:
+        """What has the units of ν."""
+        y = self.measurement
+        return signals.of_units(*(rate_unit(unit, self.degree) for unit in (y.unit, y.shown_unit)))
 
     def parameters(self) -> list[Signal]:
         """Return gains, setpoint weight, damping and what the anti-windup needs."""
@@ -184,14 +185,9 @@ class VirtualInput:
                 initial=1.0,
                 description=words,
             )
-        return Signal(
-            self._named("saturation_feedback"),
-            signals.ratio_of_units(self.unit, self.moved.unit, "s"),
-            low=0.0,
-            high=signals.LARGEST_PARAMETER,
-            initial=1.0,
-            description=f"{words}, per unit of {self.moved.name}",
-        )
+        unit, name = signals.per(self.quantity, self.moved, "s"), self._named("saturation_feedback")
+        words += f", per unit of {self.moved.name}"
+        return replace(signals.gain(name, unit, 1.0, words), low=0.0)
 
     @property
     def _remembered(self) -> list[str]:
@@ -203,7 +199,7 @@ class VirtualInput:
         return [
             Signal(
                 self._named("virtual_integral"),
-                self.unit,
+                self.quantity.unit,
                 description=f"integral part of what {self.measurement.name} shall do",
             ),
             Signal(

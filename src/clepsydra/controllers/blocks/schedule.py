@@ -75,10 +75,7 @@ class Schedule:
         return [
             *(
                 signals.gain(
-                    name,
-                    self.signal.unit,
-                    float(k),
-                    f"{self.signal.name} at point {k} of the schedule",
+                    name, self.signal, float(k), f"{self.signal.name} at point {k} of the schedule"
                 )
                 for k, name in enumerate(self.places, start=1)
             ),

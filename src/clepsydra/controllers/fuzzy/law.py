@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import casadi as ca
@@ -172,7 +172,7 @@ class _Writer:
             unit = self._unit(each)
             name = f"{variable.name}, {each.quantity.replace('_', ' ')} of {each.measurement}"
             own = [
-                signals.gain("gain", signals.ratio_of_units("1", unit), 1.0, f"gain of {name}"),
+                signals.gain("gain", signals.per(Signal(""), unit), 1.0, f"gain of {name}"),
                 _not_negative("dead_zone", unit, f"half width of the dead zone of {name}"),
             ]
             if each.is_rate:
@@ -181,7 +181,7 @@ class _Writer:
             found += owned(variable.name, own)
         for output, moved in zip(self.outputs, self.manipulated, strict=True):
             per = () if output.action == "position" else ("s",)
-            unit = signals.ratio_of_units(moved.unit, *per)
+            unit = signals.per(moved, *per)
             name = path(moved, "output_gain")
             found.append(signals.gain(name, unit, 1.0, f"gain to {moved.name}"))
             if output.action == "position":
@@ -189,13 +189,8 @@ class _Writer:
                 found.append(signals.duration(path(moved, "fading_time"), words))
             found += signals.limit_parameters(moved)
             if output.rate_limited:
-                found.append(
-                    Signal(
-                        path(moved, "rate_limit"), signals.ratio_of_units(moved.unit, "s"), low=0.0,
-                        high=signals.LARGEST_PARAMETER, initial=signals.LARGEST_PARAMETER,
-                        description=f"largest rate of change of {moved.name}",
-                    )
-                )  # fmt: skip
+                words = f"largest rate of change of {moved.name}"
+                found.append(signals.largest_rate(path(moved, "rate_limit"), moved, words))
         return found
 
     def state(self) -> list[Signal]:
@@ -215,9 +210,8 @@ class _Writer:
         ]
         return [*filtered, *offsets, *map(signals.last_output, self.manipulated)]
 
-    def _unit(self, each: FuzzyInput) -> str:
-        unit = self.measured[each.measurement].unit
-        return signals.ratio_of_units(unit, "s") if each.is_rate else unit
+    def _unit(self, each: FuzzyInput) -> Signal:
+        return signals.per(self.measured[each.measurement], *(["s"] if each.is_rate else []))
 
     def equations(self, symbols: Symbols) -> Equations:
         time_step_good = is_time_step(symbols["time_step"])
@@ -304,5 +298,5 @@ def _reading(
     return _Reading(value_or_zero(scaled, numbers), numbers, sensor, state, named)
 
 
-def _not_negative(name: str, unit: str, description: str) -> Signal:
-    return Signal(name, unit, low=0.0, high=signals.LARGEST_PARAMETER, description=description)
+def _not_negative(name: str, of: Signal | str, description: str) -> Signal:
+    return replace(signals.gain(name, of, 0.0, description), low=0.0)

@@ -128,8 +128,8 @@ class ExtendedKalman:
         process = self.equations.point.process
         found = []
         for name in self.measurements:
-            unit, words = process.signal(name).unit, f"standard deviation of {name}"
-            found.append(signals.size(path(name, "sensor_noise"), unit, words))
+            y, words = process.signal(name), f"standard deviation of {name}"
+            found.append(signals.size(path(name, "sensor_noise"), y, words))
         for what, names in (("input", self.equations.inputs), ("load", self.loads)):
             for name in names:
                 unit = process.signal(name).unit

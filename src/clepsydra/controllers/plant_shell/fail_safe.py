@@ -123,7 +123,7 @@ class SafeOutput:
         """The fail-safe value."""
         u = self.signal
         words = f"value of {u.name} after a sensor has failed"
-        return [signals.gain(path(u, "fail_safe"), u.unit, self.value, words)]
+        return [signals.gain(path(u, "fail_safe"), u, self.value, words)]
 
     def unwired(self) -> dict[str, float]:
         """What its inputs are until somebody wires them: manual, at the fail-safe value."""

@@ -47,11 +47,5 @@ def largest_rate(name: str, signal: Signal, rate: float) -> Signal:
     >>> largest_rate("rate_limit", Signal("pump_1", "V"), 2.0).unit
     'V/s'
     """
-    return Signal(
-        path(signal, name),
-        signals.ratio_of_units(signal.unit, "s"),
-        low=0.0,
-        high=signals.LARGEST_PARAMETER,
-        initial=rate,
-        description=f"{signal.name}: largest rate, {signals.LARGEST_PARAMETER:g} for none",
-    )
+    words = f"{signal.name}: largest rate, {signals.LARGEST_PARAMETER:g} for none"
+    return replace(signals.largest_rate(path(signal, name), signal, words), initial=rate)

@@ -168,7 +168,7 @@ class MonitoredSensor:
         y, largest = self.signal, signals.LARGEST_PARAMETER
         words = f"time for which a fault of {y.name} is ridden through"
         ends = [
-            signals.gain(f"range_{end}", y.unit, value, f"{y.name} at {current} mA")
+            signals.gain(f"range_{end}", y, value, f"{y.name} at {current} mA")
             for (end, current), value in zip(_ENDS, self.range or (), strict=False)
         ]
         delay = Signal("sensor_delay", "s", "", 0.0, largest, self.delay, description=words)

@@ -52,14 +52,11 @@ class FeedforwardTerm:
     def parameters(self) -> list[Signal]:
         """Gain and reference; lead and lag where dynamic."""
         name, moved = self.signal.name, self.moved
-        unit = signals.ratio_of_units(moved.unit, self.signal.unit)
+        unit = signals.per(moved, self.signal)
         found = [
             signals.gain("gain", unit, 0.0, f"gain from {name} to {moved.name}"),
             signals.gain(
-                "reference",
-                self.signal.unit,
-                self.signal.initial,
-                f"{name} at which it adds nothing",
+                "reference", self.signal, self.signal.initial, f"{name} at which it adds nothing"
             ),
         ]
         if self.dynamic:

@@ -57,16 +57,8 @@ class OutputBlock(WithoutSignals):
         """Limits and, where it has one, the rate limit."""
         found = signals.limit_parameters(self.signal)
         if self.rate_limited:
-            found.append(
-                Signal(
-                    path(self.signal, "rate_limit"),
-                    signals.ratio_of_units(self.signal.unit, "s"),
-                    low=0.0,
-                    high=signals.LARGEST_PARAMETER,
-                    initial=signals.LARGEST_PARAMETER,
-                    description=f"largest rate of change of {self.signal.name}",
-                )
-            )
+            words = f"largest rate of change of {self.signal.name}"
+            found.append(signals.largest_rate(path(self.signal, "rate_limit"), self.signal, words))
         return found
 
     def state(self) -> list[Signal]:

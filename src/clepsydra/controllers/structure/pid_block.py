@@ -123,7 +123,7 @@ class PidBlock(WithoutSignals):
                 signals.like(y, "last_measurement", f"{y.name} in the last sample"),
             ]
             if form.has_derivative:
-                found.append(Signal("last_derivative", signals.ratio_of_units(y.unit, "s")))
+                found.append(replace(signals.per(y, "s"), name="last_derivative"))
         else:
             found.append(signals.integral_of(self.moved))
         if form.has_derivative:

@@ -64,7 +64,7 @@ class RatioBlock(WithoutSignals):
 
     def parameters(self) -> list[Signal]:
         """The ratio, or the limits between which a loop may trim it."""
-        unit = signals.ratio_of_units(self.moved.unit, self.wild.unit)
+        unit = signals.per(self.moved, self.wild)
         what = f"{self.moved.name} to {self.wild.name}"
         if self.source is None:
             return owned(self.owner, [signals.gain("ratio", unit, 1.0, f"ratio of {what}")])

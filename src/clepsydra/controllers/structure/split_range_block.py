@@ -59,9 +59,9 @@ class Leg:
                    description=f"start of the part of the range in which {name} moves"),
             Signal("end", "%", initial=self.end, low=0.0, high=100.0,
                    description=f"end of the part of the range in which {name} moves"),
-            signals.gain("at_start", self.moved.unit, self.at_start,
+            signals.gain("at_start", self.moved, self.at_start,
                          f"{name} at the start of its part and before it"),
-            signals.gain("at_end", self.moved.unit, self.at_end,
+            signals.gain("at_end", self.moved, self.at_end,
                          f"{name} at the end of its part and after it"),
         ]  # fmt: skip
         return owned(self.owner, found)
