@@ -171,7 +171,7 @@ def from_si(value: float, unit: str, display_unit: str) -> float:
     """
     if unit == display_unit or not math.isfinite(value):
         return value
-    return float(Fraction(repr(float(value))) / _factor(display_unit, unit))
+    return float(Fraction(repr(float(value))) / factor_of(display_unit, unit))
 
 
 def convertible(unit: str, to: str) -> bool:
@@ -185,7 +185,7 @@ def convertible(unit: str, to: str) -> bool:
     import pint
 
     try:
-        _factor(unit, to)
+        factor_of(unit, to)
     except (pint.UndefinedUnitError, pint.DimensionalityError, ValueError):
         return False
     return True
@@ -198,7 +198,7 @@ def _factor_of_user(
     import pint
 
     try:
-        return _factor(unit_text, unit)
+        return factor_of(unit_text, unit)
     except pint.UndefinedUnitError:
         problem = f"the unit {unit_text!r} is unknown"
     except pint.DimensionalityError:
@@ -209,7 +209,7 @@ def _factor_of_user(
 
 
 @cache
-def _factor(source: str, target: str) -> Fraction:
+def factor_of(source: str, target: str) -> Fraction:
     """Return the exact factor from one unit to another.
 
     Raises

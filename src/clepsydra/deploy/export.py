@@ -192,7 +192,7 @@ def export_controller_fmu(ready: Exportable, *, version: FmiVersion = "3.0") -> 
     See `export_c`.
     """
     name = ready.program.name
-    model = controller_model(ready.program, ready.origin)
+    model = controller_model(ready.program_in_si, ready.origin)
     return ExportedFiles(
         {f"{name}.fmu": _fmu(model, version)},
         _facts(ready, fmi=version),

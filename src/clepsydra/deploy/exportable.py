@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.plant_shell.edge import at_port, in_shown_units
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import shell_sources, with_plant_shell
 from clepsydra.controllers.signals import owners
@@ -24,10 +25,13 @@ class Exportable:
     Parameters
     ----------
     controller : Controller
-        In its shell.
+        In its shell, with ports in the units that the process file shows.
     point : OperatingPoint
         Where the process rests with the controller's initial state.
     program : Program
+        Of this controller.
+    program_in_si : Program
+        With ports in SI, for who converts by himself: the importer of an FMU.
     origin : Origin
 
     Examples
@@ -38,6 +42,7 @@ class Exportable:
     controller: Controller
     point: OperatingPoint
     program: Program
+    program_in_si: Program
     origin: Origin
 
     @property
@@ -75,7 +80,14 @@ def exportable(
     """
     process = point.process
     shelled = with_plant_shell(controller, process.sampling_period, settings)
-    program = _at_rest(shelled, point)
+    in_si = replace(_at_rest(shelled, point), name=exportable_name(process, controller))
+    at_edge = in_shown_units(shelled)
+    program = replace(
+        at_edge.program(),
+        name=in_si.name,
+        inputs=tuple(map(at_port, in_si.inputs)),
+        outputs=tuple(map(at_port, in_si.outputs)),
+    )
     origin = Origin(
         subject=controller.title,
         process=described(process),
@@ -84,8 +96,7 @@ def exportable(
         sources=_sources(controller, program) | shell_sources(shelled),
         default_source=controller.name,
     )
-    program = replace(program, name=exportable_name(process, controller))
-    return Exportable(shelled, point, program, origin)
+    return Exportable(at_edge, point, program, in_si, origin)
 
 
 def exportable_name(process: Process, controller: Controller) -> str:

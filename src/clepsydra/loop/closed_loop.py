@@ -13,6 +13,7 @@ from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import MotionBlock
 from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.step_size import check_substeps
+from clepsydra.loop.wires import wire_conversions
 from clepsydra.process.process import Process
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.delay_ring import DelayRing
@@ -322,15 +323,24 @@ class _Join:
     def _control(self, time_step: int) -> list[int]:
         """Inline the step law, name its outputs in the loop, and return its next state."""
         law, value = self.controller.law, self.value
+        ways, builder = wire_conversions(self.controller, self.process), self.builder
+
+        def passed(name: str, number: int) -> int:
+            if name not in ways:
+                return number
+            return builder.operation(ways[name].code, number, builder.constant(ways[name].number))
+
         wires = self.controller.input_wires
+        given = {name: passed(name, value[wire]) for name, wire in wires.items()}
+        given["time_step"] = time_step
         arguments = [
             *(value[controller_name(entry.name)] for entry in law.state),
-            *(time_step if s.name == "time_step" else value[wires[s.name]] for s in law.inputs),
+            *(given[signal.name] for signal in law.inputs),
             *(value[controller_name(signal.name)] for signal in law.parameters),
         ]
-        results = inline(self.builder, law.function, arguments)
+        results = inline(builder, law.function, arguments)
         outputs = zip(law.outputs, results[len(law.state) :], strict=False)
-        value |= {self.controller.output_wires[s.name]: number for s, number in outputs}
+        value |= {self.controller.output_wires[s.name]: passed(s.name, n) for s, n in outputs}
         return results[: len(law.state)]
 
     def _sums(self, readings: dict[str, int], time_step: int) -> list[int]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from clepsydra.base.arguments import require_type
+from clepsydra.base.conversion import Conversion
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
@@ -33,6 +35,7 @@ from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.solver import Solver, check_solver
 from clepsydra.loop.step_size import check_substeps, substeps_for
+from clepsydra.loop.wires import wire_conversions
 from clepsydra.process.process import Process
 from clepsydra.scores.plant_flows import forced_flows
 
@@ -234,8 +237,7 @@ class Loop:
             now |= {y.name: float(v) for y, v in zip(process.measurements, shown, strict=True)}
             with naming_sample(k, scenario.sampling_period):
                 outputs = evaluation.step(self.law_inputs(now))
-            for signal, value in zip(law.outputs, outputs, strict=True):
-                now[controller.output_wires[signal.name]] = float(value)
+            now |= self.told_by_law(outputs)
             after = dict(zip((x.name for x in law.state), evaluation.state, strict=True))
             now |= {each.name: float(after[each.state]) for each in inner}
             rows.append(now)
@@ -257,13 +259,24 @@ class Loop:
     def law_inputs(self, now: dict[str, float]) -> np.ndarray:
         """Return the inputs of the step law from the loop's signals by name."""
         wires = self.controller.input_wires
-        period = self.process.sampling_period
-        return np.array(
-            [
-                period if signal.name == "time_step" else now[wires[signal.name]]
-                for signal in self.controller.law.inputs
-            ]
-        )
+        given = {name: self._passed(name, now[wire]) for name, wire in wires.items()}
+        given["time_step"] = self.process.sampling_period
+        return np.array([given[signal.name] for signal in self.controller.law.inputs])
+
+    def told_by_law(self, outputs: np.ndarray) -> dict[str, float]:
+        """Return the loop's signals by name from the outputs of the step law."""
+        wires = self.controller.output_wires
+        return {
+            wires[signal.name]: self._passed(signal.name, float(value))
+            for signal, value in zip(self.controller.law.outputs, outputs, strict=True)
+        }
+
+    def _passed(self, name: str, value: float) -> float:
+        return self._ways[name](value) if name in self._ways else value
+
+    @cached_property
+    def _ways(self) -> dict[str, Conversion]:
+        return wire_conversions(self.controller, self.process)
 
     def _collect(
         self, scenario: Scenario, computed: dict[str, np.ndarray], *, substeps: int

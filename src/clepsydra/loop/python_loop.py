@@ -112,8 +112,7 @@ def python_loop(loop: Loop, scenario: Scenario, substeps: int) -> dict[str, np.n
         now |= moving.look(told)
         with naming_sample(k, scenario.sampling_period):
             outputs = evaluation.step(loop.law_inputs(now))
-        for signal, value in zip(law.outputs, outputs, strict=True):
-            now[controller.output_wires[signal.name]] = float(value)
+        now |= loop.told_by_law(outputs)
         moving.step({f"{u.name}.manual": now[u.name] for u in process.inputs})
         rows.append(now)
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
