@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import casadi as ca
 
@@ -11,7 +12,6 @@ from clepsydra.base.conversion import conversion
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import convertible, from_si
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.parameters import remembered_parameters
 from clepsydra.controllers.signals import LARGEST_PARAMETER, LARGEST_RATES
 from clepsydra.program.step_law import Equations, Symbols, step_law
 
@@ -62,64 +62,55 @@ def in_shown_units(controller: AnyController) -> AnyController:
     ...     print(each.law.inputs[0].unit, each.values["level.proportional_gain"])
     """
     law = controller.law
-    ports = {s.name: at_port(s) for s in (*law.inputs, *law.parameters, *law.outputs)}
-    if all(ports[s.name] == s for s in (*law.inputs, *law.parameters, *law.outputs)):
-        return controller
     entering = (*law.inputs, *law.parameters)
+    every = (*entering, *law.outputs)
+    ports = {signal.name: at_port(signal) for signal in every}
+    if all(ports[signal.name] == signal for signal in every):
+        return controller
 
     def equations(symbols: Symbols) -> Equations:
         assert law.equations is not None
-        inside = {signal.name: _entered(signal, symbols[signal.name]) for signal in entering}
+        inside = {s.name: _entered(ports[s.name], s, symbols[s.name]) for s in entering}
         found = law.equations({**symbols, **inside})
-        outputs = {
+        given = {
             s.name: _converted(s.unit, ports[s.name].unit, found.outputs[s.name])
             for s in law.outputs
         }
-        before, after = {**inside, **found.outputs}, {**symbols, **outputs}
+        # What is scaled is named after its port.
+        before, after = {**inside, **found.outputs}, {**symbols, **given}
         scaled = {path(n, "si"): x for n, x in before.items() if x is not after[n]}
-        return Equations(found.next_state, outputs, {**scaled, **found.intermediates})
+        return Equations(found.next_state, given, {**scaled, **found.intermediates})
 
-    values = {
-        s.name: at_port(replace(s, initial=controller.values[s.name])).initial
-        for s in law.parameters
-    }
-    inside = {s.name: float(_entered(s, values[s.name])) for s in law.parameters}
-    # What is remembered of a parameter is what it is inside, to the last bit.
-    was, remembered = (remembered_parameters(law, each) for each in (controller.values, inside))
-    state = {
-        n: remembered[n] if was.get(n) == x else x for n, x in controller.initial_state.items()
-    }
-    rest = {
-        s.name: at_port(replace(s, initial=controller.free_inputs[s.name])).initial
-        for s in law.inputs
-        if s.name in controller.free_inputs
-    }
+    def shown(values: Mapping[str, float]) -> dict[str, float]:
+        found = (at_port(replace(s, initial=values[s.name])) for s in entering if s.name in values)
+        return {port.name: port.initial for port in found}
+
+    edged = step_law(
+        law.name,
+        inputs=[ports[signal.name] for signal in law.inputs],
+        parameters=[ports[signal.name] for signal in law.parameters],
+        state=law.state,
+        outputs=[ports[signal.name] for signal in law.outputs],
+        equations=equations,
+        description=law.description,
+        blocks=law.blocks,
+    )
     return replace(
         controller,
-        law=step_law(
-            law.name,
-            inputs=[ports[s.name] for s in law.inputs],
-            parameters=[ports[s.name] for s in law.parameters],
-            state=law.state,
-            outputs=[ports[s.name] for s in law.outputs],
-            equations=equations,
-            description=law.description,
-            blocks=law.blocks,
-        ),
-        values=values,
-        initial_state=state,
-        free_inputs=rest,
+        law=edged,
+        values=shown(controller.values),
+        free_inputs=shown(controller.free_inputs),
     )
 
 
-def _entered(signal: Signal, value: Any) -> Any:
-    """Return what is given at a port, in the unit of the law."""
-    found = _converted(signal.shown_unit, signal.unit, value)
+def _entered(port: Signal, signal: Signal, value: ca.SX) -> ca.SX:
+    """Return what is given at a port as the law takes it."""
+    found = _converted(port.unit, signal.unit, value)
     if signal.part in LARGEST_RATES and found is not value:
         return ca.if_else(value < LARGEST_PARAMETER, found, value)
     return found
 
 
-def _converted(source: str, target: str, value: Any) -> Any:
+def _converted(source: str, target: str, value: ca.SX) -> ca.SX:
     way = conversion(source, target)
     return value if way is None else way(value)

@@ -42,6 +42,8 @@ class ProofItem:
         Where process or loop start.
     scenario : Scenario or None
         What the loop goes through; the default scenario of the process if omitted.
+    program_in_si : Program or None
+        What an FMU holds, whose importer converts units by himself; the program if omitted.
 
     Examples
     --------
@@ -58,6 +60,7 @@ class ProofItem:
     controller: Controller | None = None
     point: OperatingPoint | None = None
     scenario: Scenario | None = None
+    program_in_si: Program | None = None
 
 
 def process_item(point: OperatingPoint, origin: Origin | None = None) -> ProofItem:

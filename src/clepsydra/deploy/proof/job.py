@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from clepsydra.deploy.c99.printer import CSource
 from clepsydra.deploy.compiler import Compiler
+from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.proof.compiled_c import CompiledC, printed_c
 from clepsydra.deploy.proof.contents import loop_digest, tables_digest
 from clepsydra.deploy.proof.coverage import Coverage, coverage
@@ -53,6 +55,15 @@ class Job:
         """The program to be proved."""
         assert self.item.program is not None
         return self.item.program
+
+    @cached_property
+    def of_fmu(self) -> Job:
+        """The work on the FMU of the item: this one where its program is in SI."""
+        in_si = self.item.program_in_si
+        if in_si is None or digest(in_si) == digest(self.program):
+            return self
+        item = replace(self.item, program=in_si)
+        return Job(item, self.scans, self.seed, self.folder / "si", self.compiler)
 
     @cached_property
     def inputs(self) -> dict[str, Array]:

@@ -63,4 +63,5 @@ def controller_item(
         controller=ready.controller,
         point=point,
         scenario=scenario,
+        program_in_si=ready.program_in_si,
     )

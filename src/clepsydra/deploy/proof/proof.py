@@ -233,14 +233,15 @@ class _Work:
 
     def do(self, job: Job, targets: Sequence[Target]) -> None:
         """Do every row of an item, or remember it."""
-        name, program = job.item.name, digest(job.program)
+        name = job.item.name
         for target in targets:
+            own = job.of_fmu if target.to == "fmu" else job
             self._say(f"{name}: {target.name}, {target.precision}", len(targets))
             blank = ProofRow(
-                name, target.name, target.precision, target.against, program,
+                name, target.name, target.precision, target.against, digest(own.program),
                 self._scans, self._seed, version=f"clepsydra {__version__}, {target.version}",
             )  # fmt: skip
-            row = _done(target, job, blank, self._memory)
+            row = _done(target, own, blank, self._memory)
             self._coverage[name] = job.coverage
             self._rows.append(row)
             if self._folder and row.key not in self._memory:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from clepsydra import __version__
+from clepsydra.base.conversion import Conversion, conversion
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
+from clepsydra.base.units import convertible, from_si
 from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.deploy.printing.expressions import Expression, variable
 from clepsydra.deploy.printing.heading import comment
 from clepsydra.deploy.printing.identifiers import Identifiers, check_distinct
 from clepsydra.deploy.printing.origin import Origin
@@ -35,6 +38,8 @@ class Wiring:
         Input of the process to the output of the controller that moves it.
     rest : mapping
         Input of the controller that nothing moves to its value at the start.
+    ways : mapping
+        Input, of either, that has another unit than what it is wired to, to how it gets there.
 
     Examples
     --------
@@ -45,6 +50,7 @@ class Wiring:
     measured: Mapping[str, str]
     moved: Mapping[str, str]
     rest: Mapping[str, float]
+    ways: Mapping[str, Conversion] = field(default_factory=dict)
 
 
 def wired(
@@ -82,16 +88,19 @@ def wired(
     """
     shown = {signal.name: signal for signal in process.outputs}
     driven = {signal.name: signal for signal in process.inputs}
-    at_rest = {name: signal.initial for name, signal in (shown | driven).items()}
-    measured, moved, rest = {}, {}, {}
+    known = shown | driven
+    measured, moved, rest, ways = {}, {}, {}, {}
     for signal in controller.inputs:
         wire = wires.get(signal.name, "")
         base, _, what = wire.rpartition(".")
         if signal.part == "pv" or wire in shown:
             _check(wire, shown, f"{controller.name}, {signal.name}", "an output")
             measured[signal.name] = wire
-        elif what in ("setpoint", "manual", "tracking") and base in at_rest:
-            rest[signal.name] = at_rest[base]
+            ways[signal.name] = conversion(shown[wire].unit, signal.unit)
+        elif what in ("setpoint", "manual", "tracking") and base in known:
+            start, unit = known[base].initial, known[base].unit
+            converts = convertible(signal.unit, unit)
+            rest[signal.name] = from_si(start, unit, signal.unit) if converts else start
         elif what == "mode":
             rest[signal.name] = float(Mode.AUTOMATIC)
         elif what == "sensor":
@@ -103,7 +112,8 @@ def wired(
         if signal.part == "out" or wire in driven:
             _check(wire, driven, f"{controller.name}, {signal.name}", "an input")
             moved[wire] = signal.name
-    return Wiring(measured, moved, rest)
+            ways[wire] = conversion(signal.unit, driven[wire].unit)
+    return Wiring(measured, moved, rest, {n: way for n, way in ways.items() if way is not None})
 
 
 def _check(wire: str, known: Mapping[str, Signal], place: str, what: str) -> None:
@@ -174,7 +184,8 @@ class _Maker:
         self._names = Identifiers(
             [*dialect.all_words, controller.name, process.name], ignore_case=True
         )
-        self._interface = Interface(Wording(dialect, precision, self._names), None)
+        self._wording = Wording(dialect, precision, self._names)
+        self._interface = Interface(self._wording, None)
         self._name = self._names.new(f"{controller.name}_test")
         self._instances = self._names.new("controller"), self._names.new("plant")
 
@@ -248,13 +259,21 @@ class _Maker:
         arguments = []
         for signal in signals:
             if signal.name in wired:
-                source = f"{other}.{wired[signal.name].replace('.', '_')}"
+                name = wired[signal.name].replace(".", "_")
+                source = self._converted(signal, f"{mark}{other}.{name}")
             else:
-                source = given[signal.name].name
-            arguments.append(f"{signal.identifier} := {mark}{source}")
+                source = f"{mark}{given[signal.name].name}"
+            arguments.append(f"{signal.identifier} := {source}")
         lines = [f"{_STEP}{argument}," for argument in arguments[:-1]]
         lines += [f"{_STEP}{argument}" for argument in arguments[-1:]]
         return [f"{mark}{instance}(", *lines, ");"]
+
+    def _converted(self, signal: Signal, source: str) -> str:
+        way = self._wiring.ways.get(signal.name)
+        if way is None:
+            return source
+        number = Expression("constant", number=way.number)
+        return self._wording.expression(Expression(way.code, (variable(source), number)))
 
     def _head(self, interval: str, origin: Origin | None) -> tuple[str, ...]:
         name = self._controller.name
