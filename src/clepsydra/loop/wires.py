@@ -29,7 +29,7 @@ def wire_conversions(controller: Controller, process: Process) -> dict[str, Conv
     >>> from clepsydra.controllers.plant_shell.edge import in_shown_units
     >>> plant = cl.load("wet-well")
     >>> controller = in_shown_units(cl.design.simc(plant))
-    >>> wire_conversions(controller, plant.process)["pump.out"]
+    >>> wire_conversions(controller, plant.process)["duty.out"]
     Conversion(code='divide', number=100.0)
     """
     law = controller.law

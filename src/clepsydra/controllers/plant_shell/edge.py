@@ -57,9 +57,11 @@ def in_shown_units(controller: AnyController) -> AnyController:
     >>> import clepsydra as cl
     >>> plant = cl.load("wet-well")
     >>> controller = cl.design.simc(plant)
-    >>> at_edge = in_shown_units(controller)
-    >>> for each in (controller, at_edge):
-    ...     print(each.law.inputs[0].unit, each.values["level.proportional_gain"])
+    >>> for each in (controller, in_shown_units(controller)):
+    ...     gain = each.law.parameters[0]
+    ...     print(f"{each.values[gain.name]:.5g} {gain.unit}")
+    -189.9 1/A
+    -18.99 %/mA
     """
     law = controller.law
     entering = (*law.inputs, *law.parameters)
