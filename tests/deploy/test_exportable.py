@@ -9,6 +9,7 @@ import pytest
 from plants import plant
 from refusals import refused
 
+from clepsydra.base.units import from_si
 from clepsydra.deploy.c99.printer import print_c
 from clepsydra.deploy.export import export_structured_text
 from clepsydra.deploy.exportable import exportable, exportable_name
@@ -51,7 +52,8 @@ def test_a_block_that_nobody_wired_stands_in_manual_at_fail_safe_and_without_sen
         current = 4.0 + 16.0 * (inputs[f"{name}.pv"] - low) / (high - low)
         assert current < 3.6 and inputs[f"{name}.good"] == 0.0
     for name in ready.controller.setpoints:
-        assert inputs[f"{name}.sp"] == at[name]
+        signal = ready.process.signal(name)
+        assert inputs[f"{name}.sp"] == from_si(at[name], signal.unit, signal.shown_unit)
 
 
 def test_every_printer_declares_the_inputs_alike():
@@ -95,17 +97,20 @@ def level_of(flow: float, hole: float) -> float:
     return 50.0 * (flow / hole) ** 2 / (2 * 9.81)
 
 
-#: Setpoints and outputs, from Johansson's equations at 3 V and from what the other files say.
+#: Setpoints, outputs and outputs in SI, from Johansson's equations at 3 V and from what the other
+#: files say.
 AT_REST = {
     "quadruple-tank": (
         [level_of(3.0 * (0.70 * 3.33e-6 + 0.40 * 3.35e-6), 0.071e-4),
          level_of(3.0 * (0.60 * 3.35e-6 + 0.30 * 3.33e-6), 0.057e-4)],
         [3.0, 3.0],
+        [3.0, 3.0],
     ),
-    "equalisation-tank": ([0.5], [0.614]),
-    "eight-tanks": ([4.9e-3 * 3.08 * 60.0], [4.9e-3]),
-    "wet-well:start-stop": ([], [0.0, 0.0]),  # no level at which a pump starts is reached
-    "averaging-tank": ([5000.0, 2.0], [5000.0, 0.2]),
+    "equalisation-tank": ([50.0], [61.4], [0.614]),
+    "eight-tanks": ([4.9e-3 * 3.08 * 60.0], [4.9e-3 * 60.0], [4.9e-3]),
+    # No level at which a pump starts is reached.
+    "wet-well:start-stop": ([], [0.0, 0.0], [0.0, 0.0]),
+    "averaging-tank": ([5.0, 2.0], [5.0, 0.2], [5000.0, 0.2]),
 }  # fmt: skip
 
 
@@ -117,10 +122,10 @@ def test_setpoints_and_outputs_begin_where_the_plant_rests(process, name):
     def begin(part):
         return [signal.initial for signal in signals if signal.part == part]
 
-    setpoints, outputs = AT_REST[process]
+    setpoints, outputs, in_si = AT_REST[process]
     assert begin("sp") == pytest.approx(setpoints, rel=1e-5)
-    for part in ("out", "last_output"):
-        assert begin(part) == pytest.approx(outputs, rel=1e-12)
+    assert begin("out") == pytest.approx(outputs, rel=1e-12)
+    assert begin("last_output") == pytest.approx(in_si, rel=1e-12)
 
 
 def test_every_number_says_its_source():

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.plant_shell.edge import at_port
 from clepsydra.controllers.plant_shell.fail_safe import SafeOutput
 from clepsydra.controllers.plant_shell.sensor_diagnosis import SENSOR_DELAY, MonitoredSensor
 from clepsydra.controllers.plant_shell.setpoint_ramp import RampedSetpoint
@@ -170,9 +171,10 @@ class _Maker:
         high = values.get(path(owner, "high_limit"), signal.high)
         given = self.settings.fail_safe.get(name)
         if given is not None and not low <= given <= high:
+            port = at_port(replace(signal, low=low, high=high, initial=given))
             raise InputError(
-                f"{self.controller.name}, plant shell, fail_safe, {name}", given,
-                f"a value from {low:g} to {high:g} {signal.unit}, the limits of {name}",
+                f"{self.controller.name}, plant shell, fail_safe, {name}", port.initial,
+                f"a value from {port.low:g} to {port.high:g} {port.unit}, the limits of {name}",
                 "choose one within the limits",
             )  # fmt: skip
         if given is None and not math.isfinite(low):

@@ -52,7 +52,7 @@ def print_c(
     ``NAME_initialise`` sets the initial state, ``NAME_default_parameters`` the parameters'
     values, and ``NAME_step`` computes one sample: it reads parameters, state and inputs,
     writes outputs and the next state. Integer signals are ``int32_t``, boolean ones ``bool``,
-    all others ``double`` or ``float`` in their SI unit. A block that the program calls becomes
+    all others ``double`` or ``float`` in their unit. A block that the program calls becomes
     one static function ``NAME_BLOCK_step``, and each instance a member of the state.
 
     Parameters

@@ -26,7 +26,7 @@ def print_structured_text(
 
     Inputs and parameters are VAR_INPUT (parameters with their value as default), outputs
     VAR_OUTPUT, the state VAR RETAIN with its initial value, so that a warm start keeps it; real
-    signals are LREAL or REAL in their SI unit, integer ones DINT, boolean ones BOOL. The
+    signals are LREAL or REAL in their unit, integer ones DINT, boolean ones BOOL. The
     operations of `clepsydra.program.program.EXACT` compute every bit of the simulation; the
     functions EXP, LN, SIN … are the target's own and may differ in the last bits.
 
