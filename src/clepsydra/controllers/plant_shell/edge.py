@@ -45,7 +45,8 @@ def in_shown_units(controller: AnyController) -> AnyController:
     """Return a controller whose inputs, parameters and outputs are in the units that are shown.
 
     Each that is shown in another unit than SI is converted where it enters or leaves the law, by
-    one operation; the law itself, and its state, stay as they are.
+    one operation; the law itself, and its state, stay as they are. A controller whose inputs and
+    outputs are shown in SI stays in SI altogether.
 
     Parameters
     ----------
@@ -67,7 +68,7 @@ def in_shown_units(controller: AnyController) -> AnyController:
     entering = (*law.inputs, *law.parameters)
     every = (*entering, *law.outputs)
     ports = {signal.name: at_port(signal) for signal in every}
-    if all(ports[signal.name] == signal for signal in every):
+    if all(ports[signal.name] == signal for signal in (*law.inputs, *law.outputs)):
         return controller
 
     def equations(symbols: Symbols) -> Equations:
