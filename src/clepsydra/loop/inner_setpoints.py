@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
+from clepsydra.base.conversion import conversion
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.structure.pid_block import PidBlock
@@ -85,6 +86,7 @@ def inner_setpoints(controller: Controller, process: Process) -> tuple[InnerSetp
     """
     inner = inner_loops(controller)
     loops = Counter(measurement for _, measurement in inner)
+    units = {parameter.name: parameter.unit for parameter in controller.law.parameters}
     found = []
     for block, measurement in inner:
         y = process.signal(measurement)
@@ -97,8 +99,11 @@ def inner_setpoints(controller: Controller, process: Process) -> tuple[InnerSetp
             y.high,
             description=f"setpoint that {block.setpoint} gives for {measurement}",
         )
+        names = [path(block.owner, f"setpoint_{end}_limit") for end in ("low", "high")]
+        ways = [conversion(units[name], y.unit) for name in names]
         low, high = (
-            controller.values[path(block.owner, f"setpoint_{end}_limit")] for end in ("low", "high")
+            value if way is None else way(value)
+            for value, way in zip(map(controller.values.__getitem__, names), ways, strict=True)
         )
         state = path(block.owner, "working_setpoint")
         found.append(InnerSetpoint(signal, measurement, state, low, high))
