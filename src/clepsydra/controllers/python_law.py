@@ -214,7 +214,7 @@ class _PythonFunction:
             raise InputError(
                 self._place, shortened(repr(result)),
                 "the next state and the outputs, two dictionaries",
-                'write as in return {"integral": integral}, {"manipulated_1": output}',
+                'write as in return {"integral": integral}, {"pump.out": output}',
             )  # fmt: skip
         return (
             self._checked("next state", result[0], self._state),
