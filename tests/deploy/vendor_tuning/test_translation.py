@@ -98,7 +98,7 @@ def test_what_rounding_does_is_what_a_run_with_the_rounded_numbers_shows(quadrup
     rounded = replace(controller, values=controller.values | numbers)
     runs = [Loop(each, quadruple.linear).run(scenario).values for each in (controller, rounded)]
     found = translate(controller, "quadruple-tank")
-    for loop, pump in ((1, "pump_1"), (2, "pump_2")):
+    for loop, pump in (("level_1", "pump_1"), ("level_2", "pump_2")):
         expected = np.max(np.abs(runs[0][pump] - runs[1][pump])) / 10.0  # of 0 V to 10 V
         assert expected > 1e-5
         assert found.row(loop, key).by_numbers == pytest.approx(expected, rel=1e-3)
@@ -109,10 +109,10 @@ def test_the_check_sees_one_percent_of_each_number(three):
     (tuning,), _ = standard_tunings(controller, three.process)
     check = Check(controller, three.linear, default_scenario(three.linear))
     own = tuning.settings
-    assert check.differences({1: Applied("isa", own, "measurement")})["feed"] == 0.0
+    assert check.differences({tuning.loop: Applied("isa", own, "measurement")})["feed"] == 0.0
     for name in ("gain", "integral_time", "derivative_time", "filter_time"):
         wrong = own._replace(**{name: 1.01 * getattr(own, name)})
-        assert check.differences({1: Applied("isa", wrong, "measurement")})["feed"] > 2e-4
+        assert check.differences({tuning.loop: Applied("isa", wrong, "measurement")})["feed"] > 2e-4
 
 
 @pytest.mark.parametrize("algorithm", ["isa", "parallel", "velocity"])
@@ -126,8 +126,8 @@ def test_pid_control_by_its_numbers_is_the_same_and_what_blocks_lack_shows(three
             assert row.by_numbers < 2e-4, row.block.key
     # Noise through an unfiltered derivative, and setpoint steps through one on the error.
     for key in ("codesys-pid", "iec-61131-3-pid", "yokogawa-fieldbus-pid"):
-        assert found.row(1, key).by_block > 0.2
-    assert found.row(1, "siemens-cont-c").by_block > 0.05
+        assert found.row("level_3", key).by_block > 0.2
+    assert found.row("level_3", "siemens-cont-c").by_block > 0.05
 
 
 def test_the_series_form_differs_by_sampling_alone(three):
@@ -139,7 +139,7 @@ def test_the_series_form_differs_by_sampling_alone(three):
         scenario = default_scenario(cl.Plant(process).linear)
         quiet = replace(scenario, noise=np.zeros_like(scenario.noise))
         found.append(
-            translate(controller, process, quiet).row(1, "emerson-deltav-series").by_numbers
+            translate(controller, process, quiet).row("level_3", "emerson-deltav-series").by_numbers
         )
     assert found[0] / found[1] == pytest.approx(4.0, rel=0.1)
 
@@ -147,13 +147,13 @@ def test_the_series_form_differs_by_sampling_alone(three):
 def test_a_series_controller_is_the_series_block_to_the_printed_digits(three):
     controller = cl.design.simc(three, form=PidForm("PID", "series"))
     found = translate(controller, three.process)
-    row = found.row(1, "emerson-deltav-series")
+    row = found.row("level_3", "emerson-deltav-series")
     values = controller.values
     assert {setting.name: setting.value for setting in row.filled.settings} == pytest.approx(
         {
-            "GAIN": values["level_1.proportional_gain"] * 0.7 / 1e-4,
-            "RESET": values["level_1.integral_time"],
-            "RATE": values["level_1.derivative_time"],
+            "GAIN": values["level_3.proportional_gain"] * 0.7 / 1e-4,
+            "RESET": values["level_3.integral_time"],
+            "RATE": values["level_3.derivative_time"],
             "ALPHA": 0.1,
         },
         rel=5e-5,
@@ -165,7 +165,7 @@ def test_the_time_at_a_limit_is_counted(three):
     controller = cl.design.simc(three, form=PidForm("PID"))
     scenario = default_scenario(three.linear)
     feed = Loop(controller, three.linear).run(scenario).values["feed"]
-    share = np.mean((feed == 0.0) | (feed == controller.values["pump_1.high_limit"]))
+    share = np.mean((feed == 0.0) | (feed == controller.values["feed.high_limit"]))
     found = translate(controller, three.process, scenario)
     assert 0.0 < share == found.saturated
     assert f"{100 * share:.2g} % of its samples have an output at a limit" in found.as_markdown()
@@ -175,7 +175,7 @@ def test_direct_action_of_a_basin():
     controller = designed("arrest_time", "equalisation-tank")
     found = translate(controller, "equalisation-tank")
     assert (
-        found.tunings[0].action == "direct" and controller.values["level_1.proportional_gain"] < 0.0
+        found.tunings[0].action == "direct" and controller.values["level.proportional_gain"] < 0.0
     )
     for row in found.rows:
         assert row.by_numbers < (5e-3 if row.block.key in COARSE else 1e-4), row.block.key
@@ -186,10 +186,10 @@ def test_both_loops_of_a_cascade(tmp_path):
     found = translate(controller, request.process)
     assert [tuning.title for tuning in found.tunings] == ["level by duty_flow", "duty_flow by duty"]
     assert [tuning.action for tuning in found.tunings] == ["direct", "reverse"]
-    outer = found.row(1, "siemens-pid-compact").filled
+    outer = found.row("level", "siemens-pid-compact").filled
     assert [setting.words for setting in outer.settings[:2]] == ["Gain = 3 %/%", "Ti = 600 s"]
     assert found.as_markdown().count("Other blocks stand between it and the outputs.") == 1
-    inner = found.row(2, "siemens-pid-compact").filled
+    inner = found.row("flow", "siemens-pid-compact").filled
     assert [setting.words for setting in inner.settings[:2]] == ["Gain = 0.3 %/%", "Ti = 6 s"]
     for row in found.rows:
         assert row.by_numbers < (1e-2 if row.block.key in COARSE else 1e-6), row.block.key
@@ -202,7 +202,7 @@ def test_a_loop_with_gap_action_is_left_out_with_its_reason(tmp_path):
     )  # fmt: skip
     controller, request = of_study(text, tmp_path)
     found = translate(controller, request.process)
-    assert [tuning.number for tuning in found.tunings] == [1]
+    assert [tuning.loop for tuning in found.tunings] == ["level"]
     ((loop, block, why),) = found.refused
     assert (loop, block) == ("duty_flow by duty", "") and "gap action" in why
     assert "gap action on the error" in " ".join(shown(found).split())

@@ -93,7 +93,7 @@ def _add_structure(root: ElementTree.Element, model: FmuModel) -> None:
             ElementTree.SubElement(
                 group,
                 "Unknown",
-                index=str(model.reference(variable.name)),
+                index=str(model.reference(variable.signal.name)),
                 dependencies=" ".join(map(str, places)),
             )
 
@@ -101,6 +101,6 @@ def _add_structure(root: ElementTree.Element, model: FmuModel) -> None:
     add("Derivatives", [(v, model.known_later(v)) for v in model.derivatives])
     unknown = sorted(
         (v for v in (*model.outputs, *model.derivatives) if not v.settable),
-        key=lambda variable: model.reference(variable.name),
+        key=lambda variable: model.reference(variable.signal.name),
     )
     add("InitialUnknowns", [(v, v.depends_on or ()) for v in unknown])

@@ -105,7 +105,7 @@ def _add_structure(root: ElementTree.Element, model: FmuModel) -> None:
         ElementTree.SubElement(
             structure,
             tag,
-            valueReference=str(model.reference(variable.name)),
+            valueReference=str(model.reference(variable.signal.name)),
             dependencies=" ".join(map(str, references)),
         )
 

@@ -19,10 +19,11 @@ from clepsydra.program.program import Program
 
 Causality = Literal["input", "parameter", "output", "local"]
 Variability = Literal["continuous", "discrete", "tunable"]
-#: A name in the structured convention: words of letters, digits and underscores, joined by dots.
-_STRUCTURED = re.compile(
-    r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*|der\(([A-Za-z_]\w*\.)*[A-Za-z_]\w*\)", re.ASCII
-)
+_WORD = r"[A-Za-z_]\w*(\[\d+\])*"
+#: A name in the structured convention: words of letters, digits and underscores, joined by dots,
+#: each with the place of an element behind it where it has any.
+_STRUCTURED = re.compile(rf"{_WORD}(\.{_WORD})*|der\(({_WORD}\.)*{_WORD}\)", re.ASCII)
+_PLACE = re.compile(r"\.(\d+)(?=\.|\)|$)")
 #: Namespace of the tokens that identify a model.
 _NAMESPACE = uuid.uuid5(uuid.NAMESPACE_DNS, "clepsydra.functional-mock-up-unit")
 
@@ -60,8 +61,13 @@ class FmuVariable:
 
     @property
     def name(self) -> str:
-        """The name, with dots between element and quantity."""
-        return self.signal.name
+        """The name in the FMU, with dots between words and brackets round the place of an element.
+
+        >>> share = Signal("level_8.model_share.2")
+        >>> FmuVariable(share, "parameters.share", "parameter", "tunable").name
+        'level_8.model_share[2]'
+        """
+        return _PLACE.sub(r"[\1]", self.signal.name)
 
     @property
     def settable(self) -> bool:
@@ -166,8 +172,8 @@ class FmuModel:
         return f"{{{uuid.uuid5(_NAMESPACE, f'{whole} {version}')}}}"
 
     def reference(self, name: str) -> int:
-        """Return the value reference of a variable."""
-        return 1 + [variable.name for variable in self.variables].index(name)
+        """Return the value reference of the variable of a signal's name."""
+        return 1 + [variable.signal.name for variable in self.variables].index(name)
 
     @property
     def derivatives(self) -> tuple[FmuVariable, ...]:
@@ -185,7 +191,7 @@ class FmuModel:
         return tuple(v for v in self.variables if v.causality == "output")
 
     def variable(self, name: str) -> FmuVariable:
-        """Return the variable of a name."""
+        """Return the variable of a signal's name."""
         return self.variables[self.reference(name) - 1]
 
     def known_later(self, variable: FmuVariable) -> tuple[str, ...]:
@@ -197,7 +203,7 @@ class FmuModel:
             return ()
         states = {derivative.derivative_of for derivative in self.derivatives}
         # A state that is an output depends on itself.
-        depends_on = (variable.name,) if variable.depends_on is None else variable.depends_on
+        depends_on = (variable.signal.name,) if variable.depends_on is None else variable.depends_on
         return tuple(
             name
             for name in depends_on

@@ -82,7 +82,7 @@ def _references(model: FmuModel) -> list[str]:
         return f"static const {kind} {name}[] = {{{', '.join(values or ['0'])}}};"
 
     def numbers(variables: Sequence[FmuVariable]) -> list[str]:
-        return [str(model.reference(variable.name)) for variable in variables]
+        return [str(model.reference(variable.signal.name)) for variable in variables]
 
     return [
         f"static const size_t model_state_count = {len(states)};",
