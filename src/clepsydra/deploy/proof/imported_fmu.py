@@ -107,7 +107,11 @@ class ImportedFmu(Instance):
             raise FmuError(f"{path.name}: {error}") from None
         version = _FUNCTIONS[self.description.fmiVersion]
         self._is_third = self.description.fmiVersion == "3.0"
-        references = {v.name: v.valueReference for v in self.description.modelVariables}
+        # The place of an element, in brackets there, is a word of a path.
+        references = {
+            v.name.replace("[", ".").replace("]", ""): v.valueReference
+            for v in self.description.modelVariables
+        }
         # What a process holds has the name of the process in an FMU, where nothing else has it.
         references = {f"{HELD}.{name}": number for name, number in references.items()} | references
         # A state in an instance of a block has the name of that instance before its own.
