@@ -100,8 +100,9 @@ def test_a_number_that_is_one_unit_larger_fails_the_proof(monkeypatch):
 
     monkeypatch.setattr(compiled_c, "print_c", wrong_c)
     monkeypatch.setattr(interpreted_text, "print_structured_text", wrong_text)
-    # With this seed the first scan is in automatic; in manual it would set the integral anew.
-    proof = quick_proof(monkeypatch, without=FMUS, seed=2)
+    # With this seed the first scan is in automatic, which leaves the integral as it is printed, and
+    # for half of the scans nobody tunes, which would replace the gain.
+    proof = quick_proof(monkeypatch, without=FMUS, seed=5)
     wrong = [row for row in proof.failures if row.precision == "double"]
     assert [row.target for row in wrong] == ["C", "Structured Text, matiec"]
     # One unit in the last place is some 1e-16 of gain or output.
