@@ -3,6 +3,7 @@
 import casadi as ca
 import numpy as np
 import pytest
+from refusals import refused
 
 from clepsydra.base.signal import Signal
 from clepsydra.engine.kernel import Kernel
@@ -142,3 +143,47 @@ def test_a_truth_value_of_a_block_restarts_another_as_it_is():
     first, second = with_owned_state(structured_program_of(law)).calls
     place = [signal.name for signal in second.program.inputs].index("restart")
     assert second.arguments[len(FILTER.state) + place] == first.targets[0]
+
+
+def called(instance="first", state=None, **inputs):
+    given = {"x": ca.SX.sym("x"), "share": ca.SX(0.5)} | inputs
+    kept = {"kept": ca.SX.sym("kept"), "scans": ca.SX.sym("scans")} if state is None else state
+    return FILTER(
+        instance, {name: value for name, value in given.items() if value is not None}, kept
+    )
+
+
+@pytest.mark.parametrize(
+    ("wrong", "place", "value", "remedy"),
+    [
+        ({"share": None}, "", "no value for share", "wire the port"),
+        ({"state": {"kept": ca.SX(3)}}, "", "no value for scans", "wire the port"),
+        ({"gain": ca.SX(2)}, "", "gain", "correct the name"),
+        ({"x": ca.SX.sym("x", 2)}, ", x", "2 by 1 values", "wire one of them"),
+    ],
+)
+def test_a_block_that_is_wired_wrongly_says_where(wrong, place, value, remedy):
+    whole = f"block filter, instance first{place}"
+    with refused(place=whole, value=value, remedy=remedy):
+        called(**wrong)
+
+
+def test_two_instances_of_one_name_are_refused_where_they_are_printed():
+    law = step_law(
+        "twins", inputs=[Signal("u")], parameters=[], state=STATE, outputs=[Signal("y")],
+        equations=lambda s: _twins(s),
+    )  # fmt: skip
+    with refused(place="twins, instances", value="same", expected="a name of its own"):
+        structured_program_of(law)
+
+
+def _twins(s):
+    both = [
+        FILTER("same", {"x": s["u"], "share": 0.5}, {"kept": s[kept], "scans": s[scans]})
+        for kept, scans in (("a", "n"), ("b", "m"))
+    ]
+    following = [value for each in both for value in each.next_state.values()]
+    names = [signal.name for signal in STATE]
+    return Equations(
+        dict(zip(names, following, strict=True)), {"y": both[0].outputs["y"] + both[1].outputs["y"]}
+    )

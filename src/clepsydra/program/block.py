@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
+from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.step_law import Equations, Symbols
@@ -57,11 +58,32 @@ class Block:
             What it is called where it stands.
         inputs, state : mapping
             Name of the block's input or state to an expression.
+
+        Raises
+        ------
+        InputError
+            A port is open, or a value is for no port or no scalar.
         """
+        self._check(instance, self.inputs, inputs)
+        self._check(instance, self.state, state)
         calls = _calls.get()
         if calls is not None:
             return calls.kept(KeptCall(self, instance), inputs, state)
         return self.equations({**inputs, **state})
+
+    def _check(self, instance: str, ports: tuple[Signal | DelayRing, ...], given: Symbols) -> None:
+        """Refuse values that are not one scalar for each port."""
+        place, names = f"block {self.name}, instance {instance}", [port.name for port in ports]
+        wired = f"one scalar for each of {', '.join(names) or 'no port'}"
+        for name in names:
+            if name not in given:
+                raise InputError(place, f"no value for {name}", wired, "wire the port")
+        for name, value in given.items():
+            if name not in names:
+                raise InputError(place, name, wired, "correct the name of the port")
+            if ca.SX(value).numel() != 1:
+                shown = f"{' by '.join(map(str, ca.SX(value).shape))} values"
+                raise InputError(f"{place}, {name}", shown, "a scalar", "wire one of them")
 
 
 @dataclass(frozen=True, eq=False)

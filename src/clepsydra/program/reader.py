@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from clepsydra.base.errors import ClepsydraError
-from clepsydra.program.block import KeptCall, keeping_calls, kept_call
+from clepsydra.base.errors import ClepsydraError, InputError
+from clepsydra.base.signal import Signal
+from clepsydra.program.block import Block, KeptCall, keeping_calls, kept_call
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.counted_loop import RecoveredLoop, recover_loop
 from clepsydra.program.program import Block as ProgramBlock
@@ -254,9 +255,7 @@ def program_of(law: StepLaw) -> Program:
     >>> [operation.code for operation in program_of(law).block.operations()]
     ['constant', 'multiply']
     """
-    names = [signal.name for signal in law.intermediates]
-    block, named = _block(law.function, names, len(law.state) + len(law.outputs))
-    return Program(law.name, law.state, law.inputs, law.parameters, law.outputs, block, named)
+    return _program(law, law.parameters, law.function, law.intermediates)
 
 
 def structured_program_of(law: StepLaw) -> Program:
@@ -290,24 +289,37 @@ def structured_program_of(law: StepLaw) -> Program:
     with keeping_calls():
         groups = (law.state, law.inputs, law.parameters)
         function, between = function_of(law.name, groups, law.outputs, law.equations)
-        names = [signal.name for signal in between]
-        block, named = _block(function, names, len(law.state) + len(law.outputs))
-    return Program(law.name, law.state, law.inputs, law.parameters, law.outputs, block, named)
+        return _program(law, law.parameters, function, between)
 
 
-def _block(
-    function: ca.Function, names: Sequence[str], results: int
-) -> tuple[ProgramBlock, dict[int, str]]:
-    """Read a function whose results are followed by values that only have names."""
+def _program(
+    whole: StepLaw | Block,
+    parameters: tuple[Signal, ...],
+    function: ca.Function,
+    between: Sequence[Signal],
+) -> Program:
+    """Read the function of a law or a block; its results are followed by what only has names."""
     _check(function)
+    results = len(whole.state) + len(whole.outputs)
     size = sum(function.numel_in(i) for i in range(function.n_in()))
     builder = BlockBuilder(size)
     values = inline(builder, function, range(size))
     named: dict[int, str] = {}
-    for value, name in zip(values[results:], names, strict=True):
+    for value, signal in zip(values[results:], between, strict=True):
         if value >= size:
-            named.setdefault(value, name)
-    return builder.finish(values[:results]), named
+            named.setdefault(value, signal.name)
+    block = builder.finish(values[:results])
+    program = Program(
+        whole.name, whole.state, whole.inputs, parameters, whole.outputs, block, named,
+        whole.description if isinstance(whole, Block) else (),
+    )  # fmt: skip
+    instances = [call.instance for call in program.calls]
+    for name in instances:
+        if instances.count(name) > 1:
+            raise InputError(
+                f"{whole.name}, instances", name, "a name of its own for each", "rename one of them"
+            )
+    return program
 
 
 def _kept(builder: BlockBuilder, call: KeptCall, arguments: list[int]) -> list[int]:
@@ -315,9 +327,4 @@ def _kept(builder: BlockBuilder, call: KeptCall, arguments: list[int]) -> list[i
     block = call.block
     groups = (block.state, block.inputs)
     function, between = function_of(block.name, groups, block.outputs, block.equations)
-    names = [signal.name for signal in between]
-    body, named = _block(function, names, len(block.state) + len(block.outputs))
-    program = Program(
-        block.name, block.state, block.inputs, (), block.outputs, body, named, block.description
-    )
-    return list(builder.call(program, call.instance, arguments))
+    return list(builder.call(_program(block, (), function, between), call.instance, arguments))
