@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from deployed import CompiledC, InterpretedText, all_bits
 from plants import ONE_TANK, designed, plant
+from tools import need_grammar
 
 import clepsydra as cl
 from clepsydra.deploy.export import export_c, export_structured_text
@@ -142,6 +143,7 @@ def test_an_fmu_stays_in_si_and_says_what_to_show():
 
 
 def test_the_test_project_wires_percent_to_si():
+    need_grammar()
     exported = ready(LABORATORY)
     files = export_structured_text(exported).files
     (text,) = (t.decode() for n, t in files.items() if n.endswith("_test.st"))

@@ -117,3 +117,14 @@ def test_a_decoupled_controller_has_loops_too(plant):
     decoupled = cl.design.simc(plant, decoupling="static")
     changed = decoupled.with_values({"level_2": {"K": 1.0}})
     assert changed.values["level_2.proportional_gain"] == 1.0 and at_rest(plant, changed) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("process", "design"),
+    [("wet-well:start-stop", "start_stop_levels"), ("three-tanks", "lqi")],
+)
+def test_values_go_back_as_they_are(process, design):
+    """Also where the process shows mA, percent or cm: bare numbers are those of `values`."""
+    given = getattr(cl.design, design)(cl.load(process))
+    assert any(p.display_unit not in ("", p.unit) for p in given.law.parameters)
+    assert given.with_values(given.values).values == given.values

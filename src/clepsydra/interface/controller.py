@@ -46,7 +46,8 @@ class Controller(Shown, inner.Controller):
             controller's own table: K, Ti, Td, b, and the keys of study files. Text with a unit, or
             a number in the unit of the table: K in %/%, a time in s. The gain has no sign: the
             action of the loop gives it. What follows a setting does so still: a tracking time that
-            equals Ti. Of other laws, parameter to its value, in its unit or as text with one.
+            equals Ti. Of other laws, parameter to its value, a number in SI as in `values` or text
+            with a unit.
         name : str, optional
             What the reader sees; the same name with ", changed" if left out.
 

@@ -11,6 +11,7 @@ from clepsydra.base.signal import Signal
 from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si
 from clepsydra.controllers.controller import Controller
+from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.designs.gain_units import has_range, percent_gain
 from clepsydra.interface.quantities import arguments, with_unit
@@ -130,9 +131,13 @@ def table_unit(loop: PidBlock) -> str:
 def _read(controller: Controller, place: str, word: str, parameter: str, value: Any) -> float:
     parameters = law_parameters(controller.law)
     signal = parameters.known[parameter]
-    unit = signal.shown_unit if "/" not in signal.shown_unit else "1"
-    table = arguments(place, {word: with_unit(value, unit)})
-    found = parameters.read(table, word, parameter, "a setting", _REMEDY)
+    table = arguments(place, {word: value})
+    # A bare number is one of `Controller.values`.
+    found = (
+        float(value)
+        if is_finite_number(value)
+        else parameters.read(table, word, parameter, "a setting", _REMEDY)
+    )
     check_law_range(table, word, signal, found)
     return found
 
