@@ -158,7 +158,6 @@ def called(instance="first", state=None, **inputs):
     [
         ({"share": None}, "", "no value for share", "wire the port"),
         ({"state": {"kept": ca.SX(3)}}, "", "no value for scans", "wire the port"),
-        ({"gain": ca.SX(2)}, "", "gain", "correct the name"),
         ({"x": ca.SX.sym("x", 2)}, ", x", "2 by 1 values", "wire one of them"),
     ],
 )

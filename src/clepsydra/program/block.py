@@ -62,7 +62,7 @@ class Block:
         Raises
         ------
         InputError
-            A port is open, or a value is for no port or no scalar.
+            A port is open, or its value is no scalar.
         """
         self._check(instance, self.inputs, inputs)
         self._check(instance, self.state, state)
@@ -73,17 +73,17 @@ class Block:
 
     def _check(self, instance: str, ports: tuple[Signal | DelayRing, ...], given: Symbols) -> None:
         """Refuse values that are not one scalar for each port."""
-        place, names = f"block {self.name}, instance {instance}", [port.name for port in ports]
-        wired = f"one scalar for each of {', '.join(names) or 'no port'}"
-        for name in names:
-            if name not in given:
-                raise InputError(place, f"no value for {name}", wired, "wire the port")
-        for name, value in given.items():
-            if name not in names:
-                raise InputError(place, name, wired, "correct the name of the port")
-            if ca.SX(value).numel() != 1:
+        place = f"block {self.name}, instance {instance}"
+        for port in ports:
+            if port.name not in given:
+                names = ", ".join(each.name for each in ports)
+                raise InputError(
+                    place, f"no value for {port.name}", f"one scalar for each of {names}",
+                    "wire the port",
+                )  # fmt: skip
+            if ca.SX(value := given[port.name]).numel() != 1:
                 shown = f"{' by '.join(map(str, ca.SX(value).shape))} values"
-                raise InputError(f"{place}, {name}", shown, "a scalar", "wire one of them")
+                raise InputError(f"{place}, {port.name}", shown, "a scalar", "wire one of them")
 
 
 @dataclass(frozen=True, eq=False)
