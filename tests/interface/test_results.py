@@ -121,8 +121,8 @@ def test_an_export_writes_what_it_says(plant, pi, tmp_path):
     written = cl.export(bold, plant, tmp_path / "plc", to="st", fail_safe={"pump_1": 2.0})
     assert [path.parent for path in written.files] == [tmp_path / "plc"] * len(written.files)
     block = (tmp_path / "plc" / "quadruple_tank_bold.st").read_text("utf-8")
-    assert "level_1.proportional_gain : LREAL := 6.0" in block and "bold" in block
-    assert "fail_safe_1 : LREAL := 2.0" in block
+    assert "level_1_proportional_gain : LREAL := 6.0" in block and "bold" in block
+    assert "pump_1_fail_safe : LREAL := 2.0" in block
     assert str(written.files[0]) in repr(written) and written.facts["digest"] in block
     tuning = cl.export(pi, plant, tmp_path, to="tuning")
     assert tuning.files[0].suffix == ".md"

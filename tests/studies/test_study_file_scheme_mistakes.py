@@ -184,7 +184,7 @@ TUNING = [
         tuned('parameters.basin.gain = ["1 %/%", "5 %/%"]'),
         "got 'basin.gain', expected a loop of this controller (level)",
     ),
-    (tuned('parameters.integral_time_2 = ["1 s", "5 s"]'), "choose one of them"),
+    (tuned('parameters.integral_time_2 = ["1 s", "5 s"]'), "perhaps 'level.int"),
     (tuned('parameters.integral_time_1 = ["1 s", "5 s"]'), "write level.integral_time"),
     (tuned("parameters.level.gain = 3"), "expected a list of a low and a high bound"),
     (

@@ -52,14 +52,15 @@ def test_no_neighbour_that_keeps_the_limit_is_better():
     """The non-minimum phase tank, whose best stands on the limit: 60 points around it."""
     _, model, scenario, found = tuned("quadruple-tank-nonminimum-phase")
     random = np.random.default_rng(5)
-    moved = [f"{name}_{i}" for name in ("proportional_gain", "integral_time") for i in (1, 2)]
+    moved = [f"level_{i}.{name}" for name in ("proportional_gain", "integral_time") for i in (1, 2)]
     kept = 0
     for _ in range(60):
         values = dict(found.controller.values)
         values |= {name: values[name] * (1 + 0.02 * random.normal()) for name in moved}
         values |= {f"level_{i}.tracking_time": values[f"level_{i}.integral_time"] for i in (1, 2)}
         state = found.controller.initial_state
-        state = state | {f"last_{n}": values[n] for n in moved if f"last_{n}" in state}
+        last = {name: name.replace(".", ".last_") for name in moved}
+        state = state | {last[n]: values[n] for n in moved if last[n] in state}
         other = dataclasses.replace(found.controller, values=values, initial_state=state)
         if sampled_loop(other, model).maximum_sensitivity > 2.0:
             continue

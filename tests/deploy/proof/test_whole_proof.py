@@ -206,9 +206,10 @@ def test_rows_that_differed_are_computed_again(monkeypatch, tmp_path):
             **more,
         ),
     )  # fmt: skip
-    assert not quick_proof(monkeypatch, without=FMUS, folder=tmp_path).holds
+    # Scans that begin in automatic: in manual the integral follows, whatever it was.
+    assert not quick_proof(monkeypatch, without=FMUS, folder=tmp_path, seed=5).holds
     monkeypatch.setattr(compiled_c, "print_c", print_c)
-    assert quick_proof(monkeypatch, without=FMUS, folder=tmp_path).holds
+    assert quick_proof(monkeypatch, without=FMUS, folder=tmp_path, seed=5).holds
 
 
 def test_the_files_say_what_was_proved(monkeypatch, tmp_path):

@@ -32,11 +32,13 @@ def folded(line: str, longest: int = LINE) -> Iterator[str]:
     start = len(line) - len(line.lstrip())
     indent, opened = line[:start] + _STEP * 2, 0
     while len(line) > longest:
-        depth, places = opened, []
+        depth, places, brackets = opened, [], []
         for found in _BREAKS.finditer(line, start):
             sign = found["sign"]
             if sign in _OPENING or sign in _CLOSING:
                 depth += 1 if sign in _OPENING else -1
+                if sign in _OPENING and found.end() <= longest:
+                    brackets.append((False, depth, 0, -found.end()))
                 continue
             # A comma and an assignment stay where they are, an operator goes to the next line.
             at = found.end() + 1 if sign in (",", ":=") else found.start("sign")
@@ -44,6 +46,8 @@ def folded(line: str, longest: int = LINE) -> Iterator[str]:
                 break
             if sign != ":=" or depth == 0:
                 places.append((at < start + _LEAST, depth, _TIGHT.get(sign, 5), -at))
+        # Behind a bracket only where nothing else is near enough.
+        places = places or brackets[:1]
         if not places:
             break
         _, opened, _, at = min(places)
