@@ -98,9 +98,9 @@ def test_wires_names_and_operations_of_a_small_program():
 def test_every_port_of_every_call_is_drawn_or_counted(programs, name):
     program = programs[name]
     boxes = {box.title: box for box in diagram(program) if box.kind}
-    assert list(boxes) == [call.instance for call in program.calls]
+    assert list(boxes) == [call.identifier for call in program.calls]
     for call in program.calls:
-        box, block = boxes[call.instance], call.program
+        box, block = boxes[call.identifier], call.program
         shown = [port.name for port in box.inputs]
         assert all(port.wires or port.names for port in box.inputs)
         # The rest are constants: the values of a cold start, and what follows from the parameters.

@@ -116,7 +116,7 @@ class Signal:
     @property
     def identifier(self) -> str:
         """The name as an identifier of a programming language."""
-        return self.name.replace(".", "_")
+        return identifier(self.name)
 
     def to_percent(self, value: float) -> float:
         """Return a value [unit] in the signal's percent."""
@@ -127,6 +127,17 @@ class Signal:
         """Return the value [unit] of a signal's percent."""
         zero, hundred = self.percent_scale
         return zero + (hundred - zero) * percent / 100.0
+
+
+def identifier(name: str) -> str:
+    """Return a path as an identifier of a programming language.
+
+    Examples
+    --------
+    >>> identifier("pump_1.mode")
+    'pump_1_mode'
+    """
+    return name.replace(".", "_")
 
 
 def path(owner: Signal | str, part: str) -> str:

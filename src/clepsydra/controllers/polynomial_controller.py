@@ -250,7 +250,7 @@ class IncrementalLoop:
             "numbers": read.numbers,
             "sensors": read.sensor,
         }
-        found = called(block, f"{u.identifier}_loop", given)
+        found = called(block, path(u, "loop"), given)
         status, conditions = told(found.outputs, u)
         memory = found.next_state
         return Equations(

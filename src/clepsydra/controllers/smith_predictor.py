@@ -242,7 +242,7 @@ class _PredictedLoop:
             "measurement": plain.measurement,
             "known": plain.measurement_known,
         }
-        first = called(predictor, f"{y.identifier}_prediction", given).outputs
+        first = called(predictor, path(y, "prediction"), given).outputs
         prediction = first["prediction"]
         predicted = Read(
             prediction,
@@ -254,7 +254,7 @@ class _PredictedLoop:
         )
         following = self.controller.step(symbols, predicted)
         given |= {**first, "manipulated": following.outputs[path(u, "out")]}
-        state = as_parts(y, called(model, f"{y.identifier}_model", given).next_state)
+        state = as_parts(y, called(model, path(y, "model"), given).next_state)
         if shape.delay:
             state[delayed] = now
         return Equations(

@@ -26,6 +26,7 @@ from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.deploy.structured_text.project import print_test_project
 from clepsydra.deploy.structured_text.time_literal import time_literal
+from clepsydra.deploy.tagged import tagged_point
 from clepsydra.deploy.vendor_tuning.translation import translate
 from clepsydra.linear.linearise import linearise
 from clepsydra.linear.operating_point import OperatingPoint
@@ -97,7 +98,7 @@ def export_structured_text(
     )
     texts = {f"{name}.{ending}": block}
     next_step = f"docs/plc.md says how {name}.{ending} comes into the project of the PLC; "
-    tank = process_program(ready.point, _substeps(ready.point))
+    tank = process_program(tagged_point(ready.point), _substeps(ready.point))
     try:
         print_structured_text(tank, precision=precision, dialect=dialect)
     except InputError as refusal:
@@ -124,7 +125,7 @@ def _test_projects(
         return as_form(
             ready.program,
             tank,
-            ready.controller.input_wires | ready.controller.output_wires,
+            ready.wires,
             ready.process.sampling_period,
             origin=ready.origin,
             process_origin=process_origin(ready.point),
@@ -219,7 +220,7 @@ def export_process_fmu(point: OperatingPoint, *, version: FmiVersion = "3.0") ->
     --------
     See `export_c`.
     """
-    substeps, origin = _substeps(point), process_origin(point)
+    substeps, origin, point = _substeps(point), process_origin(point), tagged_point(point)
     model = process_model(point, substeps, origin)
     files = {f"{model.name}.fmu": _fmu(model, version)}
     if point.process.motion.delays:

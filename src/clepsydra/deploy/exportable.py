@@ -12,6 +12,7 @@ from clepsydra.controllers.plant_shell.shell import shell_sources, with_plant_sh
 from clepsydra.controllers.signals import owners
 from clepsydra.deploy.printing.identifiers import identifier_of
 from clepsydra.deploy.printing.origin import Origin
+from clepsydra.deploy.tagged import TaggedLaw
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 from clepsydra.program.defaults import with_defaults
@@ -29,7 +30,7 @@ class Exportable:
     point : OperatingPoint
         Where the process rests with the controller's initial state.
     program : Program
-        Of this controller.
+        Of this controller, with the tags of the process in its names.
     program_in_si : Program
         With ports in SI, for who converts by himself: the importer of an FMU.
     origin : Origin
@@ -49,6 +50,11 @@ class Exportable:
     def process(self) -> Process:
         """The process that the controller was designed for."""
         return self.point.process
+
+    @property
+    def wires(self) -> dict[str, str]:
+        """Signals of the program to those of the process's own export, and of a loop."""
+        return TaggedLaw(self.controller, self.process).wires
 
 
 def exportable(
@@ -82,21 +88,23 @@ def exportable(
     shelled = with_plant_shell(controller, process.sampling_period, settings)
     in_si = replace(_at_rest(shelled, point), name=exportable_name(process, controller))
     at_edge = in_shown_units(shelled)
+    tagged = TaggedLaw(at_edge, process)
     program = replace(
         at_edge.program(),
         name=in_si.name,
         inputs=tuple(map(at_port, in_si.inputs)),
         outputs=tuple(map(at_port, in_si.outputs)),
     )
+    sources = _sources(controller, program) | shell_sources(shelled)
     origin = Origin(
         subject=controller.title,
         process=described(process),
         design=controller.design,
         sampling_period=process.sampling_period,
-        sources=_sources(controller, program) | shell_sources(shelled),
+        sources={tagged.name(name): source for name, source in sources.items()},
         default_source=controller.name,
     )
-    return Exportable(at_edge, point, program, in_si, origin)
+    return Exportable(at_edge, point, tagged.program(program), tagged.program(in_si), origin)
 
 
 def exportable_name(process: Process, controller: Controller) -> str:

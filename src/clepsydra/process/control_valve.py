@@ -12,7 +12,7 @@ import casadi as ca
 from clepsydra.base.signal import Signal
 from clepsydra.process.actuator import ROUNDING, limited_speed
 from clepsydra.process.backlash import Backlash
-from clepsydra.process.element import Connection, Element
+from clepsydra.process.element import TAG, Connection, Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Event
 from clepsydra.process.manipulated_signal import read_manipulated_signal
@@ -106,7 +106,7 @@ class ControlValve(Element):
     keys: ClassVar[tuple[str, ...]] = (
         "source", "destination", "kv", "characteristic", "rangeability", "range", "nominal",
         "submerged", "elevation", "pressure", "line_kv", "stroke_time", "backlash", "stiction",
-        "slip_jump", SUCTION_KEY,
+        "slip_jump", SUCTION_KEY, TAG,
     )  # fmt: skip
 
     source: str

@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from clepsydra.process.table_reader import TableReader
 
 
+#: The key of an element's tag in the plant's control system; who may have one lists it.
+TAG = "tag"
+
+
 @dataclass(frozen=True)
 class Connection:
     """That one element names another.

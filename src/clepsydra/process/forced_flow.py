@@ -17,7 +17,7 @@ from clepsydra.process.concentrations import (
     read_concentrations,
 )
 from clepsydra.process.disturbance_range import read_disturbance_range
-from clepsydra.process.element import Connection, Element
+from clepsydra.process.element import TAG, Connection, Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Event
 from clepsydra.process.suction import BREAKS_OFF, SUCTION_KEY, Suction, drawn, read_suction
@@ -61,7 +61,7 @@ class ForcedFlow(Element):
     table: ClassVar[str] = "flows"
     symbol: ClassVar[str] = "flow"
     keys: ClassVar[tuple[str, ...]] = (
-        "source", "destination", "range", "nominal", "step", SUCTION_KEY, "concentration",
+        "source", "destination", "range", "nominal", "step", SUCTION_KEY, "concentration", TAG,
     )  # fmt: skip
 
     source: str

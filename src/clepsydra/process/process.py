@@ -73,6 +73,9 @@ class Process:
         file gives it.
     averaging : tuple of str
         Those controlled measurements whose tank is there to smooth the flow through it.
+    tags : mapping
+        Signal, or element, to the name that it has in the plant's control system: exports show
+        that in its place.
 
     Examples
     --------
@@ -106,6 +109,7 @@ class Process:
     joined_display: ca.Function | None = None
     noise: Mapping[str, float] = field(default_factory=dict)
     averaging: tuple[str, ...] = ()
+    tags: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def display(self) -> ca.Function:

@@ -11,7 +11,7 @@ import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.process.actuator import ROUNDING, limited_speed
-from clepsydra.process.element import Connection, Element
+from clepsydra.process.element import TAG, Connection, Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.hybrid import Event
 from clepsydra.process.level_switch import (
@@ -95,6 +95,7 @@ class Pump(Element):
     keys: ClassVar[tuple[str, ...]] = (
         "source", "destination", "gain", "range", "nominal", "dead_band", "curve", "static_head",
         "pipe_loss", "lag", "rate", *SWITCH_KEYS, SUCTION_KEY, "noise",
+        TAG,
     )  # fmt: skip
 
     source: str

@@ -25,6 +25,7 @@ from clepsydra.process.own_elements import joining_own, read_own_kinds
 from clepsydra.process.process import Process
 from clepsydra.process.process_name import check_process_name
 from clepsydra.process.table_reader import TableReader, checked_name
+from clepsydra.process.tags import read_tags
 from clepsydra.process.tank import Tank
 from clepsydra.process.variants import (
     VARIANT_KEYS,
@@ -203,6 +204,7 @@ def _process(document: Document, path: Path | None, asked: tuple[str, ...] | Non
         noise=joined.noise,
         components=components,
         averaging=read_averaging(general, controlled, joined.inputs, elements),
+        tags=read_tags(document, elements),
     )
 
 

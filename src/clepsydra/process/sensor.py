@@ -10,7 +10,7 @@ import casadi as ca
 
 from clepsydra.base.signal import Signal
 from clepsydra.process.component import Component
-from clepsydra.process.element import Connection, Element
+from clepsydra.process.element import TAG, Connection, Element
 from clepsydra.process.flow import Flow
 from clepsydra.process.sensor_reading import gain_unit, read_measured, read_scale, read_share
 from clepsydra.process.vessels.vessel import Vessel, reciprocal
@@ -80,7 +80,7 @@ class Sensor(Element):
     symbol: ClassVar[str] = "sensor"
     keys: ClassVar[tuple[str, ...]] = (
         "tank", "quantity", "component", "flow", "gain", "span", "range", "lag", "noise",
-        "resolution",
+        "resolution", TAG,
     )  # fmt: skip
 
     tank: str

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from clepsydra.process.vessels.vessel import Vessel
 
 #: An identifier in C and in Structured Text.
-_NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9]){0,39}")
+IDENTIFIER = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9]){0,39}")
 #: No quantity of a plant is larger in SI, and none but zero smaller than its reciprocal: squares
 #: and products of larger ones leave the range of floating-point numbers.
 _LARGEST = 1e20
@@ -319,7 +319,7 @@ def checked_name(name: str, place: str) -> str:
     >>> checked_name("tank_1", "plant.toml, line 3, tanks.tank_1")
     'tank_1'
     """
-    if not _NAME.fullmatch(name):
+    if not IDENTIFIER.fullmatch(name):
         raise InputError(
             place,
             shown_value(name),

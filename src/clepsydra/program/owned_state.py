@@ -90,7 +90,7 @@ def state_paths(program: Program) -> tuple[tuple[str, ...], ...]:
     paths: list[tuple[str, ...]] = [(signal_of(entry).identifier,) for entry in program.state]
     for call in program.calls:
         for place, path in zip(call.arguments, state_paths(call.program), strict=False):
-            paths[place] = (call.instance, *path)
+            paths[place] = (call.identifier, *path)
     return tuple(paths)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, identifier
 from clepsydra.program.delay_ring import DelayRing
 
 #: Operations whose result is a truth value; their arguments are numbers.
@@ -180,7 +180,7 @@ class Call:
     program : Program
         The block, without parameters and without loops that have rings.
     instance : str
-        What this one is called.
+        What this one is called: a path, as of a signal.
     arguments : tuple of int
         The state that it goes on from, then its inputs.
 
@@ -204,6 +204,11 @@ class Call:
 
     def __post_init__(self) -> None:
         _refuse_outermost(self.instance, self.program.block)
+
+    @property
+    def identifier(self) -> str:
+        """The name of the instance as an identifier of a programming language."""
+        return identifier(self.instance)
 
 
 Statement = Operation | Loop | Conditional | Call

@@ -313,7 +313,7 @@ def _program(
         whole.name, whole.state, whole.inputs, parameters, whole.outputs, block, named,
         whole.description if isinstance(whole, Block) else (),
     )  # fmt: skip
-    instances = [call.instance for call in program.calls]
+    instances = [call.identifier for call in program.calls]
     for name in instances:
         if instances.count(name) > 1:
             raise InputError(

@@ -154,7 +154,7 @@ class _Reader:
     def _call(self, call: Call) -> None:
         block, number = call.program, len(self.boxes)
         states = len(block.state)
-        box = Box(call.instance, block.name, kept=len(own_state(block)))
+        box = Box(call.identifier, block.name, kept=len(own_state(block)))
         for signal, value in zip(block.inputs, call.arguments[states:], strict=True):
             found = self.sources[value]
             if all(isinstance(source, tuple) and source[1] for source in found):

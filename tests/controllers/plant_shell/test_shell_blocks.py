@@ -87,13 +87,13 @@ def test_blocks_compute_the_bits_of_the_flat_law(name, process):
 
 def test_the_state_of_the_shell_lives_in_instances_named_after_the_signals():
     program = with_owned_state(shelled("PI, SIMC", "quadruple-tank").program())
-    instances = [call.instance for call in program.calls]
+    instances = [call.identifier for call in program.calls]
     for name in ("level_1_check", "level_1_ramp", "pump_2_command", "pump_2_status_word"):
         assert instances.count(name) == 1
     owned = owned_by_calls(program)
     left = [entry.name for place, entry in enumerate(program.state) if place not in owned]
     assert left == ["pump_1.last_output", "pump_2.last_output"]
-    checks = [call.program for call in program.calls if call.instance.endswith("_check")]
+    checks = [call.program for call in program.calls if call.identifier.endswith("_check")]
     assert len(checks) == 2 and checks[0] == checks[1]
 
 

@@ -7,7 +7,7 @@ from functools import cache
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.handover import Applied, Asked
 from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.mode import Mode
@@ -98,7 +98,7 @@ def final_element(
     """
     block = output_element(rate_limited)
     given = {**parts_of(moved, symbols, block.inputs), **asked_ports(asked)}
-    found = called(block, f"{moved.identifier}_output", given).outputs
+    found = called(block, path(moved, "output"), given).outputs
     manipulated = found["manipulated"]
     applied = Applied(manipulated, found["controls"], found["follows"])
     return FinalElement(manipulated, applied, *told(found, moved))
@@ -120,7 +120,7 @@ def told(found: Symbols, moved: Signal) -> tuple[ca.SX, dict[str, ca.SX]]:
     (2, True)
     """
     conditions = {signal.name: found.get(signal.name, ca.SX(0)) for signal in TOLD}
-    word = STATUS_WORD(f"{moved.identifier}_status_word", conditions, {}).outputs["status"]
+    word = STATUS_WORD(path(moved, "status_word"), conditions, {}).outputs["status"]
     return word, as_parts(moved, conditions)
 
 

@@ -8,7 +8,7 @@ from functools import cache
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.final_element import (
     LAST_OUTPUT,
@@ -110,7 +110,7 @@ def output_stage(
     }
     if taken_up is not None:
         given["taken_up"] = taken_up
-    found = called(block, f"{moved.identifier}_stage", given)
+    found = called(block, path(moved, "stage"), given)
     status, conditions = told(found.outputs, moved)
     return OutputStage(
         moved,

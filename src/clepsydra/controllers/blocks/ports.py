@@ -84,15 +84,15 @@ def as_parts(owner: Signal | str, values: Symbols) -> dict[str, ca.SX]:
     return {path(owner, name): value for name, value in values.items()}
 
 
-def identifier(name: str) -> str:
-    """Return the name of a part of a control scheme as an identifier.
+def instance(name: str) -> str:
+    """Return what the block of a part of a control scheme is called: a path.
 
     Examples
     --------
-    >>> identifier("split, valve_1")
-    'split_valve_1'
+    >>> instance("split, valve_1")
+    'split.valve_1'
     """
-    return re.sub(r"\W+", "_", name)
+    return re.sub(r"\W+", ".", name)
 
 
 def with_used_inputs(block: Block) -> Block:

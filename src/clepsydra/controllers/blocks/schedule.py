@@ -177,8 +177,7 @@ class Schedule:
         for name in names:
             given = [at, *(symbols[each] for each in (*self.places, *self.values(name)))]
             ports = {port.name: value for port, value in zip(block.inputs, given, strict=True)}
-            instance = f"{Signal(name).identifier}_table"
-            found[name] = called(block, instance, ports).outputs["value"]
+            found[name] = called(block, path(name, "table"), ports).outputs["value"]
         return found
 
 

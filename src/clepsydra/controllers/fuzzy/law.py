@@ -266,7 +266,7 @@ class _Writer:
                 "last_applied": last,
                 **applied_ports(element.applied),
             }
-            name = f"{moved.identifier}_offset"
+            name = path(moved, "offset")
             found = integral("conditional_integration")(name, fading, {})
             state[path(moved, "offset")] = found.outputs["following"]
         return element

@@ -138,5 +138,5 @@ class SafeOutput:
         """Return who moves the output in this scan, and whether its sensors are good."""
         good = all_of([ca.SX(1), *(sensor["good"] for sensor in needed)])
         failed = any_of([ca.SX(0), *(sensor["failed"] for sensor in needed)])
-        name = f"{self.signal.identifier}_command"
+        name = path(self.signal, "command")
         return {**scan.call(COMMAND, name, self.signal, good=good, failed=failed), "good": good}

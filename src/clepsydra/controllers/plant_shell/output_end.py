@@ -37,7 +37,7 @@ class OutputEnd:
 
     def __init__(self, scan: Scan, output: SafeOutput, command: Symbols, *, rated: bool) -> None:
         self.scan, self.command, self.signal = scan, command, output.signal
-        self.name, none = output.signal.identifier, ca.SX(LARGEST_PARAMETER)
+        none = ca.SX(LARGEST_PARAMETER)
         #: What the law and the shell have of this output, by part.
         own = self.own = {
             part: scan.symbols[name]
@@ -51,7 +51,7 @@ class OutputEnd:
         self.reach: dict[str, ca.SX] = {}
         if {"low_limit", "high_limit"} <= set(own):
             self.reach = scan.call(
-                REACH, f"{self.name}_reach", self.signal,
+                REACH, path(self.signal, "reach"), self.signal,
                 last_output=last, moves=command["moves"],
                 rate_limit=own["rate_limit"] if rated else none,
             )  # fmt: skip
@@ -110,7 +110,7 @@ class OutputEnd:
             "following": command["follows"],
             "setpoint_limited": _any(setpoints, "limited"),
         }
-        return scan.call(STATUS_WORD, f"{self.name}_status_word", **bits)["status"]
+        return scan.call(STATUS_WORD, path(self.signal, "status_word"), **bits)["status"]
 
 
 def _any(parts: Sequence[Symbols], port: str) -> ca.SX:

@@ -194,6 +194,6 @@ class MonitoredSensor:
         """Judge the sensor: the outputs of its `signal_check`."""
         y, now = self.signal, scan.symbols
         return scan.call(
-            self._block, f"{y.identifier}_check", y,
+            self._block, path(y, "check"), y,
             measurement=now[path(y, "pv")], sensor=now[path(y, "good")],
         )  # fmt: skip

@@ -130,7 +130,7 @@ class RampedSetpoint:
         """
         low, high = self._range(scan)
         return scan.call(
-            RAMP, f"{self.signal.identifier}_ramp", self.signal,
+            RAMP, path(self.signal, "ramp"), self.signal,
             setpoint=scan.symbols[path(self.signal, "sp")],
             range_low=low,
             range_high=high,

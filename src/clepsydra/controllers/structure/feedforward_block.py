@@ -12,7 +12,7 @@ from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.blocks.lead_lag import lead_lag
-from clepsydra.controllers.blocks.ports import as_parts, called, identifier, parts_of, truth
+from clepsydra.controllers.blocks.ports import as_parts, called, instance, parts_of, truth
 from clepsydra.controllers.blocks.validity import is_number, is_time_step, value_or_zero
 from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
 from clepsydra.program.block import Block
@@ -142,7 +142,7 @@ class FeedforwardBlock(WithoutSignals):
             if term.measured:
                 given["sensor"] = symbols[path(term.signal, "good")]
                 sensors = ca.logic_and(sensors, given["sensor"])
-            found = called(block, identifier(term.owner), given)
+            found = called(block, instance(term.owner), given)
             following |= as_parts(term.owner, found.next_state)
             added = added + found.outputs["added"]
         value = source.value + added

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.structure.block import Block, Closed, Opened
@@ -161,7 +161,7 @@ def _plain_loops(blocks: Sequence[Block]) -> dict[str, tuple[PidBlock, OutputBlo
         for output in blocks
         if isinstance(loop, PidBlock) and isinstance(output, OutputBlock) and is_plain(loop, output)
     ]
-    return {f"{output.signal.identifier}_loop": (loop, output) for loop, output in pairs}
+    return {path(output.signal, "loop"): (loop, output) for loop, output in pairs}
 
 
 def _joined(symbols: Symbols, ordered: Sequence[Block]) -> list[Closed]:

@@ -13,7 +13,7 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import ASKED, asked_ports
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.blocks.integral import applied_ports
-from clepsydra.controllers.blocks.ports import as_parts, called, identifier, parts_of
+from clepsydra.controllers.blocks.ports import as_parts, called, instance, parts_of
 from clepsydra.controllers.blocks.validity import is_number, value_or_zero
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.pid_parameters import pid_parameters, remembered
@@ -182,12 +182,12 @@ class PidBlock(WithoutSignals):
         own = self.of_law(symbols) | {"low_limit": limits[0].low, "high_limit": limits[0].high}
         for outer in asked:
             own |= {f"remote_{name}": value for name, value in asked_ports(outer).items()}
-        instance = identifier(self.name)
-        first = called(asking, f"{instance}_asks", own)
+        name = instance(self.name)
+        first = called(asking, path(name, "asks"), own)
 
         def close(applied: Sequence[Applied]) -> Closed:
             given = {**own, **first.outputs, **applied_ports(applied[0])}
-            last = called(telling, f"{instance}_is_told", given)
+            last = called(telling, path(name, "is_told"), given)
             got = tuple(last.outputs.values())
             return Closed(
                 as_parts(self.owner, last.next_state),

@@ -13,7 +13,7 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import ASKED, asked_ports
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.blocks.integral import APPLIED, applied_ports
-from clepsydra.controllers.blocks.ports import called, identifier, truth
+from clepsydra.controllers.blocks.ports import called, instance, truth
 from clepsydra.controllers.blocks.validity import is_number, value_or_zero
 from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
 from clepsydra.program.block import Block
@@ -86,14 +86,14 @@ class RatioBlock(WithoutSignals):
 
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Multiply."""
-        name, wild = identifier(self.name), self.wild
+        name, wild = instance(self.name), self.wild
         given = {"measurement": symbols[path(wild, "pv")], "sensor": symbols[path(wild, "good")]}
         for source, ends in zip(asked, self.limits(symbols, limits), strict=True):
             given |= {f"trim_{n}": value for n, value in asked_ports(source).items()}
             given |= {"lowest_ratio": ends.low, "highest_ratio": ends.high}
         if not asked:
             given["ratio"] = symbols[path(self.owner, "ratio")]
-        first = called(_asks(bool(asked)), f"{name}_asks", given).outputs
+        first = called(_asks(bool(asked)), path(name, "asks"), given).outputs
         product = Asked(*(first[signal.name] for signal in ASKED))
 
         def close(applied: Sequence[Applied]) -> Closed:
@@ -102,7 +102,7 @@ class RatioBlock(WithoutSignals):
             span = self.wild.span
             smallest = _TOO_SMALL * span if ca.SX(span).is_regular() else 0.0
             told = {**first, **applied_ports(applied[0]), "smallest": ca.SX(smallest)}
-            last = called(_IS_TOLD, f"{name}_is_told", told).outputs
+            last = called(_IS_TOLD, path(name, "is_told"), told).outputs
             return Closed({}, {}, (Applied(*last.values()),))
 
         return Opened((product,), close)

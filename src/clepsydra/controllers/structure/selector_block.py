@@ -11,7 +11,7 @@ import casadi as ca
 
 from clepsydra.controllers.blocks.final_element import ASKED, asked_ports
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
-from clepsydra.controllers.blocks.ports import called, identifier
+from clepsydra.controllers.blocks.ports import called, instance
 from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
@@ -59,15 +59,15 @@ class SelectorBlock(WithoutSignals):
 
     def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Select."""
-        chosen, name = asked[0], identifier(self.name)
+        chosen, name = asked[0], instance(self.name)
         for source, other in zip(self.sources[1:], asked[1:], strict=True):
             given = {
                 f"{each}_{n}": value
                 for each, wish in (("first", chosen), ("second", other))
                 for n, value in asked_ports(wish).items()
             }
-            instance = f"{name}_or_{identifier(source)}"
-            found = called(_selector(self.selection), instance, given)
+            both = f"{name}.or.{instance(source)}"
+            found = called(_selector(self.selection), both, given)
             chosen = Asked(*(found.outputs[signal.name] for signal in ASKED))
 
         def close(applied: Sequence[Applied]) -> Closed:

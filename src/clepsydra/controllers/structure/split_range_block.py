@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal, owned
+from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.blocks.integral import APPLIED, applied_ports
 from clepsydra.controllers.blocks.limits import limit
-from clepsydra.controllers.blocks.ports import called, identifier, parts_of, truth
+from clepsydra.controllers.blocks.ports import called, instance, parts_of, truth
 from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
@@ -128,7 +128,7 @@ class SplitRangeBlock(WithoutSignals):
         (source,) = asked
         parts = [leg.part(symbols) for leg in self.legs]
         found = [
-            called(_PART, identifier(leg.port(self.name)), {**part, "asked": source.value}).outputs
+            called(_PART, instance(leg.port(self.name)), {**part, "asked": source.value}).outputs
             for leg, part in zip(self.legs, parts, strict=True)
         ]
         values = [each["value"] for each in found]
@@ -146,8 +146,8 @@ class SplitRangeBlock(WithoutSignals):
                 in_force = ca.logic_or(in_force, result.in_force)
                 follows = ca.logic_and(follows, ca.logic_or(result.follows, result.in_force))
                 given = {**part, **each, **applied_ports(result)}
-                instance = f"{identifier(leg.port(self.name))}_is_told"
-                told = called(_PART_IS_TOLD, instance, given).outputs
+                name = path(instance(leg.port(self.name)), "is_told")
+                told = called(_PART_IS_TOLD, name, given).outputs
                 reached = reached + told["missed"]
                 stands = ca.if_else(told["moves"], ca.fmax(stands, told["place"]), stands)
             value = ca.if_else(in_force, reached, stands)

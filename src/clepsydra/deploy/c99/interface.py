@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from clepsydra.base.language_words import C_WORDS
 from clepsydra.deploy.c99.language import REAL
 from clepsydra.deploy.c99.layout import instances
 from clepsydra.deploy.c99.structures import WIDTH, Structures, block_name
 from clepsydra.deploy.printing.heading import heading
-from clepsydra.deploy.printing.identifiers import C_WORDS, check_distinct, check_identifier
+from clepsydra.deploy.printing.identifiers import check_distinct, check_identifier
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.called_blocks import called_blocks
@@ -43,7 +44,7 @@ def check_names(program: Program) -> None:
         check_identifier(each.name, place, "C", C_WORDS, ignore_case=False)
         for group in (each.inputs, each.parameters, each.outputs):
             check_distinct(_checked(place, group), "C", ignore_case=False)
-        called = [(call.instance, f"{place}, {call.instance}") for call in instances(each)]
+        called = [(call.identifier, f"{place}, {call.identifier}") for call in instances(each)]
         check_distinct([*_checked(place, own_state(each)), *called], "C", ignore_case=False)
         for name, where in called:
             check_identifier(name, where, "C", C_WORDS, ignore_case=False)

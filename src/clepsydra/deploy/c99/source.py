@@ -6,13 +6,13 @@ import math
 import textwrap
 from collections.abc import Sequence
 
+from clepsydra.base.language_words import C_WORDS
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.c99.interface import function_head
 from clepsydra.deploy.c99.language import C99, arithmetic_check, literal
 from clepsydra.deploy.c99.step import BlockFunction, StepFunction
 from clepsydra.deploy.c99.structures import WIDTH, block_name
 from clepsydra.deploy.printing.heading import commented, number_comment, table_comment
-from clepsydra.deploy.printing.identifiers import C_WORDS
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.printing.statements import indented

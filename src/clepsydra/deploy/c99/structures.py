@@ -66,8 +66,8 @@ class Structures:
             members += self._member(entry, about)
         for call in instances(program):
             kind = f"{block_name(self._name, call.program)}_state"
-            line = f"  {kind} {call.instance};"
-            members += [line] if len(line) <= WIDTH else [f"  {kind}", f"      {call.instance};"]
+            line = f"  {kind} {call.identifier};"
+            members += [line] if len(line) <= WIDTH else [f"  {kind}", f"      {call.identifier};"]
         return _structure(name, "state", title, members)
 
     def plain(self, entries: Sequence[Entry], name: str, what: str, title: str) -> list[str]:

@@ -181,7 +181,7 @@ class Body:
         """Return the names of values that have one: the law's own, outputs, next states."""
         program, used = self._program, self._program.block.uses()
         first = program.block.arguments
-        instances = {call.instance for call in program.calls}
+        instances = {call.identifier for call in program.calls}
         labels = self._begun()
         preferred: dict[int, str] = {}
         for output, place, value in zip(

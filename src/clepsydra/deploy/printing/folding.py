@@ -230,7 +230,7 @@ class _Lister:
         if self._read is None:
             raise ValueError(f"{call.instance}: say how its outputs are read")
         program, states = call.program, len(call.program.state)
-        name = self._names.new(call.instance)
+        name = self._names.new(call.identifier)
         arguments = []
         for signal, value in zip(program.inputs, call.arguments[states:], strict=True):
             given = scope.values[value]
@@ -238,7 +238,7 @@ class _Lister:
             given = given.operands[0] if truth else given
             written = self._notation.writes(given)
             arguments.append(scope.values[value] if written else scope.atom(value))
-        scope.statements.append(BlockCall(name, program, tuple(arguments), call.instance))
+        scope.statements.append(BlockCall(name, program, tuple(arguments), call.identifier))
         # The next state stays in the instance.
         scope.values |= dict.fromkeys(call.targets[:states], _UNREAD)
         for signal, target in zip(program.outputs, call.targets[states:], strict=True):

@@ -57,7 +57,7 @@ def _block_lines(block: Block) -> Iterator[str]:
             yield f"{statement.target} {statement.code} {statement.arguments} {constant}"
             continue
         if isinstance(statement, Call):
-            yield f"call {statement.instance!r} {statement.targets} {statement.arguments}"
+            yield f"call {statement.identifier!r} {statement.targets} {statement.arguments}"
             yield from _lines(statement.program)
             continue
         if isinstance(statement, Loop):

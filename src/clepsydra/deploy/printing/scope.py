@@ -104,7 +104,7 @@ class Scope:
             ports = zip(call.program.inputs, call.arguments[len(call.program.state) :], strict=True)
             for signal, value in ports:
                 free = self._names.is_free(signal.identifier)
-                name = signal.identifier if free else f"{call.instance}_{signal.identifier}"
+                name = signal.identifier if free else f"{call.identifier}_{signal.identifier}"
                 self.preferred.setdefault(value, name)
 
     def count_by_readers(self, block: Block) -> None:

@@ -254,7 +254,9 @@ def _structure(fields: Sequence[tuple[str, Any]]) -> type[ctypes.Structure]:
 
 def _state_fields(program: Program, real: Any) -> list[tuple[str, Any]]:
     """Return what a program keeps, with what its instances keep inside."""
-    inside = [(c.instance, _structure(_state_fields(c.program, real))) for c in instances(program)]
+    inside = [
+        (c.identifier, _structure(_state_fields(c.program, real))) for c in instances(program)
+    ]
     return [*_fields(own_state(program), real), *inside]
 
 

@@ -8,6 +8,7 @@ from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.deploy.export import process_origin
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.proof.item import ProofItem, process_item
+from clepsydra.deploy.tagged import tagged_point
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.scenario import Scenario
 from clepsydra.studies.result import StudyResult
@@ -40,7 +41,7 @@ def proof_items(study: StudyResult, settings: PlantShell | None = None) -> list[
 
 def process_item_of(point: OperatingPoint) -> ProofItem:
     """Return the item of a process with where its numbers come from."""
-    return process_item(point, process_origin(point))
+    return process_item(tagged_point(point), process_origin(point))
 
 
 def controller_item(

@@ -40,7 +40,7 @@ def with_block_names(program: Program, words: frozenset[str]) -> Program:
     def named(statement: Statement) -> Statement:
         if not isinstance(statement, Call):
             return statement
-        block, instance = with_block_names(statement.program, words), statement.instance
+        block, instance = with_block_names(statement.program, words), statement.identifier
         block = replace(
             block,
             state=tuple(_state(entry, words) for entry in block.state),

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.printing.identifiers import STRUCTURED_TEXT_WORDS
+from clepsydra.base.language_words import STRUCTURED_TEXT_WORDS
 from clepsydra.deploy.printing.precision import Precision
 
 _FUNCTIONS = {

@@ -36,8 +36,8 @@ def check_names(program: Program, dialect: Dialect) -> None:
     entries = [(program.name, place)]
     for call in program.calls:
         _check_name(block_type(call.program), f"block {call.program.name}", dialect)
-        _check_name(call.instance, f"{place}, {call.instance}", dialect)
-        entries.append((call.instance, f"{place}, {call.instance}"))
+        _check_name(call.identifier, f"{place}, {call.identifier}", dialect)
+        entries.append((call.identifier, f"{place}, {call.identifier}"))
     for entry in (*program.inputs, *program.parameters, *program.outputs, *own_state(program)):
         name = signal_of(entry).identifier
         _check_name(name, f"{place}, {entry.name}", dialect)
@@ -103,7 +103,7 @@ class Interface:
             for variable in self._held(entry, "turn" if entry in loops else "sample")
         ]
         instances = [
-            Variable(call.instance, block_type(call.program), is_block=True)
+            Variable(call.identifier, block_type(call.program), is_block=True)
             for call in program.calls
         ]
         return [

@@ -110,7 +110,7 @@ def _beginning(program: Program) -> Program:
     entries = (*program.state, *program.inputs, *program.parameters, *program.outputs)
     taken = [
         *(signal_of(entry).identifier for entry in entries),
-        *(c.instance for c in program.calls),
+        *(c.identifier for c in program.calls),
     ]
     begun = Signal(
         Identifiers(taken, ignore_case=True).new(_BEGUN), kind="boolean",

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from clepsydra import __version__
 from clepsydra.base.conversion import Conversion, conversion
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, identifier
 from clepsydra.base.units import convertible, from_si
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.deploy.printing.expressions import Expression, variable
@@ -259,7 +259,7 @@ class _Maker:
         arguments = []
         for signal in signals:
             if signal.name in wired:
-                name = wired[signal.name].replace(".", "_")
+                name = identifier(wired[signal.name])
                 source = self._converted(signal, f"{mark}{other}.{name}")
             else:
                 source = f"{mark}{given[signal.name].name}"

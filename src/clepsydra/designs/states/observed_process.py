@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -10,7 +11,6 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.blocks.ports import identifier
 from clepsydra.controllers.observers.structure import MOST_ESTIMATES
 from clepsydra.designs.applicability import NotApplicable
 from clepsydra.designs.sampled.sampled_process import NotSampled, sampled_process, sampled_states
@@ -178,7 +178,7 @@ def _aged(signal: Signal, age: float) -> Signal:
     """Return the signal, named by how long ago it was."""
     if age == 0.0:
         return signal
-    return dataclasses.replace(signal, name=path(signal, identifier(f"{age:g}_s_before")))
+    return dataclasses.replace(signal, name=path(signal, re.sub(r"\W+", "_", f"{age:g}_s_before")))
 
 
 def _without_rounding(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:

@@ -1,0 +1,71 @@
+"""Tags of sensors and actuators in a process file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from clepsydra.base.errors import InputError
+from clepsydra.base.language_words import C_WORDS, STRUCTURED_TEXT_WORDS
+from clepsydra.process.document import Document
+from clepsydra.process.element import TAG, Element
+from clepsydra.process.table_reader import IDENTIFIER, shown_value
+
+_WORDS = frozenset(word.lower() for word in C_WORDS | STRUCTURED_TEXT_WORDS)
+
+
+def read_tags(document: Document, elements: Sequence[Element]) -> dict[str, str]:
+    """Return signals to their tags: the names that they have in the plant's control system.
+
+    The tag of an element is that of the one signal that it measures or is moved by; else it
+    takes the place of the element's own name.
+
+    Raises
+    ------
+    InputError
+        A tag is no identifier, is a word of a language, or cannot be told from another name.
+
+    Examples
+    --------
+    >>> from clepsydra.process.document import parse
+    >>> from clepsydra.process.sensor import Sensor
+    >>> document = parse(b"[sensors.level]\\ntag = 'LIC101'", "plant.toml")
+    >>> read_tags(document, [Sensor("level", "tank", low=0.0, high=1.0)])
+    {'level': 'LIC101'}
+    """
+    taken = {"gravity": "the acceleration of gravity"}
+    taken |= {name.lower(): element.name for element in elements for name in _names(element)}
+    tags: dict[str, str] = {}
+    for element in (each for each in elements if TAG in each.keys):
+        table = document.tables[element.table][element.name]
+        if TAG not in table:
+            continue
+        tag, place = table[TAG], document.place(element.table, element.name, TAG)
+        if not isinstance(tag, str) or not IDENTIFIER.fullmatch(tag):
+            raise InputError(
+                place, shown_value(tag),
+                "at most 40 letters, digits and single underscores, a letter first",
+                'write as in tag = "LIC101", and LIC_101 for LIC-101',
+            )  # fmt: skip
+        if tag.lower() in _WORDS:
+            raise InputError(
+                place, tag, "a tag that is no word of C or Structured Text",
+                f"write as in {tag}_1",
+            )  # fmt: skip
+        other = taken.setdefault(tag.lower(), element.name)
+        if other != element.name:
+            raise InputError(
+                place, tag, "a tag that nothing else has, in large or small letters",
+                f"change it, since {other} has that name or tag",
+            )  # fmt: skip
+        own = [signal.name for signal in (*element.measurements(), *element.inputs())]
+        tags[own[0] if len(own) == 1 else element.name] = tag
+    return tags
+
+
+def _names(element: Element) -> list[str]:
+    """Return what an element and its signals are called where a program is printed."""
+    groups = (
+        element.states(), element.inputs(), element.disturbances(), element.memories(),
+        element.measurements(), element.parameters(),
+    )  # fmt: skip
+    return [element.name, *(signal.identifier for group in groups for signal in group)]
