@@ -1,7 +1,11 @@
 """Plants and designs of them, each made once for all tests."""
 
+import re
+import tempfile
 from functools import cache
 from pathlib import Path
+
+from pages import blocks
 
 import clepsydra as cl
 
@@ -22,3 +26,24 @@ plant = cache(cl.load)
 def designed(design: str, name: str | Path, **options: object) -> cl.Controller:
     """`cl.design.NAME(plant, …)` by the names of the two."""
     return getattr(cl.design, design)(plant(name), **options)
+
+
+#: Signals of the quadruple tank to the tags that docs/plc.md gives them.
+TAGS = {
+    name: element["tag"]
+    for elements in blocks("docs/plc.md", "toml")[0].table.values()
+    for name, element in elements.items()
+}
+
+
+@cache
+def tagged() -> cl.Plant:
+    """The quadruple tank as docs/plc.md has it: a copy in which signals have tags."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = cl.new_process("quadruple-tank", copy_of="quadruple-tank", folder=folder)
+        text = path.read_text(encoding="utf-8")
+        for name, tag in TAGS.items():
+            text, count = re.subn(rf"(?m)^(\[\w+\.{name}\])$", rf'\1\ntag = "{tag}"', text)
+            assert count == 1, name
+        path.write_text(text, encoding="utf-8")
+        return cl.load(path)

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from plants import designed, plant
+from plants import designed, plant, tagged
 from refusals import refused
 from tools import need
 
+import clepsydra as cl
 from clepsydra import InputError, Signal
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
 from clepsydra.deploy.export import export_structured_text
@@ -176,8 +177,8 @@ PAGE = Path(__file__).parents[2] / "docs" / "plc.md"
 
 @cache
 def exported() -> str:
-    """What `clepsydra export quadruple-tank --controller "PI, SIMC" --to st` prints as its test."""
-    ready = exportable(designed("simc", "quadruple-tank"), plant("quadruple-tank").point)
+    """What the first export of docs/plc.md prints as its test."""
+    ready = exportable(cl.design.simc(tagged()), tagged().point)
     return export_structured_text(ready).files[f"{ready.program.name}_test.st"].decode()
 
 
@@ -185,10 +186,11 @@ def test_the_table_of_the_page_holds():
     """Each row of docs/plc.md is met by the printed program, in every digit shown."""
     need("tree_sitter_iec61131_3_st")
     program = StructuredText(exported()).instance("quadruple_tank_pi_simc_test")
-    table = PAGE.read_text(encoding="utf-8").split("<!-- numbers: begin -->\n")[1]
+    # The interpreter has all names in small letters.
+    table = PAGE.read_text(encoding="utf-8").lower().split("<!-- numbers: begin -->\n")[1]
     rows = table.split("<!-- numbers: end -->")[0].splitlines()
     assert len(rows) == 11
-    seen = ("level_1", "level_2", "pump_1_out", "pump_2_out", "pump_1_status")
+    seen = ("lic101", "lic102", "p101_out", "p102_out", "p101_status")
     scans = 0
     for line in rows:
         what, after, *expected = (cell.strip() for cell in line.split("|")[1:-1])
@@ -196,12 +198,12 @@ def test_the_table_of_the_page_holds():
             scans = 0
         for name, value in re.findall(r"(\w+) := ([\w.]+)", what):
             kind = type(program.state[name])
-            program.state[name] = value == "TRUE" if kind is bool else kind(value)
+            program.state[name] = value == "true" if kind is bool else kind(value)
         for _ in range(int(after) - scans):
             program.run()
         scans = int(after)
         found = [f"{float(program.state[name]):.4f}" for name in seen[:4]]
-        assert [*found, str(program.state["pump_1_status"])] == expected, (what, after)
+        assert [*found, str(program.state["p101_status"])] == expected, (what, after)
 
 
 def test_the_wiring_of_the_page_runs():
@@ -232,15 +234,15 @@ def test_the_wiring_of_the_page_runs():
             program.run()
             steps.append(float(program.state["time_step_in"]))
             program.state["now"] += 1003.0
-        return float(program.state["pump_1"])
+        return float(program.state["p101"])
 
     steps: list[float] = []
 
-    assert run(level_1_raw=round(0.6 * 27648), operator_pump_1_manual=4.0) == 4.0
-    assert program.state["pump_1_raw"] == round(0.4 * 27648)
-    assert 4.0 < run(operator_pump_1_mode=1, operator_level_1_sp=7.0) < 10.0
-    assert run(pump_1_local=True, pump_1_position=5.5) == 5.5
-    assert run(5, pump_1_local=False, level_1_raw=-4864) == 0.0
+    assert run(lic101_raw=round(0.6 * 27648), operator_p101_manual=4.0) == 4.0
+    assert program.state["p101_raw"] == round(0.4 * 27648)
+    assert 4.0 < run(operator_p101_mode=1, operator_lic101_sp=7.0) < 10.0
+    assert run(p101_local=True, p101_position=5.5) == 5.5
+    assert run(5, p101_local=False, lic101_raw=-4864) == 0.0
     assert steps == [1.0] + 7 * [1.003]
 
 
@@ -252,6 +254,6 @@ def test_an_unwired_block_shows_what_the_page_says():
     instance = StructuredText(block).instance("quadruple_tank_pi_simc")
     for scan in range(10):
         instance.run()
-        for number in (1, 2):
-            assert instance.state[f"pump_{number}_status"] == int(first if scan < 4 else later)
-            assert instance.state[f"pump_{number}_out"] == 0.0
+        for pump in ("p101", "p102"):
+            assert instance.state[f"{pump}_status"] == int(first if scan < 4 else later)
+            assert instance.state[f"{pump}_out"] == 0.0

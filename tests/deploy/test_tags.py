@@ -1,7 +1,6 @@
 """Exports carry the tags of sensors and actuators, and compute what they compute without."""
 
 import re
-import tempfile
 import zipfile
 from functools import cache
 
@@ -9,7 +8,7 @@ import numpy as np
 import pytest
 from deployed import all_bits, run_both
 from own_laws import law_of
-from plants import designed, plant
+from plants import TAGS, designed, plant, tagged
 from refusals import refused
 from tools import need_compiler, need_grammar
 
@@ -20,7 +19,6 @@ from clepsydra.deploy.proof.scans import random_scans
 from clepsydra.deploy.proof.text.interpreter import StructuredText
 
 NAME = "quadruple-tank"
-TAGS = {"level_1": "LIC101", "level_2": "LIC102", "pump_1": "P101", "pump_2": "P102"}
 #: A law that has its own names for what it measures and moves.
 OWN_LAW = """
 from clepsydra import Signal
@@ -43,25 +41,16 @@ TWO_MEASUREMENTS = OWN_LAW.replace('"tank.pv",', '"tank.pv", "spare.pv",').repla
 )
 #: Of what a test takes every one; three of them in the fast tier.
 DESIGNS = (
-    "simc", "lqi", "lqi_kalman", "lqi_extended_kalman", "gain_scheduled_lqi", "polynomial",
-    "feedback_linearisation", "variable_structure_pid", "glover_mcfarlane",
-)  # fmt: skip
-
-
-def with_tags(text):
-    for name, tag in TAGS.items():
-        text, count = re.subn(rf"(?m)^(\[\w+\.{name}\])$", rf'\1\ntag = "{tag}"', text)
-        assert count == 1, name
-    return text
-
-
-@cache
-def tagged():
-    """The quadruple tank of the catalogue with tags."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = cl.new_process(NAME, copy_of=NAME, folder=folder)
-        path.write_text(with_tags(path.read_text(encoding="utf-8")), encoding="utf-8")
-        return cl.load(path)
+    "simc",
+    "lqi",
+    "lqi_kalman",
+    "lqi_extended_kalman",
+    "gain_scheduled_lqi",
+    "polynomial",
+    "feedback_linearisation",
+    "variable_structure_pid",
+    "glover_mcfarlane",
+)
 
 
 @cache
@@ -101,9 +90,16 @@ def test_the_names_are_those_of_the_control_system_and_a_comment_names_both(tmp_
     (path, *_) = cl.export(of_tags("simc"), tagged(), tmp_path).files
     text = path.read_text(encoding="utf-8")
     for port in (
-        "LIC101_pv", "LIC101_sp", "LIC101_good", "LIC101_proportional_gain", "P101_out",
-        "P101_mode", "P101_status", "P101_fail_safe", "P101_last_output",
-    ):  # fmt: skip
+        "LIC101_pv",
+        "LIC101_sp",
+        "LIC101_good",
+        "LIC101_proportional_gain",
+        "P101_out",
+        "P101_mode",
+        "P101_status",
+        "P101_fail_safe",
+        "P101_last_output",
+    ):
         assert re.search(rf"^  {port} : ", text, re.MULTILINE), port
     assert "P101_loop, P102_loop : FB_PI;" in text
     assert re.search(r"LIC101_pv : .*; measured level_1 \(LIC101\) \*\)", text)
@@ -199,3 +195,15 @@ def test_a_proof_holds_with_tags():
     need_grammar()
     proof = cl.verify(of_tags("simc"), tagged(), to="st")
     assert proof.holds and not proof.refusals
+
+
+def test_tables_for_vendors_blocks_name_the_loops_by_their_tags(tmp_path):
+    files = cl.export(of_tags("simc"), tagged(), tmp_path, to="tuning").files
+    text = files[0].read_text(encoding="utf-8")
+    assert "## LIC101 by P101\n\nLIC101 (0 to 10 V) by P101 (0 to 10 V), reverse" in text
+    assert not re.search("|".join(TAGS), text)
+
+
+def test_the_signals_of_a_plant_are_shown_with_their_tags():
+    assert re.search(r"^ level_1 \(LIC101\) +controlled ", str(tagged()), re.MULTILINE)
+    assert re.search(r"^ level_3 +measured ", str(tagged()), re.MULTILINE)

@@ -16,6 +16,19 @@ from clepsydra.program.program import Program
 from clepsydra.program.tagged import tagged_program
 
 
+def process_tagging(process: Process) -> Callable[[str], str]:
+    """Return the function from a name of a process to the one with tags.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> process = replace(cl.load("quadruple-tank").process, tags={"pump_1": "P101"})
+    >>> process_tagging(process)("pump_1.gain")
+    'P101.gain'
+    """
+    return tagging(process.tags, _names(process))
+
+
 @dataclass(frozen=True, eq=False)
 class TaggedLaw:
     """The names of a controller's law with the tags of its process.
@@ -62,11 +75,12 @@ class TaggedLaw:
         for owner, wire in self._wired.items():
             if wire in tags and owners.setdefault(wire, owner) != owner:
                 raise InputError(
-                    f"{self.controller.name}, tag of {wire}", tags[wire],
+                    f"{self.controller.name}, tag of {wire}",
+                    tags[wire],
                     f"one measurement of the law that is wired to {wire}, since {owners[wire]} "
                     f"and {owner} would both have its tag",
                     "wire them to different signals, or leave the tag out",
-                )  # fmt: skip
+                )
         own = {owner: tags.get(wire, owner) for owner, wire in self._wired.items()}
         return tagging({**tags, **own}, _names(self.process))
 
@@ -89,7 +103,7 @@ class TaggedLaw:
     def wires(self) -> dict[str, str]:
         """The law's signals to those of its loop, both with tags."""
         wires = self.controller.input_wires | self.controller.output_wires
-        loop = tagging(self.process.tags, _names(self.process))
+        loop = process_tagging(self.process)
         return {self.name(name): loop(wire) for name, wire in wires.items()}
 
 
@@ -107,7 +121,7 @@ def tagged_point(point: OperatingPoint) -> OperatingPoint:
     ('LIC101', 'measured level of tank_1, level_1 (LIC101)')
     """
     process, motion = point.process, point.process.motion
-    tagged = tagging(process.tags, _names(process))
+    tagged = process_tagging(process)
 
     def named(signals: tuple[Signal, ...]) -> tuple[Signal, ...]:
         told = (_explained(signal, signal.name, process.tags) for signal in signals)

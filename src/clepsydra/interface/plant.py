@@ -211,12 +211,13 @@ class Plant(Shown):
         )
         for kind, signals in kinds:
             for signal in signals:
+                tag = process.tags.get(signal.name)
                 shown = "controlled" if signal.name in process.controlled else kind
                 value = quantity_text(signal, rest[signal.name]) if signal.name in rest else "–"
                 low, high = (quantity_text(signal, end) for end in (signal.low, signal.high))
                 rows.append(
                     (
-                        signal.name,
+                        f"{signal.name} ({tag})" if tag else signal.name,
                         shown,
                         value,
                         f"{low} to {high}",

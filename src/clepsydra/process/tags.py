@@ -42,21 +42,26 @@ def read_tags(document: Document, elements: Sequence[Element]) -> dict[str, str]
         tag, place = table[TAG], document.place(element.table, element.name, TAG)
         if not isinstance(tag, str) or not IDENTIFIER.fullmatch(tag):
             raise InputError(
-                place, shown_value(tag),
+                place,
+                shown_value(tag),
                 "at most 40 letters, digits and single underscores, a letter first",
                 'write as in tag = "LIC101", and LIC_101 for LIC-101',
-            )  # fmt: skip
+            )
         if tag.lower() in _WORDS:
             raise InputError(
-                place, tag, "a tag that is no word of C or Structured Text",
+                place,
+                tag,
+                "a tag that is no word of C or Structured Text",
                 f"write as in {tag}_1",
-            )  # fmt: skip
+            )
         other = taken.setdefault(tag.lower(), element.name)
         if other != element.name:
             raise InputError(
-                place, tag, "a tag that nothing else has, in large or small letters",
+                place,
+                tag,
+                "a tag that nothing else has, in large or small letters",
                 f"change it, since {other} has that name or tag",
-            )  # fmt: skip
+            )
         own = [signal.name for signal in (*element.measurements(), *element.inputs())]
         tags[own[0] if len(own) == 1 else element.name] = tag
     return tags
@@ -65,7 +70,11 @@ def read_tags(document: Document, elements: Sequence[Element]) -> dict[str, str]
 def _names(element: Element) -> list[str]:
     """Return what an element and its signals are called where a program is printed."""
     groups = (
-        element.states(), element.inputs(), element.disturbances(), element.memories(),
-        element.measurements(), element.parameters(),
-    )  # fmt: skip
+        element.states(),
+        element.inputs(),
+        element.disturbances(),
+        element.memories(),
+        element.measurements(),
+        element.parameters(),
+    )
     return [element.name, *(signal.identifier for group in groups for signal in group)]

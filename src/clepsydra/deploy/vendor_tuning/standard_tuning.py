@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
@@ -11,6 +11,7 @@ from clepsydra.base.units import from_si
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_form import PidForm
 from clepsydra.controllers.structure.pid_block import PidBlock
+from clepsydra.deploy.tagged import process_tagging
 from clepsydra.deploy.vendor_tuning.filtered_forms import FilteredPid, from_series
 from clepsydra.designs.loops.pid_settings import ParallelSettings, from_parallel
 from clepsydra.process.process import Process
@@ -143,9 +144,9 @@ def standard_tunings(
 
 
 def _known(process: Process, signal: Signal) -> Signal:
-    """Return the signal as the process shows it; one of the scheme alone stays as it is."""
+    """Return the signal as the process shows it, by its tag; one of the scheme alone stays."""
     try:
-        return process.signal(signal.name)
+        return replace(process.signal(signal.name), name=process_tagging(process)(signal.name))
     except KeyError:
         return signal
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.controller import Controller
-from clepsydra.deploy.vendor_tuning.check import Check
+from clepsydra.deploy.tagged import process_tagging
+from clepsydra.deploy.vendor_tuning.check import Applied, Check
 from clepsydra.deploy.vendor_tuning.filling import Filled, filled
 from clepsydra.deploy.vendor_tuning.standard_tuning import StandardTuning, standard_tunings
 from clepsydra.deploy.vendor_tuning.vendor_block import VendorBlock
@@ -161,6 +163,11 @@ def translate(
     refused = [(loop, "", why) for loop, why in without]
     model = analyse(plant).model
     check = Check(controller, model, scenario if scenario is not None else default_scenario(model))
+    tagged = process_tagging(plant)
+
+    def largest(applied: Mapping[str, Applied]) -> dict[str, float]:
+        return {tagged(name): value for name, value in check.differences(applied).items()}
+
     rows: list[TranslatedLoop] = []
     for block in EVERY_BLOCK:
         found: dict[str, Filled] = {}
@@ -171,8 +178,8 @@ def translate(
                 refused.append((tuning.title, block.title, str(error)))
         if not found:
             continue
-        numbers = check.differences({loop: each.numbers for loop, each in found.items()})
-        blocks = check.differences({loop: each.applied for loop, each in found.items()})
+        numbers = largest({loop: each.numbers for loop, each in found.items()})
+        blocks = largest({loop: each.applied for loop, each in found.items()})
         rows += [
             TranslatedLoop(
                 tuning, block, found[tuning.loop], _of(tuning, numbers), _of(tuning, blocks)
