@@ -115,7 +115,7 @@ from clepsydra import Connection, Element, Flow, Signal
 
 @dataclass(frozen=True)
 class Gate(Element):
-    kind, table, keys = "gate", "gates", ("source", "destination", "nominal")
+    kind, table, keys = "gate", "gates", ("source", "destination", "nominal", "tag")
     source: str
     destination: str
 
@@ -145,11 +145,12 @@ class Gate(Element):
         return [Flow(self.source, self.destination, 1e-3 / symbols[f"{self.name}.lag"], driver)]
 """,
         TOML.replace("[v_notch_weirs.weir_1]", "[gates.gate_1]").replace(
-            'tip = "20 cm"', "nominal = 0.5"
+            'tip = "20 cm"', 'nominal = 0.5\ntag = "XV201"'
         ),
     )
     process = load_process("weir-tank.toml")
     assert [s.name for s in process.inputs] == ["pump_1", "gate_1"]
+    assert process.tags == {"gate_1": "XV201"}
     course = simulate(
         process.elements,
         {"tank_1.level": 0.3, "gate_1.opening": 0.0},
