@@ -2,6 +2,7 @@
 
 import re
 import zipfile
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -172,6 +173,15 @@ def test_a_law_with_names_of_its_own_has_the_tags_too(tmp_path):
     for port in ("LIC101_pv", "LIC101_sp", "P101_out", "P101_gain_LIC101"):
         assert re.search(rf"^  {port} : ", text, re.MULTILINE), port
     assert not re.search(r"\b(tank|feed)_(pv|sp|out|gain|mode)", text)
+
+
+def test_a_tag_that_is_a_word_of_one_system_alone_is_refused_for_it(tmp_path):
+    of = cl.Plant(replace(tagged().process, tags={**tagged().process.tags, "pump_1": "Ld"}))
+    controller = cl.design.simc(of)
+    with refused(place="tag of pump_1", value="Ld", expected="codesys", remedy="rename"):
+        cl.export(controller, of, tmp_path, dialect="codesys")
+    assert not list(tmp_path.iterdir())
+    cl.export(controller, of, tmp_path, dialect="scl")
 
 
 def test_two_measurements_wired_to_one_tag_are_refused(tmp_path):

@@ -20,9 +20,11 @@ from clepsydra.deploy.fmi.process import process_model
 from clepsydra.deploy.fmi.write import FmiVersion, write_fmu
 from clepsydra.deploy.plcopen.printer import print_plcopen_project
 from clepsydra.deploy.printing.heading import digest
+from clepsydra.deploy.printing.identifiers import check_identifier
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.process_program import process_program
+from clepsydra.deploy.structured_text.dialect import dialect_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
 from clepsydra.deploy.structured_text.project import print_test_project
 from clepsydra.deploy.structured_text.time_literal import time_literal
@@ -85,7 +87,7 @@ def export_structured_text(
     Raises
     ------
     InputError
-        The target has no form for a name, a number or the sampling period.
+        The target has no form for a name, a tag, a number or the sampling period.
 
     Examples
     --------
@@ -93,6 +95,10 @@ def export_structured_text(
     """
     name, ending = ready.program.name, "scl" if dialect == "scl" else "st"
     time_literal(ready.process.sampling_period)  # refuses what no task can hold
+    words = dialect_of(dialect).all_words
+    for signal, tag in ready.process.tags.items():
+        place = f"{ready.process.address}, tag of {signal}"
+        check_identifier(tag, place, f"Structured Text, {dialect}", words, ignore_case=True)
     block = print_structured_text(
         ready.program, origin=ready.origin, precision=precision, dialect=dialect
     )
