@@ -26,9 +26,13 @@ from clepsydra.controllers.multiloop_pid import multiloop_pid_law
 from clepsydra.engine.kernel import Job, Kernel, Trajectories
 from clepsydra.engine.object_cache import ObjectCache
 from clepsydra.loop.closed_loop import closed_loop, controller_name, loop_inputs
+from clepsydra.loop.running_scores import RunningScores
 from clepsydra.process.process import Process
 from clepsydra.process.reader import load_process
 from clepsydra.program.program import Program
+from clepsydra.scores.catalogue import SCORES
+from clepsydra.scores.sample import Fold
+from clepsydra.scores.score import Score
 
 #: The case's names and Clepsydra's, where they differ by more than the pattern below.
 _PATTERNS = {
@@ -44,6 +48,17 @@ _PATTERNS = {
     "integral_absolute_error": "sum_of_absolute_errors[level_{}]",
     "pump": "pump_{}",
 }
+
+
+#: The case adds up the error at each sample, where IAE integrates from sample to sample.
+ABSOLUTE_ERRORS = Score(
+    "sum_of_absolute_errors",
+    "Sum of absolute errors",
+    "Sampling period times absolute error at each sample, added up.",
+    powers=(1, 1),
+    integrand=lambda sample: sample.period * abs(sample.error),
+    fold=Fold.SUM,
+)
 
 
 def name_of(entry: str) -> str:
@@ -83,7 +98,10 @@ def _program(process: Process, controller: Controller) -> Program:
     # The case has neither noise nor load, sound sensors, and stays in automatic.
     setpoints = {f"{name}.setpoint" for name in process.controlled}
     constant = {s.name: s.initial for s in loop_inputs(process) if s.name not in setpoints}
-    return closed_loop(process, controller, substeps=1, constant=constant, running_scores=True)
+    SCORES.setdefault(ABSOLUTE_ERRORS.key, ABSOLUTE_ERRORS)
+    names = tuple(f"{ABSOLUTE_ERRORS.key}[{name}]" for name in process.controlled)
+    scores = RunningScores(process, names)
+    return closed_loop(process, controller, substeps=1, constant=constant, scores=scores)
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,7 @@ def law_of_blocks(other=None, *, shown=False):
         pair = PAIR("pair", given, state)
         y = pair.outputs["y"] + (s["kept_inner"] if shown else 0.0)
         if other is not None:
-            y += other("beside", {"x": y}, {}).outputs["y"]
+            y += other("beside", {"x": y, "most": s["most"]}, {}).outputs["y"]
         return Equations(pair.next_state, {"y": y, "high": pair.outputs["high"]})
 
     return step_law(

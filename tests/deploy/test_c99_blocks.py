@@ -15,7 +15,7 @@ from tools import need, need_compiler
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.c99.printer import print_c
-from clepsydra.deploy.c99.state_size import state_size
+from clepsydra.deploy.c99.structures import state_size
 from clepsydra.deploy.compiler import find_compiler
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.deploy.fmi.write import write_fmu

@@ -12,7 +12,7 @@ from refusals import refused
 
 from clepsydra import Signal
 from clepsydra.deploy.c99.printer import print_c
-from clepsydra.deploy.c99.state_size import state_size
+from clepsydra.deploy.c99.structures import state_size
 from clepsydra.deploy.printing.heading import digest
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.delay_ring import DelayRing
@@ -223,3 +223,13 @@ def test_numbers_of_float_are_written_as_floats():
     assert "inputs->u < HUGE_VALF ? inputs->u : HUGE_VALF" in code and "sqrtf(0.1f * " in code
     assert "expf(" in code and "? 1.0f : 0.0f" in code
     assert "double" not in code and not re.search(r"\d\.\d+(E-?\d+)?[^f\dE]", code)
+
+
+def test_a_value_that_is_named_like_a_group_leaves_the_group_unread():
+    twice = Block(2, (Operation(2, "add", (0, 0)), Operation(3, "multiply", (2, 2))), (3,))
+    named = Program(
+        "law", (), (Signal("u"),), (Signal("k"),), (Signal("y"),), twice, {2: "parameters"}
+    )
+    lines = print_c(named).source.splitlines()
+    assert "  const double parameters_2 = inputs->u + inputs->u;" in lines
+    assert "  (void)parameters;" in lines

@@ -20,7 +20,7 @@ from clepsydra.deploy.printing.expressions import (
     variable,
 )
 from clepsydra.deploy.structured_text.dialect import dialect_of
-from clepsydra.deploy.structured_text.notation import notation_of
+from clepsydra.deploy.structured_text.wording import notation_of
 
 C = c_notation_of("double")
 TEXT = notation_of(dialect_of("codesys"), "double")

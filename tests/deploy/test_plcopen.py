@@ -10,15 +10,19 @@ from refusals import refused
 from structured_text_programs import every_kind
 
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.deploy.plcopen.document import XHTML, flavour_of
-from clepsydra.deploy.plcopen.printer import print_plcopen, print_plcopen_project
+from clepsydra.deploy.plcopen.printer import (
+    XHTML,
+    namespace_of,
+    print_plcopen,
+    print_plcopen_project,
+)
+from clepsydra.deploy.printing.declarations import Variable
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.structured_text.dialect import dialect_of
-from clepsydra.deploy.structured_text.library import function_blocks
-from clepsydra.deploy.structured_text.pou import Section, Unit, Variable
-from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.deploy.structured_text.project import print_test_project
+from clepsydra.deploy.structured_text.pou import Section, Unit
+from clepsydra.deploy.structured_text.printer import function_blocks, print_structured_text
+from clepsydra.deploy.structured_text.project import Project, print_test_project
 
 ORIGIN = Origin('Law <1> & "2"', "a tank", "By hand.", 1.0, {"late": "at rest"}, "found by hand")
 KINDS = {"functionBlock": "FUNCTION_BLOCK", "function": "FUNCTION", "program": "PROGRAM"}
@@ -28,7 +32,7 @@ ELEMENTARY = ["BOOL", "DINT", "REAL", "LREAL"]
 
 
 def read(text: str, dialect: str) -> tuple[ElementTree.Element, str]:
-    namespace = flavour_of(dialect).namespace
+    namespace = namespace_of(dialect)
     return ElementTree.fromstring(text), f"{{{namespace}}}"
 
 
@@ -150,17 +154,18 @@ def test_the_test_project(dialect):
         controller.input_wires | controller.output_wires,
         0.5,
     )
-    text = print_plcopen_project(*arguments, origin=ORIGIN, dialect=dialect)
-    assert text == print_plcopen_project(*arguments, origin=ORIGIN, dialect=dialect)
+    project = Project(*arguments, origin=ORIGIN, dialect=dialect)
+    text = print_plcopen_project(project)
+    assert text == print_plcopen_project(dataclasses.replace(project))
     root, namespace = read(text, dialect)
     units = [unit_of(element, namespace) for element in root.iter(f"{namespace}pou")]
     library, units = units[:-3], units[-3:]
     assert "FB_SignalCheck" in [unit.name for unit in library]
     assert [unit.name for unit in units] == ["tank_pi", "quadruple_tank", "tank_pi_test"]
-    instances = [v for _, v in units[2].declared() if v.is_block]
+    instances = [v for section in units[2].sections for v in section.variables if v.is_block]
     assert [(v.name, v.type) for v in instances] == [
         ("controller", "tank_pi"), ("plant", "quadruple_tank")]  # fmt: skip
-    in_text = print_test_project(*arguments, origin=ORIGIN, dialect=dialect)
+    in_text = print_test_project(project)
     for unit in units:
         assert "\n".join(unit.body) in in_text
     tasks = [task.attrib for task in root.iter(f"{namespace}task")]

@@ -1,5 +1,6 @@
 """Structured Text of a law of blocks: a function block each, printed once, with the same bits."""
 
+import casadi as ca
 import numpy as np
 import pytest
 from law_of_blocks import FILTER, law_of_blocks
@@ -12,7 +13,7 @@ from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.proof.interpreted_text import InterpretedText
 from clepsydra.deploy.structured_text.dialect import DIALECT_NAMES
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.deploy.structured_text.project import print_test_project
+from clepsydra.deploy.structured_text.project import Project, print_test_project
 from clepsydra.engine.kernel import Kernel
 from clepsydra.program.block import Block
 from clepsydra.program.reader import program_of, structured_program_of
@@ -79,7 +80,7 @@ def test_a_test_project_carries_the_blocks():
         structured_program_of(law_of_blocks()),
         process_program(plant("three-tanks").point, 1),
     )
-    text = print_test_project(program, process, {}, 1.0)
+    text = print_test_project(Project(program, process, {}, 1.0))
     titles = [line for line in text.split("\n") if line.startswith(("FUNCTION_BLOCK", "PROGRAM"))]
     assert len(titles) == 5 and titles[0] == "FUNCTION_BLOCK FB_Filter"
 
@@ -130,3 +131,54 @@ def test_an_instance_may_have_the_name_of_a_signal(instance, name):
     inputs = {"u": scans()["u"]}
     found = InterpretedText(structured_program_of(law), dialect="scl").run(inputs)
     np.testing.assert_array_equal(found, InterpretedText(program_of(law)).run(inputs))
+
+
+def graded(words=None):
+    """A block with a named real, a named integer, and a number that has no name."""
+    told = {"span": "how far it is from the rest", "y": "the grade, (* never above the top *)"}
+
+    def equations(s):
+        span = ca.fabs(s["x"] - 0.3)
+        y = ca.if_else(s["most"] < 7, span * 0.3 + 0.7, 0.7)
+        return Equations({}, {"y": y}, {"span": span}, told if words is None else words)
+
+    named = (
+        Signal("rest", "m", initial=0.3, description="level at rest; operating point"),
+        Signal("top", initial=7.0, kind="integer", description="the highest grade"),
+        Signal("not_there", initial=11.0),
+    )
+    given = Signal("x"), Signal("most", low=0, high=99, kind="integer")
+    return Block("graded", given, (), (Signal("y"),), equations, (), named)
+
+
+@pytest.mark.parametrize("dialect", DIALECT_NAMES)
+def test_numbers_with_a_meaning_are_constants_and_steps_have_words(dialect):
+    program = structured_program_of(law_of_blocks(graded()))
+    text = print_structured_text(program, dialect=dialect)
+    block = text.partition("FB_Graded")[2].partition("END_FUNCTION_BLOCK")[0].replace("#", "")
+    opening, closing = ("// ", "") if dialect == "scl" else ("(* ", " *)")
+    constants = block.partition("VAR CONSTANT")[2].partition("END_VAR")[0]
+    assert constants.split("\n")[1:-1] == [
+        f"  rest : LREAL := 0.3; {opening}[m]; level at rest; operating point{closing}",
+        f"  top : DINT := 7; {opening}[1]; the highest grade{closing}",
+    ]
+    lines = block.split("\n")
+    assert "0.3" not in block.replace(constants, "") and "not_there" not in block
+    above = {line.partition(" :=")[0]: lines[k - 1] for k, line in enumerate(lines)}
+    assert above["span"] == f"{opening}how far it is from the rest{closing}"
+    assert f"{opening}the grade, ( * never above the top * ){closing}" in lines
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+@pytest.mark.parametrize("dialect", DIALECT_NAMES)
+def test_named_constants_change_no_bit(dialect, precision):
+    need_grammar()
+    law, inputs = law_of_blocks(graded()), scans()
+    found = InterpretedText(structured_program_of(law), precision, dialect).run(inputs)
+    flat = InterpretedText(program_of(law), precision, dialect).run(inputs)
+    np.testing.assert_array_equal(found, flat)
+
+
+def test_words_of_what_is_not_computed_are_refused():
+    with pytest.raises(ValueError, match=r"words for \['z'\]"):
+        structured_program_of(law_of_blocks(graded({"z": "the last letter"})))

@@ -21,7 +21,7 @@ from clepsydra.deploy.proof.engine_run import engine_run
 from clepsydra.deploy.proof.interpreted_text import InterpretedText
 from clepsydra.deploy.proof.scans import random_scans
 from clepsydra.deploy.proof.text.interpreter import StructuredText
-from clepsydra.deploy.structured_text.project import print_test_project
+from clepsydra.deploy.structured_text.project import Project, print_test_project
 from clepsydra.linear.analysis import analyse
 from clepsydra.linear.equilibrium import find_equilibrium
 from clepsydra.process.reader import load_process
@@ -139,7 +139,7 @@ def test_the_test_project_runs_as_it_is(precision, tmp_path):
     need("tree_sitter_iec61131_3_st")
     matiec = Matiec()
     analysis, controller, period = designed("quadruple-tank", "PI, SIMC")
-    text = print_test_project(
+    project = Project(
         dataclasses.replace(controller.program(), name="tank_pi"),
         process_program(analysis.operating_point, 2),
         controller.input_wires | controller.output_wires,
@@ -147,6 +147,7 @@ def test_the_test_project_runs_as_it_is(precision, tmp_path):
         precision=precision,
         dialect="matiec",
     )
+    text = print_test_project(project)
     matiec.translate(text, tmp_path)
     assert "common_ticktime__ = 1000000000ULL" in (tmp_path / "Config0.c").read_text()
     given = ("level_1.sp", "pump_2.mode", "pump_2.manual", "inflow_1")

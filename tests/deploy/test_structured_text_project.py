@@ -20,7 +20,7 @@ from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.proof.text.interpreter import StructuredText
 from clepsydra.deploy.proof.text.scl import standard_text
 from clepsydra.deploy.structured_text.loop_program import wired
-from clepsydra.deploy.structured_text.project import print_test_project
+from clepsydra.deploy.structured_text.project import Project, print_test_project
 from clepsydra.deploy.structured_text.time_literal import LONGEST, milliseconds, time_literal
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario
@@ -41,14 +41,9 @@ def controlled():
 def project(dialect="matiec", precision="double", period=1.0):
     """A quadruple tank under PI in its plant shell; the wires as the loop has them."""
     controller, law, process = controlled()
-    text = print_test_project(
-        law,
-        process,
-        controller.input_wires | controller.output_wires,
-        period,
-        dialect=dialect,
-        precision=precision,
-    )
+    wires = controller.input_wires | controller.output_wires
+    made = Project(law, process, wires, period, dialect=dialect, precision=precision)
+    text = print_test_project(made)
     return plant("quadruple-tank").analysis, controller, text
 
 
@@ -163,11 +158,11 @@ def test_wires_that_do_not_fit():
         ("pump_1.out", "valve_1", "an input of the process: pump_1"),
     ):
         with pytest.raises(InputError, match=f"law, {name}: got '{wire}', expected {what}"):
-            print_test_project(law, tank, good | {name: wire}, 1.0)
+            print_test_project(Project(law, tank, good | {name: wire}, 1.0))
     with refused(value="no wire"):
-        print_test_project(law, tank, {"pump_1.out": "pump_1"}, 1.0)
+        print_test_project(Project(law, tank, {"pump_1.out": "pump_1"}, 1.0))
     with refused(value="LAW", expected="a name that differs"):
-        print_test_project(law, dataclasses.replace(tank, name="LAW"), good, 1.0)
+        print_test_project(Project(law, dataclasses.replace(tank, name="LAW"), good, 1.0))
 
 
 #: Types of inputs that are not real, by the end of their names.

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from refusals import refused
 
-from clepsydra.scores.actuator_wear import reversals, travel
-from clepsydra.scores.effort import peak_move, total_variation
+from clepsydra.scores.effort import TOTAL_VARIATION, peak_move, reversals, travel
 
 HOUR = np.arange(3600.0)
 
@@ -26,7 +25,7 @@ def test_a_sine_travels_four_amplitudes_and_turns_twice_a_cycle() -> None:
 
 def test_rounding_and_small_noise_wear_nothing_although_they_vary() -> None:
     noise = np.random.default_rng(1).uniform(-0.049, 0.049, HOUR.size)
-    assert total_variation(HOUR, 50.0 + noise) > 100.0
+    assert TOTAL_VARIATION.along(HOUR, 50.0 + noise) > 100.0
     assert travel(HOUR, 50.0 + noise, 0.0, 100.0) == 0.0
     assert reversals(HOUR, 50.0 + noise, 0.0, 100.0) == 0.0
     # On a ramp the same noise adds no way and no turns.
@@ -94,7 +93,7 @@ def test_both_are_free_of_unit_and_travel_falls_with_the_hours(
 @given(signals)
 def test_travel_is_the_total_variation_where_every_move_is_large(signal: np.ndarray) -> None:
     time = np.arange(30.0)
-    share = total_variation(time, signal) / 128.0
+    share = TOTAL_VARIATION.along(time, signal) / 128.0
     assert travel(time, signal, -64.0, 64.0) == pytest.approx(100 * share * 120.0, rel=1e-12)
 
 

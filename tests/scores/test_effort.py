@@ -9,26 +9,27 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from refusals import refused
 
-from clepsydra.scores.effort import time_in_saturation, total_variation
+from clepsydra.scores.effort import TOTAL_VARIATION, time_in_saturation
 
 
 def test_bang_bang_moves_the_whole_range_at_each_switch() -> None:
     time = np.arange(0.0, 50.0, 0.5)
     switches = 9
     signal = np.where((np.arange(100) // 10) % 2 == 0, 10.0, 0.0)
-    assert total_variation(time, signal) == switches * 10.0
+    assert TOTAL_VARIATION.along(time, signal) == switches * 10.0
     assert time_in_saturation(time, signal, 0.0, 10.0) == 50.0
 
 
 def test_a_monotonic_signal_varies_by_its_ends() -> None:
     time = np.linspace(0.0, 10.0, 101)
-    assert total_variation(time, 4.0 - np.exp(-time)) == pytest.approx(1 - math.exp(-10), rel=1e-12)
+    varied = TOTAL_VARIATION.along(time, 4.0 - np.exp(-time))
+    assert varied == pytest.approx(1 - math.exp(-10), rel=1e-12)
 
 
 def test_a_sine_varies_by_four_amplitudes_a_cycle() -> None:
     time = np.arange(0.0, 12.0 + 0.005, 0.01)
     wave = 3.0 * np.sin(2 * np.pi * time / 4.0)
-    assert total_variation(time, wave) == pytest.approx(3 * 4 * 3.0, rel=1e-12)
+    assert TOTAL_VARIATION.along(time, wave) == pytest.approx(3 * 4 * 3.0, rel=1e-12)
 
 
 def test_a_limited_ramp_stands_at_its_limit_from_the_sample_that_reaches_it() -> None:
@@ -51,7 +52,7 @@ def test_close_to_a_limit_is_not_at_it() -> None:
 
 
 def test_a_run_that_broke_off_is_infinitely_bad() -> None:
-    assert total_variation([0, 1], [1.0, math.nan]) == math.inf
+    assert TOTAL_VARIATION.along([0, 1], [1.0, math.nan]) == math.inf
     assert time_in_saturation([0, 1], [1.0, math.nan], 0.0, 5.0) == math.inf
 
 
@@ -69,14 +70,14 @@ TIME = np.arange(15.0)
 def test_variation_ignores_the_hour_and_the_zero_and_scales_with_the_unit(
     signal: np.ndarray, shift: float, unit: float, zero: float
 ) -> None:
-    moved = total_variation(TIME + shift, zero - unit * signal)
-    assert moved == pytest.approx(unit * total_variation(TIME, signal), rel=1e-9, abs=1e-9)
+    moved = TOTAL_VARIATION.along(TIME + shift, zero - unit * signal)
+    assert moved == pytest.approx(unit * TOTAL_VARIATION.along(TIME, signal), rel=1e-9, abs=1e-9)
 
 
 @settings(max_examples=25, deadline=None)
 @given(signals)
 def test_variation_is_at_least_the_span(signal: np.ndarray) -> None:
-    assert total_variation(TIME, signal) >= (np.max(signal) - np.min(signal)) * (1 - 1e-12)
+    assert TOTAL_VARIATION.along(TIME, signal) >= (np.max(signal) - np.min(signal)) * (1 - 1e-12)
 
 
 @settings(max_examples=25, deadline=None)

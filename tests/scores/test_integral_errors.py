@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from clepsydra import InputError
-from clepsydra.scores.integral_errors import integral_absolute_error, integral_squared_error
+from clepsydra.scores.integral_errors import IAE, ISE
 
 TIME_CONSTANT = 60.0
 STEP = 2.5
@@ -24,21 +24,15 @@ def first_order(period: float, length: float) -> tuple[np.ndarray, np.ndarray, n
 def test_first_order_step_costs_its_time_constant_times_its_size() -> None:
     time, setpoint, output = first_order(period=0.1, length=40 * TIME_CONSTANT)
     # The line between the samples lies above the exponential by a share of (period/T)²/12.
-    assert integral_absolute_error(time, setpoint, output) == pytest.approx(
-        TIME_CONSTANT * STEP, rel=3e-7
-    )
-    assert integral_squared_error(time, setpoint, output) == pytest.approx(
-        TIME_CONSTANT * STEP**2 / 2, rel=1e-6
-    )
+    assert IAE.along(time, setpoint, output) == pytest.approx(TIME_CONSTANT * STEP, rel=3e-7)
+    assert ISE.along(time, setpoint, output) == pytest.approx(TIME_CONSTANT * STEP**2 / 2, rel=1e-6)
 
 
 def test_error_of_the_rule_falls_with_the_square_of_the_period() -> None:
     errors = []
     for period in (4.0, 2.0, 1.0):
         time, setpoint, output = first_order(period, length=40 * TIME_CONSTANT)
-        errors.append(
-            integral_absolute_error(time, setpoint, output) / (TIME_CONSTANT * STEP) - 1.0
-        )
+        errors.append(IAE.along(time, setpoint, output) / (TIME_CONSTANT * STEP) - 1.0)
     assert math.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.01)
     assert math.log2(errors[1] / errors[2]) == pytest.approx(2.0, abs=0.01)
 
@@ -47,22 +41,20 @@ def test_straight_lines_are_integrated_exactly_however_coarse_the_samples() -> N
     # e(t) = 3 - t on [0, 4]: |e| encloses two triangles, 9/2 + 1/2; e² gives (3³ + 1³)/3.
     for time in ([0.0, 4.0], [0.0, 1.3, 2.9, 4.0], np.linspace(0.0, 4.0, 9)):
         setpoint = np.full(len(time), 3.0)
-        assert integral_absolute_error(time, setpoint, time) == pytest.approx(5.0, rel=1e-14), time
-        assert integral_squared_error(time, setpoint, time) == pytest.approx(28 / 3, rel=1e-14), (
-            time
-        )
+        assert IAE.along(time, setpoint, time) == pytest.approx(5.0, rel=1e-14), time
+        assert ISE.along(time, setpoint, time) == pytest.approx(28 / 3, rel=1e-14), time
 
 
 def test_a_setpoint_step_does_not_cost_the_sample_before_it() -> None:
     # The output follows in the sample after the step, on a line: one triangle of 2 s × 5 / 2.
     time = [0.0, 2.0, 4.0, 6.0]
-    assert integral_absolute_error(time, [0, 5, 5, 5], [0, 0, 5, 5]) == 5.0
+    assert IAE.along(time, [0, 5, 5, 5], [0, 0, 5, 5]) == 5.0
 
 
 def test_a_value_that_is_not_finite_makes_the_score_infinite() -> None:
     for bad in (math.nan, math.inf, -math.inf):
-        assert integral_absolute_error([0, 1, 2], [1, 1, 1], [0, bad, 1]) == math.inf, bad
-        assert integral_squared_error([0, 1, 2], [1, 1, bad], [0, 0, 1]) == math.inf, bad
+        assert IAE.along([0, 1, 2], [1, 1, 1], [0, bad, 1]) == math.inf, bad
+        assert ISE.along([0, 1, 2], [1, 1, bad], [0, 0, 1]) == math.inf, bad
 
 
 @pytest.mark.parametrize(
@@ -78,7 +70,7 @@ def test_unusable_trajectories_are_refused(
     time: list[float], setpoint: list[float], message: str
 ) -> None:
     with pytest.raises(InputError) as refusal:
-        integral_absolute_error(time, setpoint, setpoint)
+        IAE.along(time, setpoint, setpoint)
     assert str(refusal.value).startswith(message)
 
 
@@ -92,10 +84,10 @@ clock = arrays(np.float64, 12, elements=st.floats(0.01, 100.0)).map(np.cumsum)
 def test_integrals_do_not_depend_on_when_the_run_began(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray, shift: float
 ) -> None:
-    for score in (integral_absolute_error, integral_squared_error):
-        assert score(time + shift, setpoint, output) == pytest.approx(
-            score(time, setpoint, output), rel=1e-9
-        ), score.__name__
+    for score in (IAE, ISE):
+        assert score.along(time + shift, setpoint, output) == pytest.approx(
+            score.along(time, setpoint, output), rel=1e-9
+        ), score.key
 
 
 @settings(max_examples=25, deadline=None)
@@ -103,8 +95,9 @@ def test_integrals_do_not_depend_on_when_the_run_began(
 def test_up_and_down_cost_the_same(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray
 ) -> None:
-    for score in (integral_absolute_error, integral_squared_error):
-        assert score(time, -setpoint, -output) == score(time, setpoint, output), score.__name__
+    for score in (IAE, ISE):
+        up, down = (score.along(time, s * setpoint, s * output) for s in (1.0, -1.0))
+        assert up == down, score.key
 
 
 @settings(max_examples=25, deadline=None)
@@ -112,10 +105,10 @@ def test_up_and_down_cost_the_same(
 def test_integrals_scale_with_the_units(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray, unit: float, minute: float
 ) -> None:
-    for power, score in ((1, integral_absolute_error), (2, integral_squared_error)):
-        assert score(minute * time, unit * setpoint, unit * output) == pytest.approx(
-            minute * unit**power * score(time, setpoint, output), rel=1e-9
-        ), score.__name__
+    for score in (IAE, ISE):
+        assert score.along(minute * time, unit * setpoint, unit * output) == pytest.approx(
+            unit ** score.powers[0] * minute * score.along(time, setpoint, output), rel=1e-9
+        ), score.key
 
 
 @settings(max_examples=25, deadline=None)
@@ -124,6 +117,6 @@ def test_the_mean_square_is_at_least_the_square_of_the_mean(
     time: np.ndarray, setpoint: np.ndarray, output: np.ndarray
 ) -> None:
     duration = time[-1] - time[0]
-    mean = integral_absolute_error(time, setpoint, output) / duration
-    mean_square = integral_squared_error(time, setpoint, output) / duration
+    mean = IAE.along(time, setpoint, output) / duration
+    mean_square = ISE.along(time, setpoint, output) / duration
     assert mean_square >= mean**2 * (1 - 1e-12)

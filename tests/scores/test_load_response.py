@@ -8,7 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from refusals import refused
 
-from clepsydra.scores.load_response import peak_deviation, return_time
+from clepsydra.scores.evaluate import score_run
+from clepsydra.scores.load_response import PEAK_DEVIATION, return_time
+from clepsydra.scores.scored_run import ScoredRun
+from clepsydra.scores.segment import Segment
+
+
+def peak_deviation(time, output, setpoint: float) -> float:
+    return PEAK_DEVIATION.along(time, np.full(len(time), setpoint), output)
+
 
 RATE = 0.05
 TIME = np.arange(0.0, 600.0, 0.05)
@@ -46,9 +54,11 @@ def test_an_offset_never_returns() -> None:
 
 
 def test_only_what_follows_the_load_counts() -> None:
-    time, output = [0.0, 1.0, 2.0, 3.0], [99.0, 5.0, 4.0, 5.0]
-    assert peak_deviation(time, output, 5.0, index=1) == 1.0
-    assert return_time(time, output, 5.0, band=0.25, index=1) == 1.75
+    time, output = np.arange(4.0), np.array([99.0, 5.0, 4.0, 5.0])
+    segments = [Segment("setpoint", "y", 0.0, 1.0, -5.0), Segment("load", "d", 1.0, 3.0, 1.0)]
+    scores = score_run(ScoredRun(time, {"y": np.full(4, 5.0)}, {"y": output}, {}, {}, segments))
+    assert scores["peak_deviation[y]"] == 1.0
+    assert scores["return_time[y]"] == 1.75
 
 
 def test_a_run_that_broke_off_is_infinitely_bad() -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from clepsydra import InputError
-from clepsydra.scores.noisy_settling import settling_time_under_noise
-from clepsydra.scores.offset import offset
+from clepsydra.scores.load_response import offset
+from clepsydra.scores.step_response import settling_time_under_noise
 
 T = 40.0
 PERIOD = 0.5

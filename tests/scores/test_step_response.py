@@ -8,6 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from clepsydra import InputError
+from clepsydra.scores.evaluate import score_run
+from clepsydra.scores.scored_run import ScoredRun
+from clepsydra.scores.segment import Segment
 from clepsydra.scores.step_response import overshoot, rise_time, settling_time
 
 TIME_CONSTANT = 40.0
@@ -62,10 +65,9 @@ def test_settling_is_the_last_entry_into_the_band_not_the_first() -> None:
 
 
 def test_a_ramp_rises_in_eight_tenths_of_its_length() -> None:
-    time = np.array([0.0, 3.0, 7.0, 11.0])
-    output = np.array([20.0, 20.0, 10.0, 10.0])
-    assert rise_time(time, output, 20.0, 10.0, index=1) == pytest.approx(0.8 * 4.0, rel=1e-14)
-    assert settling_time(time, output, 20.0, 10.0, index=1) == pytest.approx(0.95 * 4, rel=1e-14)
+    time, output = np.array([3.0, 7.0, 11.0]), np.array([20.0, 10.0, 10.0])
+    assert rise_time(time, output, 20.0, 10.0) == pytest.approx(0.8 * 4.0, rel=1e-14)
+    assert settling_time(time, output, 20.0, 10.0) == pytest.approx(0.95 * 4, rel=1e-14)
 
 
 def test_inverse_response_counts_from_the_first_ten_percent() -> None:
@@ -77,10 +79,12 @@ def test_what_lies_before_the_step_does_not_count() -> None:
     before = np.array([9.0, -9.0])
     time = np.concatenate([[-2.0, -1.0], TIME])
     output = np.concatenate([before, FIRST_ORDER])
+    segment = Segment("setpoint", "y", 0.0, float(TIME[-1]), 1.0)
+    setpoint = np.where(time < 0.0, 0.0, 1.0)
+    found = score_run(ScoredRun(time, {"y": setpoint}, {"y": output}, {}, {}, [segment]))
     for score in (overshoot, rise_time, settling_time):
-        assert score(time, output, 0.0, 1.0, index=2) == score(TIME, FIRST_ORDER, 0.0, 1.0), (
-            score.__name__
-        )
+        own = score(TIME, FIRST_ORDER, 0.0, 1.0)
+        assert found[f"{score.__name__}[y]"] == own, score.__name__
     assert overshoot(time, output, 0.0, 1.0) == 800.0
 
 
@@ -111,13 +115,11 @@ def test_a_run_that_broke_off_is_infinitely_bad() -> None:
     [
         ({"target": 0.0}, "setpoint step: got 'from 0.0 to 0.0', expected a step from one"),
         ({"target": math.nan}, "setpoint step: got 'from 0.0 to nan'"),
-        ({"index": 2}, "index: got 2, expected a sample from 0 to 1"),
-        ({"index": -1}, "index: got -1, expected a sample from 0 to 1"),
         ({"band": 0.0}, "band: got 0.0, expected a fraction of the step between 0 and 1"),
     ],
 )
 def test_unusable_requests_are_refused(change: dict[str, float], message: str) -> None:
-    request = {"start": 0.0, "target": 1.0, "index": 0, "band": 0.05} | change
+    request = {"start": 0.0, "target": 1.0, "band": 0.05} | change
     with pytest.raises(InputError) as refusal:
         settling_time([0.0, 1.0, 2.0], [0.0, 1.0, 1.0], **request)
     assert str(refusal.value).startswith(message)

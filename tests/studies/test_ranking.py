@@ -435,6 +435,14 @@ def test_the_verdict_of_one_score_is_a_sentence(trial, process, score, words):
     assert words in verdict(process, rank([few, many], [score]))
 
 
+def test_of_a_score_of_which_more_is_better_the_largest_is_first(trial):
+    most, half = trial("most"), trial("half")
+    most.scores["volume_used[level_1]"], half.scores["volume_used[level_1]"] = 40.0, 20.0
+    ranking = rank([half, most], ["volume_used"])
+    assert [candidate.controller.name for candidate in ranking] == ["most", "half"]
+    assert [candidate.mean_error for candidate in ranking] == [1.0, 2.0]
+
+
 def test_a_thin_inner_loop_takes_a_controller_out_of_the_robust_ones(trial, process):
     thin, thick = (
         replace(trial(name), response=SimpleNamespace(inner_peak=("flow", peak)))

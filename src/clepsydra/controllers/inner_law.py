@@ -34,9 +34,8 @@ def inner_equations(law: StepLaw, symbols: Symbols) -> Equations:
         raise ClepsydraError(f"{law.name}: a law in Python cannot stand in another one")
     names = [entry.name for entry in (*law.state, *law.inputs, *law.parameters)]
     found = law.equations({name: symbols[name] for name in names})
-    return Equations(
-        *(
-            {name: ca.SX(value) for name, value in group.items()}
-            for group in (found.next_state, found.outputs, found.intermediates)
-        )
+    following, outputs, between = (
+        {name: ca.SX(value) for name, value in group.items()}
+        for group in (found.next_state, found.outputs, found.intermediates)
     )
+    return Equations(following, outputs, between)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +26,7 @@ from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.process_program import process_program
 from clepsydra.deploy.structured_text.dialect import dialect_of
 from clepsydra.deploy.structured_text.printer import print_structured_text
-from clepsydra.deploy.structured_text.project import print_test_project
+from clepsydra.deploy.structured_text.project import Project, print_test_project
 from clepsydra.deploy.structured_text.time_literal import time_literal
 from clepsydra.deploy.tagged import tagged_point
 from clepsydra.deploy.vendor_tuning.translation import translate
@@ -127,21 +127,12 @@ def _test_projects(
 ) -> dict[str, str]:
     """Return the project that runs a controller against its tank, by the ending of its file."""
 
-    def printed(as_form: Callable[..., str]) -> str:
-        return as_form(
-            ready.program,
-            tank,
-            ready.wires,
-            ready.process.sampling_period,
-            origin=ready.origin,
-            process_origin=process_origin(ready.point),
-            precision=precision,
-            dialect=dialect,
-        )
-
+    wires, period = ready.wires, ready.process.sampling_period
+    about = process_origin(ready.point)
+    project = Project(ready.program, tank, wires, period, ready.origin, about, precision, dialect)
     if dialect == "scl":  # TIA Portal reads no PLCopen XML
-        return {"scl": printed(print_test_project)}
-    return {"st": printed(print_test_project), "xml": printed(print_plcopen_project)}
+        return {"scl": print_test_project(project)}
+    return {"st": print_test_project(project), "xml": print_plcopen_project(project)}
 
 
 def export_c(ready: Exportable, *, precision: Precision = "double") -> ExportedFiles:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
@@ -11,7 +12,6 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import MotionBlock
-from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.step_size import check_substeps
 from clepsydra.loop.wires import wire_conversions
 from clepsydra.process.process import Process
@@ -20,7 +20,8 @@ from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.program import Program
 from clepsydra.program.reader import inline
 
-_ABSOLUTE, _SQUARED = "sum_of_absolute_errors", "sum_of_squared_errors"
+if TYPE_CHECKING:
+    from clepsydra.loop.running_scores import RunningScores
 
 
 def closed_loop(
@@ -29,7 +30,6 @@ def closed_loop(
     *,
     substeps: int,
     constant: Mapping[str, float] | None = None,
-    running_scores: bool = False,
     scores: RunningScores | None = None,
     statuses: bool = False,
     adjustable: bool = False,
@@ -50,14 +50,8 @@ def closed_loop(
     constant : mapping
         Inputs that never change in the runs to come, by name; they are folded into the
         program and are no inputs any more. Folding changes no bit of any result.
-    running_scores : bool
-        Add the states "sum_of_absolute_errors[y]" [y s] and "sum_of_squared_errors[y]" [y² s]
-        of every controlled measurement y, for batches that store no trajectories: the sum over
-        the samples of sampling period × error at the sample, without noise. They are left
-        sums, the cheapest there are, where the scores `iae` and `ise` integrate from sample
-        to sample.
     scores : RunningScores, optional
-        Scores of this process to keep as states by the rule of `clepsydra.scores`.
+        Scores of this process to keep as states, for batches that store no trajectories.
     statuses : bool
         Check each integration step and keep a status of the scenario, see
         `clepsydra.loop.lane_status`.
@@ -104,7 +98,7 @@ def closed_loop(
         process if statuses else None,
         adjustable,
     )
-    return _Join(process, controller, given, motion, running_scores, scores).program()
+    return _Join(process, controller, given, motion, scores).program()
 
 
 def check_signals(controller: Controller, process: Process) -> None:
@@ -234,27 +228,18 @@ class _Join:
         controller: Controller,
         constant: dict[str, float],
         motion: MotionBlock,
-        running_scores: bool,
         scores: RunningScores | None,
     ) -> None:
         self.process, self.controller, self.motion = process, controller, motion
         law = controller.law
-        self.scored = process.controlled if running_scores else ()
-        measured = [process.signal(name) for name in self.scored]
-        sums = [
-            Signal(f"{score}[{y.name}]", f"{y.unit}{power} s")
-            for score, power in ((_ABSOLUTE, ""), (_SQUARED, "^2"))
-            for y in measured
-        ]
-        self.scores = scores or RunningScores(process, ())
-        told = self.scores.inputs if self.scores.names else ()
+        self.scores = scores
+        told, summed = (scores.inputs, scores.state) if scores else ((), ())
         every = (*loop_inputs(process), *free_inputs(controller), *told)
         self.inputs = tuple(s for s in every if s.name not in constant)
         self.state = (
             *self.motion.state,
             *(_renamed(entry) for entry in law.state),
-            *sums,
-            *self.scores.state,
+            *summed,
         )
         self.parameters = (
             *process.parameters,
@@ -306,8 +291,7 @@ class _Join:
             [
                 *next_state,
                 *next_law,
-                *self._sums(readings, time_step),
-                *self.scores.append(builder, value | readings, process.sampling_period),
+                *(self.scores.append(builder, value | readings) if self.scores else ()),
                 *(value[signal.name] for signal in recorded),
             ]
         )
@@ -342,24 +326,6 @@ class _Join:
         outputs = zip(law.outputs, results[len(law.state) :], strict=False)
         value |= {self.controller.output_wires[s.name]: passed(s.name, n) for s, n in outputs}
         return results[: len(law.state)]
-
-    def _sums(self, readings: dict[str, int], time_step: int) -> list[int]:
-        builder, value = self.builder, self.value
-        errors = [
-            builder.operation("subtract", value[f"{name}.setpoint"], readings[name])
-            for name in self.scored
-        ]
-        rates = {
-            _ABSOLUTE: [builder.operation("absolute", error) for error in errors],
-            _SQUARED: [builder.operation("multiply", error, error) for error in errors],
-        }
-        return [
-            builder.operation(
-                "add", value[f"{score}[{name}]"], builder.operation("multiply", time_step, rate)
-            )
-            for score, numbers in rates.items()
-            for name, rate in zip(self.scored, numbers, strict=True)
-        ]
 
 
 def _renamed(entry: Signal | DelayRing) -> Signal | DelayRing:

@@ -16,8 +16,9 @@ from clepsydra.linear.pade import at_rest
 from clepsydra.linear.poles import origin_radius, time_constants
 from clepsydra.linear.zeros import zeros
 from clepsydra.loop.residence_times import residence_times, width_of_range
-from clepsydra.loop.scenario import Scenario, Segment, SegmentKind
+from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.process import Process
+from clepsydra.scores.segment import SegmentKind
 
 #: Wanted setpoint step, and the smallest that still shows something; shares of the range.
 STEP_SHARE = 0.10

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import casadi as ca
 
@@ -33,6 +33,9 @@ class Block:
         `Equations`.
     description : tuple of str
         What it does, a line each, for its reader.
+    constants : tuple of Signal
+        Numbers of its equations that are printed by their names: value (`initial`), unit, and
+        what they are and where they come from. Each stands for every such number in the block.
 
     Examples
     --------
@@ -47,7 +50,8 @@ class Block:
     state: tuple[Signal | DelayRing, ...]
     outputs: tuple[Signal, ...]
     equations: Callable[[Symbols], Equations]
-    description: tuple[str, ...] = field(default=())
+    description: tuple[str, ...] = ()
+    constants: tuple[Signal, ...] = ()
 
     def __call__(self, instance: str, inputs: Symbols, state: Symbols) -> Equations:
         """Return the results of one instance.

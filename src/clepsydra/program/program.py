@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -210,6 +210,11 @@ class Call:
         """The name of the instance as an identifier of a programming language."""
         return identifier(self.instance)
 
+    def ports(self) -> Iterator[tuple[Signal, int]]:
+        """Yield each input of the block with its value."""
+        first = len(self.program.state)
+        return zip(self.program.inputs, self.arguments[first:], strict=True)
+
 
 Statement = Operation | Loop | Conditional | Call
 
@@ -329,6 +334,10 @@ class Program:
         Names that the law gave to values on the way.
     description : tuple of str
         What a block does, a line each.
+    constants : tuple of Signal
+        Numbers of the block that are printed by their names.
+    words : mapping
+        Of names, outputs and states what a reader is told above the step that computes one.
 
     Raises
     ------
@@ -353,12 +362,36 @@ class Program:
     block: Block
     names: dict[int, str] = field(default_factory=dict)
     description: tuple[str, ...] = ()
+    constants: tuple[Signal, ...] = ()
+    words: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         taken = [entry.name for entry in (*self.state, *self.rings)]
         clash = sorted({ring.name for ring in self.rings if taken.count(ring.name) > 1})
         if clash:
             raise ValueError(f"program {self.name}: {clash} stand for more than one state or ring")
+
+    def with_signals(self, change: Callable[[Signal], Signal]) -> Program:
+        """Return the program with its signals and constants changed, but for rings of loops.
+
+        >>> law = Program("law", (), (Signal("u"),), (), (), Block(1, (), ()))
+        >>> law.with_signals(lambda signal: replace(signal, unit="V")).inputs[0].unit
+        'V'
+        """
+
+        def changed(entry: Signal | DelayRing) -> Signal | DelayRing:
+            if isinstance(entry, DelayRing):
+                return replace(entry, signal=change(entry.signal))
+            return change(entry)
+
+        return replace(
+            self,
+            state=tuple(map(changed, self.state)),
+            inputs=tuple(map(change, self.inputs)),
+            parameters=tuple(map(change, self.parameters)),
+            outputs=tuple(map(change, self.outputs)),
+            constants=tuple(map(change, self.constants)),
+        )
 
     @cached_property
     def rings(self) -> tuple[DelayRing, ...]:

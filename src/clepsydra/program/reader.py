@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import casadi as ca
 
@@ -255,7 +255,8 @@ def program_of(law: StepLaw) -> Program:
     >>> [operation.code for operation in program_of(law).block.operations()]
     ['constant', 'multiply']
     """
-    return _program(law, law.parameters, law.function, law.intermediates)
+    names = [signal.name for signal in law.intermediates]
+    return _program(law, law.parameters, law.function, names)
 
 
 def structured_program_of(law: StepLaw) -> Program:
@@ -288,15 +289,16 @@ def structured_program_of(law: StepLaw) -> Program:
         )
     with keeping_calls():
         groups = (law.state, law.inputs, law.parameters)
-        function, between = function_of(law.name, groups, law.outputs, law.equations)
-        return _program(law, law.parameters, function, between)
+        function, written = function_of(law.name, groups, law.outputs, law.equations)
+        return _program(law, law.parameters, function, written.intermediates, written.words)
 
 
 def _program(
     whole: StepLaw | Block,
     parameters: tuple[Signal, ...],
     function: ca.Function,
-    between: Sequence[Signal],
+    between: Iterable[str],
+    words: Mapping[str, str] | None = None,
 ) -> Program:
     """Read the function of a law or a block; its results are followed by what only has names."""
     _check(function)
@@ -305,13 +307,14 @@ def _program(
     builder = BlockBuilder(size)
     values = inline(builder, function, range(size))
     named: dict[int, str] = {}
-    for value, signal in zip(values[results:], between, strict=True):
+    for value, name in zip(values[results:], between, strict=True):
         if value >= size:
-            named.setdefault(value, signal.name)
+            named.setdefault(value, name)
     block = builder.finish(values[:results])
+    constants = whole.constants if isinstance(whole, Block) else ()
     program = Program(
         whole.name, whole.state, whole.inputs, parameters, whole.outputs, block, named,
-        whole.description if isinstance(whole, Block) else (),
+        whole.description if isinstance(whole, Block) else (), constants, words or {},
     )  # fmt: skip
     instances = [call.identifier for call in program.calls]
     for name in instances:
@@ -326,5 +329,6 @@ def _kept(builder: BlockBuilder, call: KeptCall, arguments: list[int]) -> list[i
     """Append the call of a block."""
     block = call.block
     groups = (block.state, block.inputs)
-    function, between = function_of(block.name, groups, block.outputs, block.equations)
-    return list(builder.call(_program(block, (), function, between), call.instance, arguments))
+    function, written = function_of(block.name, groups, block.outputs, block.equations)
+    program = _program(block, (), function, written.intermediates, written.words)
+    return list(builder.call(program, call.instance, arguments))

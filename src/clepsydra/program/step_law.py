@@ -27,6 +27,8 @@ class Equations:
         Output name to its value.
     intermediates : mapping
         Names for values on the way, which a printed program uses as variable names.
+    words : mapping
+        Of those names, outputs and states what a reader is told above the step that computes one.
 
     Examples
     --------
@@ -39,6 +41,7 @@ class Equations:
     next_state: Mapping[str, Any]
     outputs: Mapping[str, Any]
     intermediates: Mapping[str, Any] = field(default_factory=dict)
+    words: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -141,7 +144,8 @@ def step_law(
     """
     inputs, parameters = tuple(inputs), tuple(parameters)
     state, outputs = tuple(state), tuple(outputs)
-    function, intermediates = function_of(name, (state, inputs, parameters), outputs, equations)
+    function, written = function_of(name, (state, inputs, parameters), outputs, equations)
+    intermediates = tuple(map(Signal, written.intermediates))
     return StepLaw(
         name,
         inputs,
@@ -161,8 +165,8 @@ def function_of(
     arguments: Sequence[Sequence[Signal | DelayRing]],
     outputs: Sequence[Signal],
     equations: Callable[[Symbols], Equations],
-) -> tuple[ca.Function, tuple[Signal, ...]]:
-    """Return equations as an SX function, and the values on the way that they name.
+) -> tuple[ca.Function, Equations]:
+    """Return equations as an SX function, and as they were written.
 
     Parameters
     ----------
@@ -207,7 +211,10 @@ def function_of(
         ["state", "inputs", "parameters"][: len(vectors)],
         ["next_state", "outputs", "intermediates"],
     )
-    return function, tuple(Signal(entry) for entry in written.intermediates)
+    steps = {*written.next_state, *written.outputs, *written.intermediates}
+    if unknown := sorted(set(written.words) - steps):
+        raise ValueError(f"step law {name}: words for {unknown}, which it does not compute")
+    return function, written
 
 
 def _stack(law: str, what: str, names: list[str], values: Mapping[str, Any]) -> ca.SX:

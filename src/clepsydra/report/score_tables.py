@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from clepsydra.process.process import Process
 from clepsydra.report.quantities import display_factor, number_text, time_cell, unit_text
 from clepsydra.report.resolution import DEVIATION, INTEGRAND, settled
-from clepsydra.scores.catalogue import PLANT_SCORES, SCORES, ScoreDescription
+from clepsydra.scores.catalogue import SCORES
+from clepsydra.scores.score import Of, Score
 from clepsydra.studies.ranking import RULE
 from clepsydra.studies.ranking_words import IDLE
 from clepsydra.studies.result import Candidate, Standing, StudyResult
@@ -255,15 +256,16 @@ def score_tables(process: Process, candidate: Candidate) -> list[ScoreTable]:
     >>> [title for title, _, _ in inputs.rows][:3]
     ['Total variation', 'Noise movement', 'Travel']
     """
-    of_signals = [key for key in SCORES if key not in PLANT_SCORES]
+    of_plant = [key for key, s in SCORES.items() if s.of in (Of.PUMP, Of.TANK, Of.INNER_LOOP)]
+    of_signals = [key for key in SCORES if key not in of_plant]
     named = [key.partition("[") for key in candidate.scores]
     plant = tuple(
-        dict.fromkeys(name.removesuffix("]") for key, _, name in named if key in PLANT_SCORES)
+        dict.fromkeys(name.removesuffix("]") for key, _, name in named if key in of_plant)
     )
     return [
         _score_table(process, candidate, tuple(process.controlled), of_signals),
         _score_table(process, candidate, tuple(u.name for u in process.inputs), of_signals),
-        _score_table(process, candidate, plant, PLANT_SCORES),
+        _score_table(process, candidate, plant, of_plant),
     ]
 
 
@@ -289,7 +291,7 @@ def _score_table(
 
 
 def score_text(
-    process: Process, name: str, value: float, score: ScoreDescription, duration: float = 0.0
+    process: Process, name: str, value: float, score: Score, duration: float = 0.0
 ) -> tuple[str, str]:
     """Return a score [SI] of a signal and its unit as the reader sees them.
 
@@ -301,7 +303,7 @@ def score_text(
     name : str
         Of the signal.
     value : float
-    score : ScoreDescription
+    score : Score
     duration : float
         Of the run [s]: integrals over more than three hours are shown in hours.
 
@@ -316,17 +318,15 @@ def score_text(
     >>> score_text(process, "level", 7.2, SCORES["iae"], duration=40000.0)
     ('2.00', 'mA h')
     """
-    rule = score.unit_rule
-    if rule == "s":
+    power, power_of_time = score.powers
+    if not score.unit and not power:
         shown, _, unit = time_cell(value).partition(" ")
         return shown, unit
-    if "signal unit" not in rule:
-        if rule in _OF_WHOLE:
+    if score.unit:
+        if score.unit in _OF_WHOLE:
             value = settled(value, 100.0 * DEVIATION)
-        return number_text(value), "" if rule == "1" else _SHARES.get(rule, rule)
+        return number_text(value), "" if score.unit == "1" else _SHARES.get(score.unit, score.unit)
     signal = process.signal(name)
-    power = 2 if "signal unit²" in rule else 1
-    power_of_time = 2 if "s²" in rule else int("× s" in rule)
     share = INTEGRAND if power_of_time else DEVIATION
     value = settled(value, (share * signal.span) ** power * duration**power_of_time)
     second = ("s", 1.0) if duration <= _IN_SECONDS else ("h", 3600.0)

@@ -1,76 +1,41 @@
-"""Scores of what a controller moves: how far it moved, and how long it stood at a limit."""
+"""What a controller moves: how far, how often it turns, and how long it stands at a limit.
+
+Travel and reversals count what a real actuator would do. Moves below its resolution do not reach
+the stem of a valve or the speed of a drive, so that rounding and small noise wear nothing; total
+variation counts every move.
+
+The functions take the start of each sample [s], the manipulated variable [n], held during each
+sample, and its range [signal unit]. They are infinite where a value is not finite, and raise an
+`InputError` where time does not increase, lengths differ, or the range is none.
+"""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
-from clepsydra.scores.trajectory import held_durations, read_trajectories
+from clepsydra.scores.sample import Fold
+from clepsydra.scores.score import Of, Score
+from clepsydra.scores.trajectory import FloatArray, finite_or_infinite, held_durations
 
+#: Resolution of a good positioner, as a share of the range; EnTech, Control Valve Dynamic
+#: Specification, version 3.0, 1998.
+RESOLUTION = 1e-3
 #: A value within this share of the range of a limit stands at the limit; covers rounding only.
 AT_LIMIT = 1e-9
+_HOUR = 3600.0
 
 
-def total_variation(time: ArrayLike, signal: ArrayLike) -> float:
-    """Return the sum of all moves, TV = Σ |u_{k+1} - u_k|.
-
-    Parameters
-    ----------
-    time : array_like [n]
-        Start of each sample [s].
-    signal : array_like [n]
-        Manipulated variable, held during each sample.
-
-    Returns
-    -------
-    float
-        [signal unit]; infinite where a value is not finite.
-
-    Raises
-    ------
-    InputError
-        Time does not increase, or lengths differ.
-
-    References
-    ----------
-    S. Skogestad, Journal of Process Control 13, 2003, doi 10.1016/S0959-1524(02)00062-8.
-
-    Examples
-    --------
-    >>> total_variation([0.0, 1.0, 2.0], [3.0, 5.0, 4.0])
-    3.0
-    """
-    _, (held,), complete = read_trajectories(time, signal)
-    if not complete:
-        return float("inf")
-    return float(np.sum(np.abs(np.diff(held))))
-
-
-def noise_movement(time: ArrayLike, signal: ArrayLike) -> float:
+@finite_or_infinite
+def noise_movement(time: FloatArray, signal: FloatArray) -> float:
     """Return how far measurement noise throws the manipulated variable about.
 
     The root mean square of its moves from sample to sample over √2: for a controller of gain K
     and white noise of standard deviation σ that is K σ, whatever drifts slowly below.
 
-    Parameters
-    ----------
-    time : array_like [n]
-        Start of each sample [s], of a stretch in which nothing happens but noise.
-    signal : array_like [n]
-        Manipulated variable, held during each sample.
-
-    Returns
-    -------
-    float
-        [signal unit]; infinite where a value is not finite.
-
-    Raises
-    ------
-    InputError
-        Time does not increase, or lengths differ.
+    The stretch is one in which nothing happens but noise [signal unit].
 
     References
     ----------
@@ -83,67 +48,82 @@ def noise_movement(time: ArrayLike, signal: ArrayLike) -> float:
     >>> noise_movement([0.0, 1.0, 2.0], [3.0, 5.0, 3.0]) == 2.0**0.5
     True
     """
-    _, (held,), complete = read_trajectories(time, signal)
-    if not complete:
-        return float("inf")
-    return float(np.sqrt(np.mean(np.diff(held) ** 2) / 2.0))
+    return float(np.sqrt(np.mean(np.diff(signal) ** 2) / 2.0))
 
 
-def peak_move(time: ArrayLike, signal: ArrayLike) -> float:
-    """Return how far the manipulated variable goes from where it began, max |u_k - u_0|.
+@finite_or_infinite
+def travel(time: FloatArray, signal: FloatArray, low: float, high: float) -> float:
+    """Return the way of an actuator of finite resolution, in per cent of its range per hour.
 
-    Parameters
-    ----------
-    time : array_like [n]
-        Start of each sample [s].
-    signal : array_like [n]
-        Manipulated variable, held during each sample.
+    The actuator stays where it is until the signal is further away than 0.1 % of the range, and
+    then goes to the signal.
 
-    Returns
-    -------
-    float
-        [signal unit]; infinite where a value is not finite.
+    Examples
+    --------
+    Up by half the range, and back, in an hour; moves of 0.05 % do not count:
 
-    Raises
-    ------
-    InputError
-        Time does not increase, or lengths differ.
+    >>> travel([0.0, 1200.0, 2400.0], [0.0, 5.0, 0.0], low=0.0, high=10.0)
+    100.0
+    >>> travel([0.0, 1200.0, 2400.0], [0.0, 0.005, 0.0], low=0.0, high=10.0)
+    0.0
+    """
+    span = _span(low, high)
+    position, way = float(signal[0]), 0.0
+    for value in _moved(signal):
+        if abs(value - position) > RESOLUTION * span:
+            way += abs(value - position)
+            position = value
+    return 100.0 * way / span / (float(np.sum(held_durations(time))) / _HOUR)
+
+
+@finite_or_infinite
+def reversals(time: FloatArray, signal: FloatArray, low: float, high: float) -> float:
+    """Return how often the manipulated variable turns by more than 0.1 % of its range.
+
+    A turn counts once the signal has come back from its last highest or lowest value by more
+    than that dead band.
+
+    Examples
+    --------
+    Down, up and down again by more than the dead band: two turns.
+
+    >>> reversals(range(5), [5.0, 4.0, 4.001, 6.0, 5.5], low=0.0, high=10.0)
+    2.0
+    """
+    band = RESOLUTION * _span(low, high)
+    highest = lowest = float(signal[0])
+    direction, turns = 0, 0
+    for value in _moved(signal):
+        highest, lowest = max(highest, value), min(lowest, value)
+        if direction >= 0 and highest - value > band:
+            turns += direction > 0
+            direction, lowest = -1, value
+        elif direction <= 0 and value - lowest > band:
+            turns += direction < 0
+            direction, highest = 1, value
+    return float(turns)
+
+
+@finite_or_infinite
+def peak_move(time: FloatArray, signal: FloatArray) -> float:
+    """Return how far the manipulated variable goes from where it began, max \\|u_k - u_0\\|.
 
     Examples
     --------
     >>> peak_move([0.0, 1.0, 2.0], [3.0, 5.0, -1.0])
     4.0
     """
-    _, (held,), complete = read_trajectories(time, signal)
-    if not complete:
-        return float("inf")
-    return float(np.max(np.abs(held - held[0])))
+    return float(np.max(np.abs(signal - signal[0])))
 
 
-def time_in_saturation(time: ArrayLike, signal: ArrayLike, low: float, high: float) -> float:
-    """Return how long the manipulated variable stood at one of its limits.
+@finite_or_infinite
+def time_in_saturation(time: FloatArray, signal: FloatArray, low: float, high: float) -> float:
+    """Return how long the manipulated variable stood at one of its limits [s].
 
     The value of sample k holds from t_k to t_{k+1}; the last sample is as long as the one
     before it.
 
-    Parameters
-    ----------
-    time : array_like [n]
-        Start of each sample [s].
-    signal : array_like [n]
-        Manipulated variable, held during each sample.
-    low, high : float
-        Its limits [signal unit]; infinite where there is none.
-
-    Returns
-    -------
-    float
-        [s]; infinite where a value is not finite.
-
-    Raises
-    ------
-    InputError
-        The limits are not in order, time does not increase, or lengths differ.
+    Limits may be infinite, but must be in order.
 
     Examples
     --------
@@ -154,10 +134,7 @@ def time_in_saturation(time: ArrayLike, signal: ArrayLike, low: float, high: flo
         raise InputError(
             "limits", f"{low} and {high}", "a low limit below the high limit", "swap or widen them"
         )
-    clock, (held,), complete = read_trajectories(time, signal)
-    if not complete:
-        return float("inf")
-    return float(np.sum(held_durations(clock)[at_limit(held, low, high)]))
+    return float(np.sum(held_durations(time)[at_limit(signal, low, high)]))
 
 
 def at_limit(held: np.ndarray, low: float, high: float) -> np.ndarray:
@@ -181,3 +158,86 @@ def at_limit(held: np.ndarray, low: float, high: float) -> np.ndarray:
     """
     tolerance = AT_LIMIT * (high - low) if math.isfinite(high - low) else 0.0
     return np.asarray((held <= low + tolerance) | (held >= high - tolerance))
+
+
+def _moved(held: FloatArray) -> list[float]:
+    """Return the values at which the signal has moved: the others change nothing."""
+    found: list[float] = held[np.diff(held, prepend=held[0]) != 0.0].tolist()
+    return found
+
+
+def _span(low: float, high: float) -> float:
+    span = high - low
+    if not (math.isfinite(span) and span > 0.0):
+        raise InputError(
+            "limits",
+            f"{low} and {high}",
+            "a finite low limit below a finite high limit",
+            "give the range of the actuator",
+        )
+    return span
+
+
+TOTAL_VARIATION = Score(
+    "total_variation",
+    "Total variation",
+    "Sum of all moves of the manipulated variable: wear of the actuator.",
+    Of.MANIPULATED,
+    powers=(1, 0),
+    integrand=lambda sample: abs(sample.move),
+    fold=Fold.SUM,
+).registered()
+Score(
+    "noise_movement",
+    "Noise movement",
+    "Standard deviation with which measurement noise alone throws the manipulated variable "
+    "about, from its moves from sample to sample.",
+    Of.MANIPULATED,
+    powers=(1, 0),
+    over=lambda run, name: run.worst(
+        noise_movement, [(run.time[at], run.inputs[name][at]) for at in run.noise]
+    ),
+).registered()
+Score(
+    "travel",
+    "Travel",
+    "Way of an actuator that follows the manipulated variable only where it differs by more "
+    "than 0.1 % of the range.",
+    Of.MANIPULATED,
+    unit="% of range per h",
+    over=lambda run, name: run.of_range(travel, name),
+).registered()
+Score(
+    "reversals",
+    "Reversals",
+    "How often the manipulated variable turns and comes back by more than 0.1 % of the range.",
+    Of.MANIPULATED,
+    unit="1",
+    over=lambda run, name: run.of_range(reversals, name),
+).registered()
+Score(
+    "peak_move",
+    "Largest move",
+    "Largest distance of the manipulated variable from where it began.",
+    Of.MANIPULATED,
+    powers=(1, 0),
+    over=lambda run, name: peak_move(run.time, run.inputs[name]),
+).registered()
+Score(
+    "time_in_saturation",
+    "Time in saturation",
+    "How long the manipulated variable stood at a limit, its own or a narrower one of the "
+    "controller.",
+    Of.MANIPULATED,
+    powers=(0, 1),
+    over=lambda run, name: time_in_saturation(run.time, run.inputs[name], *run.limits(name)),
+).registered()
+Score(
+    "time_at_setpoint_limit",
+    "Time at a setpoint limit",
+    "How long the setpoint that a cascade gives to an inner loop stood at one of its limits, "
+    "where the outer loop moves nothing.",
+    Of.INNER_LOOP,
+    powers=(0, 1),
+    over=lambda run, name: time_in_saturation(run.time, *run.inner[name]),
+).registered()

@@ -1,161 +1,72 @@
-"""What pumping costs: starts, volumes and energy."""
+"""What pumping costs, and what is spilt: starts, volumes and energy.
+
+A flow is held during each sample, as the signal of its pump is. The energy is what reaches the
+liquid, J. F. Gülich, Centrifugal Pumps, 3rd edition, 2014, chapter 2, doi
+10.1007/978-3-642-40114-5: that drawn from the mains is this over the efficiency of pump, motor and
+converter.
+"""
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from clepsydra.scores.trajectory import held_durations, read_trajectories
+from clepsydra.scores.sample import Expression, Fold, Sample
+from clepsydra.scores.score import Of, Score
 
 _HOUR = 3600.0
-#: Of water [kg/m³].
+_KILOWATT_HOUR = 3.6e6
+#: Density of water [kg/m³].
 WATER = 1000.0
 
 
-def starts_per_hour(time: ArrayLike, running: ArrayLike) -> float:
-    """Return how often a pump starts, per hour of the run.
+def starts(sample: Sample) -> tuple[Expression, ...]:
+    """Return whether the pump starts now, and how long it will be as it is [s].
 
     A start is a sample at which it runs after one at which it did not; that it runs at the
     beginning is none.
-
-    Parameters
-    ----------
-    time : array_like [n]
-        Start of each sample [s].
-    running : array_like [n]
-        1 where the pump runs, 0 where it stands still.
-
-    Returns
-    -------
-    float
-        [1/h]; infinite where a value is not finite.
-
-    Raises
-    ------
-    InputError
-        Time does not increase, or lengths differ.
-
-    Examples
-    --------
-    Two starts in half an hour:
-
-    >>> starts_per_hour([0.0, 360.0, 720.0, 1080.0, 1440.0], [1, 0, 1, 0, 1])
-    4.0
     """
-    clock, (state,), complete = read_trajectories(time, running)
-    if not complete:
-        return float("inf")
-    starts = np.count_nonzero(np.diff((state > 0.5).astype(int)) > 0)
-    return float(starts * _HOUR / np.sum(held_durations(clock)))
+    return (sample.running.now > 0.5) * (sample.running.before <= 0.5), sample.held
 
 
-def volume_pumped(time: ArrayLike, flow: ArrayLike) -> float:
-    """Return the volume that a flow delivers, Σ q_k Δt_k.
-
-    Parameters
-    ----------
-    time : array_like [n]
-        Start of each sample [s].
-    flow : array_like [n]
-        q at the start of each sample [m³/s]; held during it, as the signal of its pump is.
-
-    Returns
-    -------
-    float
-        [m³]; infinite where a value is not finite.
-
-    Raises
-    ------
-    InputError
-        Time does not increase, or lengths differ.
-
-    Examples
-    --------
-    >>> volume_pumped([0.0, 10.0, 20.0], [0.5, 0.5, 0.0])
-    10.0
-    """
-    clock, (rate,), complete = read_trajectories(time, flow)
-    if not complete:
-        return float("inf")
-    return float(np.sum(rate * held_durations(clock)))
+def energy(sample: Sample) -> Expression:
+    """Return what the liquid is given in the sample that begins now, ρ g H q Δt [kWh]."""
+    return WATER * sample.lift * sample.now * sample.held / _KILOWATT_HOUR
 
 
-def volume_spilt(time: ArrayLike, total: ArrayLike) -> float:
-    """Return the volume lost over the rim of a tank, from its total.
-
-    Parameters
-    ----------
-    time : array_like [n]
-        Start of each sample [s].
-    total : array_like [n]
-        Volume lost until then [m³], integrated with the motion of the process.
-
-    Returns
-    -------
-    float
-        [m³]; infinite where a value is not finite.
-
-    Raises
-    ------
-    InputError
-        Time does not increase, or lengths differ.
-
-    Examples
-    --------
-    >>> volume_spilt([0.0, 1.0, 2.0], [0.5, 0.5, 0.75])
-    0.25
-    """
-    _, (lost,), complete = read_trajectories(time, total)
-    if not complete:
-        return float("inf")
-    return float(lost[-1] - lost[0])
-
-
-def energy_to_liquid(
-    time: ArrayLike, flow: ArrayLike, head: ArrayLike, gravity: float, density: float = WATER
-) -> float:
-    """Return the energy that a pump gives to the liquid, ∫ ρ g H q dt.
-
-    It is what reaches the liquid, without the losses of pump, motor and converter: the energy
-    drawn from the mains is this over their efficiency.
-
-    Parameters
-    ----------
-    time : array_like [n]
-        Start of each sample [s].
-    flow : array_like [n]
-        q [m³/s]
-    head : array_like [n]
-        H, what the pump lifts against [m]; where it is negative the liquid runs by itself.
-    gravity : float
-        g [m/s²]
-    density : float
-        ρ [kg/m³]
-
-    Returns
-    -------
-    float
-        [J]; infinite where a value is not finite.
-
-    Raises
-    ------
-    InputError
-        Time does not increase, or lengths differ.
-
-    References
-    ----------
-    J. F. Gülich, Centrifugal Pumps, 3rd edition, 2014, chapter 2, doi
-    10.1007/978-3-642-40114-5.
-
-    Examples
-    --------
-    A cubic metre lifted by 36 m is 0.1 kWh, but for g:
-
-    >>> round(energy_to_liquid([0.0, 50.0], [0.01, 0.01], [36.0, 36.0], gravity=10.0) / 3.6e6, 9)
-    0.1
-    """
-    clock, (rate, lift), complete = read_trajectories(time, flow, head)
-    if not complete:
-        return float("inf")
-    power = density * gravity * np.maximum(lift, 0.0) * rate
-    return float(np.sum(power * held_durations(clock)))
+Score(
+    "starts_per_hour",
+    "Starts",
+    "How often the pump starts to run, per hour of the run.",
+    Of.PUMP,
+    unit="1/h",
+    integrand=starts,
+    fold=Fold.SUM,
+    finish=lambda number, lasted: number * _HOUR / lasted,
+).registered()
+Score(
+    "volume_pumped",
+    "Volume pumped",
+    "What the pump delivers in the run.",
+    Of.PUMP,
+    unit="m³",
+    integrand=lambda sample: sample.now * sample.held,
+    fold=Fold.SUM,
+).registered()
+Score(
+    "energy",
+    "Energy to the liquid",
+    "What the pump gives to the liquid, flow times head, taken as water of 1000 kg/m³; what it "
+    "draws is more by the losses of pump, motor and converter.",
+    Of.PUMP,
+    unit="kWh",
+    wants="head",
+    integrand=energy,
+    fold=Fold.SUM,
+).registered()
+Score(
+    "volume_spilt",
+    "Volume spilt",
+    "What is lost over the rim of the tank in the run.",
+    Of.TANK,
+    unit="m³",
+    integrand=lambda sample: sample.move,
+    fold=Fold.SUM,
+).registered()

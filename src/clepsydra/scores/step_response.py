@@ -1,7 +1,15 @@
 """Scores of the response to one setpoint step.
 
-All of them look at the relative response z = (y - start) / (target - start), so a step down
-is judged exactly like a step up, and read the instants between samples from a straight line.
+They look at the relative response z = (y - start) / (target - start), so that a
+step down is judged exactly like a step up. Instants between samples are read from a straight line.
+
+S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd edition, Wiley, 2005,
+chapter 2; rise time as in K. J. Åström and T. Hägglund, Advanced PID Control, ISA, 2006, chapter 4.
+
+The functions take the start of each sample from the step on [s], the output without measurement
+noise [n], and the setpoint before and after the step [signal unit]. They are infinite where a value
+is not finite, and raise an `InputError` where the step has no size, a band is none, time does not
+increase, or lengths differ.
 """
 
 from __future__ import annotations
@@ -12,154 +20,149 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from clepsydra.base.errors import InputError
-from clepsydra.scores.trajectory import FloatArray, first_crossing, from_sample, last_entry
+from clepsydra.scores.marks import along
+from clepsydra.scores.sample import Expression, Fold, Sample, larger
+from clepsydra.scores.score import Score
+from clepsydra.scores.trajectory import (
+    FloatArray,
+    finite_or_infinite,
+    first_crossing,
+    last_entry,
+    read_trajectories,
+)
+
+#: Half the width of the band of settling and return, as a share of the setpoint step.
+BAND = 0.05
+#: The narrower band of the settling time.
+NARROW_BAND = 0.02
+#: Half the width of the band, in standard deviations of the noise, where the noise decides.
+DEVIATIONS = 3.0
+#: So many samples in a row on one side of the band are no noise: of white normal noise in a band
+#: of three standard deviations, one in 4·10⁸.
+IN_A_ROW = 3
 
 
-def overshoot(
-    time: ArrayLike, output: ArrayLike, start: float, target: float, index: int = 0
-) -> float:
+def passed(sample: Sample) -> Expression:
+    """Return how far the output stands beyond a setpoint that stepped [% of the step]."""
+    return 100 * larger(0, larger(-sample.first * sample.per_step, -sample.last * sample.per_step))
+
+
+OVERSHOOT = Score(
+    "overshoot",
+    "Overshoot",
+    "How far the output passes its setpoint after a step of it, in the worst step; – where the "
+    "controller follows no setpoint.",
+    unit="% of the step",
+    wants="own step",
+    integrand=passed,
+    fold=Fold.LARGEST,
+).registered()
+
+
+def overshoot(time: ArrayLike, output: ArrayLike, start: float, target: float) -> float:
     """Return how far the output passes its target, 100 max(0, max z - 1).
 
-    Parameters
-    ----------
-    time : array_like [n]
-        Start of each sample [s].
-    output : array_like [n]
-        In the signal's unit, without measurement noise.
-    start, target : float
-        Setpoint before and after the step [signal unit].
-    index : int
-        The sample at which the setpoint steps.
-
-    Returns
-    -------
-    float
-        [% of the step]; 0 where the output stays short of its target, infinite where a
-        value is not finite.
-
-    Raises
-    ------
-    InputError
-        The step has no size, the index no sample after it, or lengths differ.
-
-    References
-    ----------
-    S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd edition, Wiley,
-    2005, chapter 2.
+    In % of the step; 0 where the output stays short of its target.
 
     Examples
     --------
     >>> overshoot([0.0, 1.0, 2.0], [4.0, 1.5, 2.0], start=4.0, target=2.0)
     25.0
     """
-    _, response, complete = _relative_response(time, output, start, target, index)
+    size = _step_size(start, target)
+    clock, (actual,), complete = read_trajectories(time, output)
     if not complete:
-        return float("inf")
-    return 100.0 * max(0.0, float(np.max(response)) - 1.0)
+        return math.inf
+    held, inverse = (np.full(clock.size, value) for value in (target, 1.0 / size))
+    return OVERSHOOT.folded(along(clock, {"per_step": inverse}, now=actual, next_setpoint=held))
 
 
-def rise_time(
-    time: ArrayLike, output: ArrayLike, start: float, target: float, index: int = 0
-) -> float:
+@finite_or_infinite
+def rise_time(time: FloatArray, output: FloatArray, start: float, target: float) -> float:
     """Return the time from the first z = 0.1 to the first z = 0.9.
 
-    Parameters
-    ----------
-    time : array_like [n]
-        Start of each sample [s].
-    output : array_like [n]
-        In the signal's unit, without measurement noise.
-    start, target : float
-        Setpoint before and after the step [signal unit].
-    index : int
-        The sample at which the setpoint steps.
-
-    Returns
-    -------
-    float
-        [s]; infinite where 90 % of the step is never reached or a value is not finite.
-
-    Raises
-    ------
-    InputError
-        The step has no size, the index no sample after it, or lengths differ.
-
-    References
-    ----------
-    K. J. Åström and T. Hägglund, Advanced PID Control, ISA, 2006, chapter 4.
+    In s; infinite where 90 % of the step is never reached.
 
     Examples
     --------
     >>> rise_time([0.0, 1.0, 2.0], [0.0, 10.0, 10.0], start=0.0, target=10.0)
     0.8
     """
-    elapsed, response, complete = _relative_response(time, output, start, target, index)
-    if not complete:
-        return float("inf")
-    upper = first_crossing(elapsed, response, 0.9)
-    if math.isinf(upper):
-        return upper
-    return upper - first_crossing(elapsed, response, 0.1)
+    relative = (output - start) / _step_size(start, target)
+    upper = first_crossing(time, relative, 0.9)
+    return upper if math.isinf(upper) else upper - first_crossing(time, relative, 0.1)
 
 
+@finite_or_infinite
 def settling_time(
-    time: ArrayLike,
-    output: ArrayLike,
-    start: float,
-    target: float,
-    index: int = 0,
-    band: float = 0.05,
+    time: FloatArray, output: FloatArray, start: float, target: float, band: float = BAND
 ) -> float:
-    """Return the time from the step until |z - 1| ≤ band for the rest of the record.
+    """Return the time from the step until \\|z - 1\\| ≤ band for the rest of the record.
 
-    Parameters
-    ----------
-    time : array_like [n]
-        Start of each sample [s].
-    output : array_like [n]
-        In the signal's unit, without measurement noise.
-    start, target : float
-        Setpoint before and after the step [signal unit].
-    index : int
-        The sample at which the setpoint steps.
-    band : float
-        As a fraction of the step; 0.05 for 5 %, 0.02 for 2 %.
-
-    Returns
-    -------
-    float
-        [s]; infinite where the record ends outside the band or a value is not finite.
-
-    Raises
-    ------
-    InputError
-        The step has no size, the band is not positive, the index no sample after it, or
-        lengths differ.
-
-    References
-    ----------
-    S. Skogestad and I. Postlethwaite, Multivariable Feedback Control, 2nd edition, Wiley,
-    2005, chapter 2.
+    In s; infinite where the record ends outside the band, a fraction of the step.
 
     Examples
     --------
     >>> settling_time([0.0, 10.0, 20.0], [0.0, 1.0, 1.0], start=0.0, target=1.0)
     9.5
     """
-    if not 0.0 < band < 1.0:
+    _check_band(band)
+    relative = (output - start) / _step_size(start, target)
+    return last_entry(time - time[0], relative - 1.0, band)
+
+
+@finite_or_infinite
+def settling_time_under_noise(
+    time: FloatArray,
+    measurement: FloatArray,
+    start: float,
+    target: float,
+    deviation: float,
+    band: float = BAND,
+) -> float:
+    """Return when a noisy measurement has settled, as far as its noise lets one say so.
+
+    The band around the target is the larger of `band` times the step and three standard
+    deviations of the noise. A measurement has settled at the first sample after which it never
+    again lies outside the band, on the same side, for three samples in a row. Single samples
+    outside are noise.
+
+    Without noise that is the settling time, up to the next sample, for every response that stays
+    outside for three samples before it enters.
+
+    In s; infinite where the last three samples lie outside on one side. The deviation of the noise
+    is from 0 [signal unit]. The definition is ours; the band of three deviations and the run on one
+    side are those of W. A. Shewhart's control charts (Western Electric, Statistical Quality Control
+    Handbook, 1956).
+
+    Examples
+    --------
+    One sample outside at 4 s does not count, since the next is inside again:
+
+    >>> seen = [0.0, 0.3, 0.6, 0.99, 1.08, 1.0, 1.02]
+    >>> settling_time_under_noise(range(7), seen, start=0.0, target=1.0, deviation=0.01)
+    3.0
+    """
+    size = _step_size(start, target)
+    _check_band(band)
+    if not (math.isfinite(deviation) and deviation >= 0.0):
         raise InputError(
-            "band", band, "a fraction of the step between 0 and 1", "use 0.05 for 5 % or 0.02"
+            "deviation", deviation, "a standard deviation from 0", "use 0 for no noise"
         )
-    elapsed, response, complete = _relative_response(time, output, start, target, index)
-    if not complete:
-        return float("inf")
-    return last_entry(elapsed, response - 1.0, band)
+    half_width = max(band * abs(size), DEVIATIONS * deviation)
+    away = measurement - target
+    side = np.where(away > half_width, 1, np.where(away < -half_width, -1, 0))
+    if side.size < IN_A_ROW:
+        return math.inf if side[-1] else 0.0
+    windows = np.lib.stride_tricks.sliding_window_view(side, IN_A_ROW)
+    runs = np.flatnonzero(np.abs(windows.sum(axis=1)) == IN_A_ROW)
+    if runs.size == 0:
+        return 0.0
+    after = int(runs[-1]) + IN_A_ROW
+    return float(time[after] - time[0]) if after < time.size else math.inf
 
 
-def _relative_response(
-    time: ArrayLike, output: ArrayLike, start: float, target: float, index: int
-) -> tuple[FloatArray, FloatArray, bool]:
-    """Return time since the step [s], z from the step on, and whether every z is finite."""
+def _step_size(start: float, target: float) -> float:
     size = target - start
     if not math.isfinite(size) or size == 0.0:
         raise InputError(
@@ -168,5 +171,49 @@ def _relative_response(
             "a step from one finite value to another",
             "score only samples at which the setpoint changes",
         )
-    elapsed, signal, complete = from_sample(time, output, index)
-    return elapsed, (signal - start) / size, complete
+    return size
+
+
+def _check_band(band: float) -> None:
+    if not 0.0 < band < 1.0:
+        raise InputError(
+            "band", band, "a fraction of the step between 0 and 1", "use 0.05 for 5 % or 0.02"
+        )
+
+
+Score(
+    "rise_time",
+    "Rise time",
+    "From 10 % to 90 % of a setpoint step, in the slowest step.",
+    powers=(0, 1),
+    wants="own step",
+    over=lambda run, name: run.worst(rise_time, run.steps(name)),
+).registered()
+Score(
+    "settling_time",
+    "Settling time",
+    "From a setpoint step until the output stays within 5 % of it, in the slowest step.",
+    powers=(0, 1),
+    wants="own step",
+    over=lambda run, name: run.worst(settling_time, run.steps(name)),
+).registered()
+Score(
+    "settling_time_2",
+    "Settling time, 2 %",
+    "From a setpoint step until the output stays within 2 % of it, in the slowest step.",
+    powers=(0, 1),
+    wants="own step",
+    over=lambda run, name: run.worst(settling_time, run.steps(name), NARROW_BAND),
+).registered()
+Score(
+    "settling_time_noisy",
+    "Settling time, measured",
+    "From a setpoint step until the measurement never again lies outside a band for three "
+    "samples in a row on one side; the band is 5 % of the step, or three standard deviations "
+    "of the noise if that is more.",
+    powers=(0, 1),
+    wants="own step",
+    over=lambda run, name: run.worst(
+        settling_time_under_noise, run.steps(name, measured=True), run.noise_deviation(name)
+    ),
+).registered()

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -68,69 +73,28 @@ def read_trajectories(
     return clock, values, all(bool(np.all(np.isfinite(signal))) for signal in values)
 
 
-def from_sample(
-    time: ArrayLike, signal: ArrayLike, index: int
-) -> tuple[FloatArray, FloatArray, bool]:
-    """Return time since the sample `index` [s] and the signal from there on.
+def finite_or_infinite(function: Callable[..., float]) -> Callable[..., float]:
+    """Let a function of time and signals take whatever is like an array, and be infinite else.
 
-    Parameters
-    ----------
-    time, signal : array_like [n]
-    index : int
-        The sample at which something happens, 0 ≤ index ≤ n - 2.
-
-    Returns
-    -------
-    tuple
-        Time since the sample [n - index], the signal [n - index], and True where all its
-        values are finite.
-
-    Raises
-    ------
-    InputError
-        As `read_trajectories`, or no interval follows the sample.
+    Its arguments that are declared as `FloatArray` are read as `read_trajectories` does; where a
+    value is not finite it is not asked, and the score is infinite.
 
     Examples
     --------
-    >>> elapsed, signal, complete = from_sample([0, 1, 2], [5, 6, 7], 1)
-    >>> elapsed.tolist(), signal.tolist(), complete
-    ([0.0, 1.0], [6.0, 7.0], True)
+    >>> @finite_or_infinite
+    ... def end(time: FloatArray, signal: FloatArray, scale: float = 1.0) -> float:
+    ...     return float(scale * signal[-1])
+    >>> end([0, 1], [2, 3], scale=2.0), end([0, 1], [float("nan"), 3])
+    (6.0, inf)
     """
-    clock, (values,), _ = read_trajectories(time, signal)
-    if not 0 <= index <= clock.size - 2:
-        raise InputError(
-            "index",
-            index,
-            f"a sample from 0 to {clock.size - 2}",
-            "give the sample of the step; at least one more must follow it",
-        )
-    response = values[index:]
-    return clock[index:] - clock[index], response, bool(np.all(np.isfinite(response)))
+    signals = list(function.__annotations__.values()).count("FloatArray") - 1
 
+    @wraps(function)
+    def checked(time: ArrayLike, *given: Any, **named: Any) -> float:
+        clock, arrays, complete = read_trajectories(time, *given[:signals])
+        return function(clock, *arrays, *given[signals:], **named) if complete else math.inf
 
-def sample_errors(
-    time: FloatArray, setpoint: FloatArray, output: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return length, first error and last error of each sample but the last.
-
-    The setpoint is held during a sample, and the output moves on a straight line to the next.
-
-    Parameters
-    ----------
-    time, setpoint, output : ndarray [n]
-
-    Returns
-    -------
-    tuple of ndarray [n - 1]
-        Length [s], r_k - y_k and r_k - y_{k+1} [signal unit].
-
-    Examples
-    --------
-    >>> both = np.array([0.0, 2.0]), np.array([5.0, 9.0]), np.array([1.0, 4.0])
-    >>> [values.tolist() for values in sample_errors(*both)]
-    [[2.0], [4.0], [1.0]]
-    """
-    return np.diff(time), setpoint[:-1] - output[:-1], setpoint[:-1] - output[1:]
+    return checked
 
 
 def held_durations(time: FloatArray) -> FloatArray:

@@ -13,11 +13,11 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.loop.run import Run
 from clepsydra.process.process import Process
 from clepsydra.scores.catalogue import SCORES
+from clepsydra.scores.score import in_sentence
 from clepsydra.studies.ranking_words import (
     IDLE,
     STANDINGS,
     TIE,
-    in_sentence,
     peak_sentence,
     percent,
     reason,
@@ -50,6 +50,8 @@ _TIES = (
 )
 RULE = _GROUPS + _USUAL + _TIES
 
+#: What levels that are held, and levels that average, are judged by.
+OF_HELD, OF_AVERAGING = ("iae_setpoint", "iae_load"), ("outflow_rate", "variance_ratio")
 #: Largest noise movement of a quiet controller, share of the input's range.
 QUIET = 0.05
 #: What is smaller is rounding, and no reason to call a controller many times worse than another:
@@ -296,12 +298,15 @@ class _Judge:
         if not math.isfinite(value):
             return math.inf
         smallest = self._smallest(key)
-        best = min(trial.scores.get(key, math.inf) for trial in self.best_of)
-        if not math.isfinite(best):
+        known = [trial.scores.get(key, math.inf) for trial in self.best_of]
+        finite = [found for found in known if math.isfinite(found)]
+        if not finite:
             return 1.0
-        if max(best, smallest) == 0.0:
-            return 1.0 if value == 0.0 else math.inf
-        return max(value, smallest) / max(best, smallest)
+        less_is_better = SCORES[key.partition("[")[0]].smaller_is_better
+        better, worse = (min(finite), value) if less_is_better else (value, max(finite))
+        if max(better, smallest) == 0.0:
+            return 1.0 if worse == 0.0 else math.inf
+        return max(worse, smallest) / max(better, smallest)
 
     def _smallest(self, key: str) -> float:
         """Return what of a score is only rounding."""
@@ -310,33 +315,25 @@ class _Judge:
             return _SMALLEST_RATIO
         if score == "outflow_rate":
             return _SMALLEST_CHANGE
-        rule = SCORES[score].unit_rule
-        if rule == "s":
+        declared = SCORES[score]
+        if declared.unit:
+            return _SMALLEST_PERCENT if declared.unit.startswith("%") else 0.0
+        if not declared.powers[0]:
             return self.process.sampling_period
-        if rule.startswith("%"):
-            return _SMALLEST_PERCENT
-        if "signal unit" not in rule:
-            return 0.0
         span = self.process.signal(name).span
         if not math.isfinite(span):
             return 0.0
         if score == "total_variation":
             return IDLE * span
-        if "× s" not in rule:
-            return _SMALLEST_SHARE * span
-        return _SMALLEST_SHARE * span * self.duration
+        return _SMALLEST_SHARE * span * (self.duration if declared.powers[1] else 1.0)
 
 
 def _judged_by(process: Process) -> tuple[tuple[str, str, tuple[str, ...]], ...]:
     """Return title, score and signals of what controllers of a process are judged by."""
     averaging = process.averaging
     held = tuple(name for name in process.controlled if name not in averaging)
-    return (
-        ("setpoint error", "iae_setpoint", held),
-        ("load error", "iae_load", held),
-        ("outflow change", "outflow_rate", averaging),
-        ("outflow variance", "variance_ratio", averaging),
-    )
+    judged = [*((key, held) for key in OF_HELD), *((key, averaging) for key in OF_AVERAGING)]
+    return tuple((SCORES[key].words, key, signals) for key, signals in judged)
 
 
 def _keys(score: str, scores: Mapping[str, float]) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from clepsydra.scores.score import in_sentence
 from clepsydra.studies.result import Candidate, Standing
 from clepsydra.studies.warnings.harm import harms
 
@@ -173,17 +174,6 @@ def _moves(more: float, less: float) -> str:
     if less > 0.0 and math.isfinite(more):
         return f"moves its inputs {more / less:.2f} times as much"
     return "moves its inputs more"
-
-
-def in_sentence(title: str) -> str:
-    """Return the title of a column as it stands within a sentence; an abbreviation stays.
-
-    Examples
-    --------
-    >>> in_sentence("Total variation"), in_sentence("IAE, load"), in_sentence("load error")
-    ('total variation', 'IAE, load', 'load error')
-    """
-    return title if title[:2].isupper() else f"{title[:1].lower()}{title[1:]}"
 
 
 def with_article(words: str) -> str:

@@ -19,7 +19,6 @@ from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import linearise
 from clepsydra.loop.default_scenario import default_scenario
-from clepsydra.loop.running_averaging import AVERAGING_SCORES
 from clepsydra.loop.running_scores import RunningScores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import substeps_for
@@ -28,7 +27,7 @@ from clepsydra.process.reader import load_process
 from clepsydra.studies.designs import DESIGNS
 from clepsydra.studies.file.request import StudyRequest
 from clepsydra.studies.levels_used import levels_used
-from clepsydra.studies.ranking import QUIET, Trial, rank, rule_of, verdict
+from clepsydra.studies.ranking import OF_AVERAGING, QUIET, Trial, rank, rule_of, verdict
 from clepsydra.studies.result import StudyResult
 from clepsydra.studies.trial import tried
 from clepsydra.studies.tuning.objective import Limits, Objective, weighted_sum
@@ -267,7 +266,7 @@ class _Study:
     def _averaging_objective(self, start: Trial, tuned: str) -> Objective:
         """Return the mean of what ranks a process whose levels average, relative to the start."""
         averaging = self.process.averaging
-        names = [f"{score}[{name}]" for name in averaging for score in AVERAGING_SCORES]
+        names = [f"{score}[{name}]" for name in averaging for score in OF_AVERAGING]
         names += [f"iae[{name}]" for name in self.process.controlled if name not in averaging]
         names = [name for name in names if start.scores.get(name, 0.0) > 0.0]
         try:

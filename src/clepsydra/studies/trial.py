@@ -16,6 +16,7 @@ from clepsydra.loop.run import Run
 from clepsydra.loop.scenario import Scenario
 from clepsydra.scores.evaluate import score_run
 from clepsydra.scores.plant import plant_trajectories
+from clepsydra.scores.scored_run import ScoredRun
 from clepsydra.studies.ranking import Trial
 from clepsydra.studies.tuning.result import TuningResult
 from clepsydra.studies.warnings.after import warnings_after
@@ -100,7 +101,7 @@ def scores_of(run: Run) -> dict[str, float]:
     See `tried`.
     """
     process = run.process
-    return score_run(
+    scored = ScoredRun(
         run.time,
         {name: run.values[f"{name}.setpoint"] for name in process.controlled},
         {name: run.true_measurement(name) for name in process.controlled},
@@ -116,3 +117,4 @@ def scores_of(run: Run) -> dict[str, float]:
             for each in inner_setpoints(run.controller, process)
         },
     )
+    return score_run(scored)

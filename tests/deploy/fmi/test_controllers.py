@@ -12,7 +12,7 @@ from models import drawn, lqi_program, origin, pi_model, pi_program
 from plants import designed, plant
 
 from clepsydra import Kernel
-from clepsydra.deploy.c99.layout import state_names
+from clepsydra.deploy.c99.structures import state_names
 from clepsydra.deploy.exportable import exportable
 from clepsydra.deploy.fmi.controller import controller_model
 from clepsydra.program.entries import is_ring, signal_of

@@ -20,6 +20,8 @@ from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
 _LARGEST_COUNT = 1e6
+_COUNTED = "scans to follow are counted no further"
+_MOST_SCANS = Signal("most_scans", initial=_LARGEST_COUNT, kind="integer", description=_COUNTED)
 TAKE_UP_SCANS = count(
     "take_up_scans", _LARGEST_COUNT,
     "scans for which the law follows its last output after a warm start or a fault", low=1.0,
@@ -56,6 +58,18 @@ def _commanded(symbols: Symbols) -> Equations:
             "moves": ca.logic_not(ca.logic_or(safe, tracking)),
         },
         {"by_hand": by_hand, "scans_left": left, "overruled": overruled},
+        {
+            "by_hand": "manual and tracking go before a fail-safe value",
+            "latched": "latch: a fault holds until good sensors are acknowledged, or moved by hand",
+            "scans_left": "how many scans the law is still to follow",
+            "follows": "before the law moves the output again, it follows what that was last",
+            "overruled": "what the law asks for does not count",
+            "mode_used": "a law that is overruled tracks",
+            "safe": "the output goes to its fail-safe value",
+            "in_force": "the law moves the output",
+            "moves": "the rate limit acts: in automatic and by hand",
+            "scans_to_follow": "a scan counts where its sensors and its time step are good",
+        },
     )
 
 
@@ -96,6 +110,7 @@ COMMAND = Block(
     ),
     _commanded,
     ("Who moves an output: mode, latched fail-safe, and the way back into automatic.",),
+    (_MOST_SCANS,),
 )
 
 

@@ -20,14 +20,26 @@ from clepsydra.program.step_law import Equations, Symbols
 
 #: Currents in which a transmitter tells a fault, and between which it measures [mA].
 FAULT_BELOW, UNCERTAIN_BELOW, UNCERTAIN_ABOVE, FAULT_ABOVE = 3.6, 3.8, 20.5, 21.0
+_CURRENTS = [
+    Signal(f"current_{name}", "mA", initial=value, description=f"{words}; NAMUR NE 43")
+    for name, value, words in (
+        ("fault_low", FAULT_BELOW, "below it a transmitter tells a fault"),
+        ("uncertain_low", UNCERTAIN_BELOW, "below it the measurement is uncertain"),
+        ("uncertain_high", UNCERTAIN_ABOVE, "above it the measurement is uncertain"),
+        ("fault_high", FAULT_ABOVE, "above it a transmitter tells a fault"),
+    )
+]
 _ENDS = (("low", 4), ("high", 20))
 #: How long a fault is ridden through if nothing else is said [s].
 SENSOR_DELAY = 4.0
 
 #: A delay this share of a scan above a whole number of scans is that number.
 _ROUNDING = 1e-4
+_MARGIN = Signal("rounding", initial=_ROUNDING, description="of the delay, in scans")
 #: Scans are counted no further; single precision holds every whole number up to it.
 _LARGEST_COUNT = 1e7
+_COUNTED = "a fault is counted no further; single precision holds it exactly"
+_MOST_SCANS = Signal("most_scans", initial=_LARGEST_COUNT, kind="integer", description=_COUNTED)
 
 
 MEASURED = Signal("measured", description="the measurement, or the last good one")
@@ -87,6 +99,7 @@ def signal_check(*, ranged: bool) -> Block:
         ),
         lambda symbols: _checked(symbols, ranged=ranged),
         ("Transmitter of 4 to 20 mA, judged as NAMUR NE 43 says.",),
+        (*(_CURRENTS if ranged else ()), _MARGIN, _MOST_SCANS),
     )
 
 
@@ -125,7 +138,24 @@ def _checked(symbols: Symbols, *, ranged: bool) -> Equations:
             "failed": ca.logic_and(ca.logic_not(good), ca.logic_not(waits)),
         },
         between | {"period": period, "waits": waits},
+        _WORDS if ranged else {name: _WORDS[name] for name in _WORDS if name not in _RANGED},
     )
+
+
+#: What a reader is told above the steps.
+_WORDS = {
+    "is_number": "not-a-number and infinity are no measurement",
+    "width": "a range of no width, set by mistake, tells no current",
+    "current": "current of the transmitter [mA]",
+    "good": "usable: a number, no fault of the card, and a current that tells none",
+    "good_measurement": "the last good value is held",
+    "fault_scans": "for how many scans there has been a fault",
+    "period": "a sampling period that is none counts as 1 s",
+    "waits": "a fault is ridden through for its delay, rounded up to whole scans",
+    "uncertain": "good, but close to a current of fault",
+    "failed": "the fault has outlasted its delay",
+}
+_RANGED = ("width", "current")
 
 
 @dataclass(frozen=True)

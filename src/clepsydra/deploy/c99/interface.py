@@ -2,32 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Sequence
 
 from clepsydra.base.language_words import C_WORDS
-from clepsydra.deploy.c99.language import REAL
-from clepsydra.deploy.c99.layout import instances
-from clepsydra.deploy.c99.structures import WIDTH, Structures, block_name
+from clepsydra.deploy.c99.language import C99
+from clepsydra.deploy.c99.structures import (
+    WIDTH,
+    block_name,
+    instances,
+    state_structure,
+    structure,
+)
+from clepsydra.deploy.printing.declarations import check_scope, declared
 from clepsydra.deploy.printing.heading import heading
-from clepsydra.deploy.printing.identifiers import check_distinct, check_identifier
+from clepsydra.deploy.printing.identifiers import check_identifier
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.precision import Precision
 from clepsydra.program.called_blocks import called_blocks
-from clepsydra.program.entries import Entry, is_ring, signal_of
 from clepsydra.program.owned_state import own_state
 from clepsydra.program.program import Program
 
-_NUMBERS: dict[Precision, tuple[str, str]] = {
-    "double": (
-        "Needs IEEE 754 doubles, evaluated as doubles; the source switches fused multiply-add off",
-        "and refuses -ffast-math (clang: no -ffp-contract=fast). Then it equals the simulation.",
-    ),
-    "single": (
-        "Needs IEEE 754 floats, evaluated as floats; the source switches fused multiply-add off",
-        "and refuses -ffast-math (clang: no -ffp-contract=fast). The simulation has doubles.",
+_EQUAL = {"double": "Then it equals the simulation.", "float": "The simulation has doubles."}
+#: What the functions of a program do, and the structures that they take.
+_FUNCTIONS = {
+    "default_parameters": ("Sets the parameters' values.", "parameters"),
+    "default_inputs": ("Sets the inputs to what they are until they are wired.", "inputs"),
+    "initialise": ("Sets the initial state.", "state"),
+    "step": (
+        "Computes one sample: the outputs and the next state.",
+        "const parameters, state, const inputs, outputs",
     ),
 }
-_NOTES = ("No allocation, no recursion, no static state: one state structure for each instance.",)
 
 
 def check_names(program: Program) -> None:
@@ -41,30 +46,18 @@ def check_names(program: Program) -> None:
     """
     for each in (*called_blocks(program), program):
         place = f"program {each.name}"
-        check_identifier(each.name, place, "C", C_WORDS, ignore_case=False)
-        for group in (each.inputs, each.parameters, each.outputs):
-            check_distinct(_checked(place, group), "C", ignore_case=False)
-        called = [(call.identifier, f"{place}, {call.identifier}") for call in instances(each)]
-        check_distinct([*_checked(place, own_state(each)), *called], "C", ignore_case=False)
-        for name, where in called:
-            check_identifier(name, where, "C", C_WORDS, ignore_case=False)
+        _check_name(each.name, place)
+        groups = (each.inputs, each.parameters, each.outputs, own_state(each))
+        for group, calls in zip(groups, ((), (), (), instances(each)), strict=True):
+            check_scope(place, group, calls, _check_name, "C", ignore_case=False)
 
 
-def _checked(place: str, group: Sequence[Entry]) -> Iterator[tuple[str, str]]:
-    """Yield the names of members and where they stand; refuse what C does not accept."""
-    for entry in group:
-        name = signal_of(entry).identifier
-        check_identifier(name, f"{place}, {entry.name}", "C", C_WORDS, ignore_case=False)
-        yield name, f"{place}, {entry.name}"
-        if is_ring(entry):
-            yield f"{name}_position", f"{place}, position in {entry.name}"
+def _check_name(name: str, place: str) -> None:
+    check_identifier(name, place, "C", C_WORDS, ignore_case=False)
 
 
 def print_header(
-    program: Program,
-    head: Sequence[str],
-    origin: Origin | None = None,
-    precision: Precision = "double",
+    program: Program, head: Sequence[str], language: C99, origin: Origin | None = None
 ) -> str:
     """Print the header: four structures, those of the blocks' states, and four functions.
 
@@ -74,8 +67,8 @@ def print_header(
         In its printed form.
     head : sequence of str
         The comment that it begins with.
+    language : C99
     origin : Origin, optional
-    precision : {"double", "single"}
 
     Examples
     --------
@@ -83,36 +76,31 @@ def print_header(
     >>> from clepsydra.program.program import Block, Operation
     >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
     >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
-    >>> "void double_it_initialise(double_it_state *state);" in print_header(program, [])
+    >>> text = print_header(program, [], C99("double_it", "double"))
+    >>> "void double_it_initialise(double_it_state *state);" in text
     True
     """
     name = program.name
     guard = f"{name.upper()}_H"
-    structures = Structures(name, REAL[precision], origin)
-    of_blocks = Structures(name, REAL[precision])
     lines = [*head, f"#ifndef {guard}", f"#define {guard}", ""]
     lines += ["#include <stdbool.h>", "#include <stdint.h>", ""]
     lines += ["#ifdef __cplusplus", 'extern "C" {', "#endif", ""]
-    lines += structures.parameters(program)
+    parameters = declared(program.parameters, language, origin)
+    lines += structure(name, "parameters", "Parameters: constant or tuned.", parameters)
     for block in called_blocks(program):
         if block.state:
             title = f"What an instance of {block.name} keeps."
-            lines += of_blocks.state(block, block_name(name, block), title)
-    lines += structures.state(program, name, "State: what the next sample needs.")
-    lines += structures.plain(program.inputs, name, "inputs", "Inputs of one sample.")
-    lines += structures.plain(program.outputs, name, "outputs", "Outputs of one sample.")
-    lines += [
-        *(row for what, about in _ABOUT.items() for row in _declared(name, what, about)),
-        *("#ifdef __cplusplus", "}", "#endif", ""),
-        "#endif",
-        "",
-    ]
-    return "\n".join(lines)
+            lines += state_structure(block, language, block_name(name, block), title)
+    lines += state_structure(program, language, name, "State: what the next sample needs.", origin)
+    for what, entries in (("inputs", program.inputs), ("outputs", program.outputs)):
+        title = f"{what.capitalize()} of one sample."
+        lines += structure(name, what, title, declared(entries, language))
+    for what, (about, _) in _FUNCTIONS.items():
+        lines += [f"/* {about} */", *function_head(name, what, ";"), ""]
+    return "\n".join([*lines, "#ifdef __cplusplus", "}", "#endif", "", "#endif", ""])
 
 
-def head_comment(
-    program: Program, origin: Origin | None = None, precision: Precision = "double"
-) -> list[str]:
+def head_comment(program: Program, language: C99, origin: Origin | None = None) -> list[str]:
     """Return the comment that both files begin with.
 
     Examples
@@ -121,37 +109,17 @@ def head_comment(
     >>> from clepsydra.program.program import Block, Operation
     >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
     >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
-    >>> head_comment(program)[0]
+    >>> head_comment(program, C99("double_it", "double"))[0]
     '/* double_it: one sample of a step law, in C99.'
     """
-    first, *rest = heading(program, "C99", (*_NUMBERS[precision], *_NOTES), origin)
+    real = language.types["real"]
+    notes = (
+        f"Needs IEEE 754 {real}s, evaluated as {real}s; the source switches fused multiply-add off",
+        f"and refuses -ffast-math (clang: no -ffp-contract=fast). {_EQUAL[real]}",
+        "No allocation, no recursion, no static state: one state structure for each instance.",
+    )
+    first, *rest = heading(program, "C99", notes, origin)
     return [f"/* {first}", *(f" * {line}" for line in rest), " */", ""]
-
-
-_ABOUT = {
-    "default_parameters": "Sets the parameters' values.",
-    "default_inputs": "Sets the inputs to what they are until they are wired.",
-    "initialise": "Sets the initial state.",
-    "step": "Computes one sample: the outputs and the next state.",
-}
-
-
-def _declared(name: str, what: str, about: str) -> list[str]:
-    return [f"/* {about} */", *function_head(name, what, ";"), ""]
-
-
-#: What the functions of a program take, where NAME stands for its name.
-_TAKEN = {
-    "default_parameters": ("NAME_parameters *parameters",),
-    "default_inputs": ("NAME_inputs *inputs",),
-    "initialise": ("NAME_state *state",),
-    "step": (
-        "const NAME_parameters *parameters",
-        "NAME_state *state",
-        "const NAME_inputs *inputs",
-        "NAME_outputs *outputs",
-    ),
-}
 
 
 def function_head(name: str, what: str, end: str = "") -> list[str]:
@@ -170,8 +138,8 @@ def function_head(name: str, what: str, end: str = "") -> list[str]:
                   law_outputs *outputs)
     """
     opening = f"void {name}_{what}("
-    *others, last = (argument.replace("NAME", name) for argument in _TAKEN[what])
-    rows = [*(f"{argument}," for argument in others), f"{last}){end}"]
+    pointed = re.sub(r"(\w+)(,|$)", rf"{name}_\1 *\1\2", _FUNCTIONS[what][1])
+    rows = f"{pointed}){end}".replace(", ", ",\n").split("\n")
     if len(opening) + max(map(len, rows)) > WIDTH:
         return [opening, *(f"    {row}" for row in rows)]
     indent = " " * len(opening)

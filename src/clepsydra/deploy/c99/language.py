@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from clepsydra.base.signal import Kind
-from clepsydra.deploy.printing.expressions import Expression, Notation, flag, render
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.printing.expressions import OPERATORS, Expression, Notation, flag
 from clepsydra.deploy.printing.language import Language, Syntax
 from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.deploy.printing.precision import Precision
+from clepsydra.deploy.printing.whole_numbers import INTEGER_LOW
 from clepsydra.program.program import LIBRARY
 
 _FUNCTIONS = {
     "square_root": "sqrt", "absolute": "fabs", "floor": "floor", "ceiling": "ceil",
     **{name: name for name in LIBRARY},
 }  # fmt: skip
-#: What an expression can be without many variables, on two lines at the most [characters].
-_WIDTH = 150
-_OPERATORS = {
-    "add": "+", "subtract": "-", "multiply": "*", "divide": "/",
-    "less": "<", "less_equal": "<=", "equal": "==", "not_equal": "!=",
-    "greater": ">", "greater_equal": ">=", "quotient": "/", "and": "&&", "or": "||",
-}  # fmt: skip
+_OPERATORS = {**OPERATORS, "equal": "==", "not_equal": "!=", "and": "&&", "or": "||"}
 
 
 REAL: dict[Precision, str] = {"double": "double", "single": "float"}
@@ -62,7 +57,6 @@ def notation_of(precision: Precision) -> Notation:
         infinity="HUGE_VALF" if single else "HUGE_VAL",
         single=single,
         suffix=mark,
-        width=_WIDTH,
     )
 
 
@@ -91,6 +85,12 @@ class C99(Language):
             return flag(expression.text.lower())
         return super().worded(expression, compared=compared)
 
+    def initial(self, signal: Signal) -> str:
+        """Write the initial value of a signal in its type."""
+        # The lowest 32-bit integer has no literal of its own in C.
+        lowest = signal.kind == "integer" and signal.initial == INTEGER_LOW
+        return "INT32_MIN" if lowest else super().initial(signal)
+
     def call(self, entry: BlockCall) -> list[str]:
         """Call an instance; its outputs are members of a variable that is called like it."""
         block, name = entry.program, f"{self.name}_{entry.program.name}"
@@ -99,22 +99,6 @@ class C99(Language):
         lines = [f"{name}_outputs {entry.instance};"] if block.outputs else []
         arguments += [f"&{entry.instance}"] if block.outputs else []
         return [*lines, f"{name}_step({', '.join(arguments)});"]
-
-
-def literal(number: float, kind: Kind, notation: Notation) -> str:
-    """Write a number in the type of a signal.
-
-    Examples
-    --------
-    >>> [literal(1.0, kind, notation_of("single")) for kind in ("real", "integer", "boolean")]
-    ['1.0f', '1', 'true']
-    """
-    if kind == "integer":
-        # The lowest 32-bit integer has no literal of its own in C.
-        return "INT32_MIN" if number == -(2.0**31) else str(int(number))
-    if kind == "boolean":
-        return "true" if number else "false"
-    return render(Expression("constant", number=number), notation)
 
 
 def arithmetic_check(notation: Notation) -> list[str]:

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+import math
+import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from clepsydra.deploy.c99.interface import check_names, head_comment, print_header
-from clepsydra.deploy.c99.source import print_source
+from clepsydra.base.language_words import C_WORDS
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.c99.interface import check_names, function_head, head_comment, print_header
+from clepsydra.deploy.c99.language import C99, arithmetic_check
+from clepsydra.deploy.c99.step import BlockFunction, StepFunction
+from clepsydra.deploy.c99.structures import WIDTH, block_name, remarked
+from clepsydra.deploy.printing.heading import number_comment, table_comment
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.printing.printed_form import printed_form
+from clepsydra.deploy.printing.statements import indented
+from clepsydra.program.called_blocks import called_blocks
+from clepsydra.program.entries import Entry, is_ring, signal_of
+from clepsydra.program.owned_state import state_paths
 from clepsydra.program.program import Program
 
 
@@ -87,7 +99,87 @@ def print_c(
     ['  outputs->y = inputs->x + inputs->x;', '}']
     """
     printed = printed_form(program, precision)
-    head = head_comment(in_precision(program, precision), origin, precision)
+    language = C99(program.name, precision)
+    head = head_comment(in_precision(program, precision), language, origin)
     check_names(printed)
-    header = print_header(printed, head, origin, precision)
-    return CSource(program.name, header, print_source(printed, head, origin, precision))
+    header = print_header(printed, head, language, origin)
+    return CSource(program.name, header, _Source(printed, language, origin).text(head))
+
+
+class _Source:
+    def __init__(self, program: Program, language: C99, origin: Origin | None) -> None:
+        self._program, self._language, self._origin = program, language, origin
+        name, blocks = program.name, called_blocks(program)
+        parts = ("state", "inputs", "parameters", "outputs")
+        functions = ("step", "initialise", "default_parameters", "default_inputs")
+        taken = {*C_WORDS, *language.notation.functions.values(), *parts}
+        for each in (name, *(block_name(name, block) for block in blocks)):
+            taken |= {f"{each}_{what}" for what in (*parts, *functions)}
+        self._functions: list[StepFunction] = []
+        for block in blocks:
+            self._functions.append(BlockFunction(block, language, taken))
+            taken |= self._functions[-1].tables.keys()
+        self._functions.append(StepFunction(program, language, taken))
+
+    def text(self, head: Sequence[str]) -> str:
+        program = self._program
+        *blocks, step = self._functions
+        lines = [row for block in blocks for row in (*self._tables(block), *block.text())]
+        lines += self._tables(step)
+        lines += self._defaults("parameters", program.parameters)
+        lines += self._defaults("inputs", program.inputs)
+        lines += [*self._initialise(), *step.text()]
+        mathematics = ["#include <math.h>"] if self._uses_mathematics() else []
+        opening = [*head, f'#include "{program.name}.h"', "", "#include <float.h>", *mathematics]
+        return "\n".join([*opening, "", *arithmetic_check(self._language.notation), *lines])
+
+    def _tables(self, function: StepFunction) -> list[str]:
+        lines, language = [], self._language
+        for table, values in function.tables.items():
+            texts = ", ".join(map(language.number, values))
+            lines += [
+                f"/* {table_comment(self._origin)} */",
+                f"static const {language.types['real']} {table}[{len(values)}] = {{",
+                *indented(textwrap.wrap(f"{texts},", WIDTH - 2, break_on_hyphens=False)),
+                "};",
+                "",
+            ]
+        return lines
+
+    def _uses_mathematics(self) -> bool:
+        program, notation = self._program, self._language.notation
+        entries = (*program.state, *program.rings, *program.parameters, *program.inputs)
+        names = "|".join(name for name in notation.functions.values() if name.isalnum())
+        called = rf"(?:{names})\(|{notation.infinity}\b"
+        infinite = any(math.isinf(signal_of(entry).initial) for entry in entries)
+        return infinite or any(function.reads(called) for function in self._functions)
+
+    def _defaults(self, where: str, entries: Sequence[Signal]) -> list[str]:
+        numbers = [self._number(f"{where}->{each.identifier}", each) for each in entries]
+        return self._set(f"default_{where}", where, numbers)
+
+    def _initialise(self) -> list[str]:
+        program, rows = self._program, []
+        paths = [*state_paths(program), *((ring.signal.identifier,) for ring in program.rings)]
+        for entry, path in zip((*program.state, *program.rings), paths, strict=True):
+            member = f"state->{'.'.join(path)}"
+            if is_ring(entry):
+                opened = f"for (int32_t i = 0; i < {entry.length}; ++i) {{"
+                number = indented(self._number(f"{member}[i]", entry, 4))
+                rows.append([opened, *number, "}", f"{member}_position = 0;"])
+            else:
+                rows.append(self._number(member, entry))
+        return self._set("initialise", "state", rows)
+
+    def _set(self, what: str, where: str, rows: Sequence[list[str]]) -> list[str]:
+        """Return a function that sets the members of a structure."""
+        set_each = [line for lines in rows for line in lines] or [f"{where}->nothing = 0;"]
+        return [*function_head(self._program.name, what), "{", *indented(set_each), "}", ""]
+
+    def _number(self, left: str, entry: Entry, indent: int = 2) -> list[str]:
+        """Write an initial value, with its unit and where it comes from."""
+        # Nobody has chosen what an input is: only numbers that stay have a source.
+        stays = entry not in self._program.inputs
+        source = self._origin.source_of(entry) if self._origin and stays else ""
+        line = f"{left} = {self._language.initial(signal_of(entry))};"
+        return remarked(line, number_comment(entry, source), indent)

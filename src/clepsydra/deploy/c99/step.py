@@ -7,13 +7,15 @@ import textwrap
 from collections import Counter
 from collections.abc import Iterable
 
+from clepsydra.base.signal import Signal
 from clepsydra.deploy.c99.interface import function_head
 from clepsydra.deploy.c99.language import C99
-from clepsydra.deploy.c99.structures import WIDTH, Structures, block_name
-from clepsydra.deploy.printing.body import Body, Places
-from clepsydra.deploy.printing.heading import comment, commented, harmless
+from clepsydra.deploy.c99.structures import WIDTH, block_name, remarked, structure
+from clepsydra.deploy.printing.body import Body, places_of
+from clepsydra.deploy.printing.declarations import declared
+from clepsydra.deploy.printing.heading import comment, harmless
 from clepsydra.deploy.printing.identifiers import Identifiers
-from clepsydra.deploy.printing.line_breaking import folded
+from clepsydra.deploy.printing.lines import folded
 from clepsydra.deploy.printing.statements import indented
 from clepsydra.program.program import Program
 
@@ -48,22 +50,30 @@ class StepFunction:
         #: Tables of the loops by name.
         self.tables = body.tables
         self.lines = _declared(body.lines(), body.temporaries())
+        self.constants = [row for each in body.constants.items() for row in self._constant(*each)]
 
-    def _places(self, names: Identifiers) -> Places:
-        groups = ("state", "inputs", "parameters", "outputs")
-        return Places.of(self._program, **{group: f"{group}->" for group in groups})
+    def _places(self, names: Identifiers) -> dict[str, list[str]]:
+        return places_of(self._program, "->")
+
+    def _constant(self, name: str, signal: Signal) -> list[str]:
+        language = self._language
+        line = f"static const {language.types[signal.kind]} {name} = {language.initial(signal)};"
+        return remarked(line, comment(signal), 2)
 
     def reads(self, text: str) -> bool:
         """Whether some text stands in the statements, behind no part of a name."""
-        return re.search(rf"(?<![\w>.]){text}", "\n".join(self.lines)) is not None
+        code = "\n".join(line for line in self.lines if not line.lstrip().startswith("/*"))
+        return re.search(rf"(?<![\w>.]){text}", code) is not None
 
     def text(self) -> list[str]:
         """Return the lines of the function that computes one sample."""
         program = self._program
-        unread = [where for where in ("parameters", "inputs", "state") if not self.reads(where)]
+        groups = ("parameters", "inputs", "state")
+        unread = [where for where in groups if not self.reads(f"{where}->")]
         lines = [*(f"(void){where};" for where in unread), *self.lines]
         lines += [] if program.outputs else ["outputs->nothing = 0;"]
-        return [*function_head(program.name, "step"), "{", *_wrapped(lines), "}", ""]
+        head = [*function_head(program.name, "step"), "{"]
+        return [*head, *indented(self.constants), *_wrapped(lines), "}", ""]
 
 
 class BlockFunction(StepFunction):
@@ -90,18 +100,18 @@ class BlockFunction(StepFunction):
     <BLANKLINE>
     """
 
-    def _places(self, names: Identifiers) -> Places:
-        places = super()._places(names)
+    def _places(self, names: Identifiers) -> dict[str, list[str]]:
         self._inputs = [names.new(signal.identifier) for signal in self._program.inputs]
-        return Places(places.state, self._inputs, places.parameters, places.outputs)
+        return {**super()._places(names), "inputs": self._inputs}
 
     def text(self) -> list[str]:
         """Return the structure of the outputs, and the function."""
         program, types = self._program, self._language.types
         name = block_name(self._language.name, program)
-        about = f"Outputs of {program.name}."
-        structures = Structures(self._language.name, types["real"])
-        lines = structures.plain(program.outputs, name, "outputs", about) if program.outputs else []
+        lines = []
+        if program.outputs:
+            outputs = declared(program.outputs, self._language)
+            lines = structure(name, "outputs", f"Outputs of {program.name}.", outputs)
         taken = [(f"{name}_state *state", "")] if program.state else []
         for signal, local in zip(program.inputs, self._inputs, strict=True):
             taken.append((f"{types[signal.kind]} {local}", comment(signal)))
@@ -111,13 +121,12 @@ class BlockFunction(StepFunction):
         lines += [f"/* {first}", *(f"   {row}" for row in rest)]
         lines[-1] += " */"
         lines.append(f"static void {name}_step(")
-        for place, (declared, about) in enumerate(taken, 1):
-            declared += "," if place < len(taken) else ")"
-            rows = commented(declared, about, "/*", "*/", WIDTH - 4) if about else [declared]
-            lines += [f"    {row}" for row in rows]
+        for place, (argument, about) in enumerate(taken, 1):
+            argument += "," if place < len(taken) else ")"
+            lines += [f"    {row}" for row in remarked(argument, about, 4)]
         unread = [local for local in self._inputs if not self.reads(rf"{local}\b")]
         body = [*(f"(void){local};" for local in unread), *self.lines]
-        return [*lines, "{", *_wrapped(body), "}", ""]
+        return [*lines, "{", *indented(self.constants), *_wrapped(body), "}", ""]
 
 
 def _declared(lines: list[str], kinds: dict[str, str]) -> list[str]:
@@ -126,8 +135,7 @@ def _declared(lines: list[str], kinds: dict[str, str]) -> list[str]:
     written = []
     for line in lines:
         found = _ASSIGNED.match(line)
-        kind = kinds.pop(found[2], "") if found else ""
-        if found and kind:
+        if found and (kind := kinds.pop(found[2], "")):
             constant = "const " if times[found[2]] == 1 else ""
             line = f"{found[1]}{constant}{kind} {line.lstrip()}"
         written.append(line)

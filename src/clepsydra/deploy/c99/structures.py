@@ -1,92 +1,104 @@
-"""The structures of printed C: what a program takes, keeps and returns, with commented members."""
+"""The structures of printed C: their members with comments, where states stand, and their size."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
 
-from clepsydra.deploy.c99.language import TYPES
-from clepsydra.deploy.c99.layout import instances
-from clepsydra.deploy.printing.heading import comment, commented
+from clepsydra.deploy.c99.language import C99
+from clepsydra.deploy.printing.declarations import Variable, declared
+from clepsydra.deploy.printing.heading import commented
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.program.entries import Entry, is_ring, signal_of
-from clepsydra.program.owned_state import own_state
-from clepsydra.program.program import Program
+from clepsydra.deploy.printing.precision import Precision
+from clepsydra.deploy.printing.statements import indented
+from clepsydra.program.entries import is_ring, signal_of
+from clepsydra.program.owned_state import own_state, state_paths, with_owned_state
+from clepsydra.program.program import Call, Program
 
 #: A line with its comment is no wider than this [characters].
 WIDTH = 98
-_PLACEHOLDER = "  char nothing; /* a structure of C99 has at least one member */"
+_PLACEHOLDER = "char nothing; /* a structure of C99 has at least one member */"
 
 
-class Structures:
-    """Prints the structures of a program and of its blocks.
+def structure(
+    name: str,
+    what: str,
+    title: str,
+    variables: Iterable[Variable],
+    instances: Iterable[tuple[str, str]] = (),
+) -> list[str]:
+    """Return a structure of a program or of one of its blocks.
 
     Parameters
     ----------
     name : str
-        What the names of all types begin with.
-    real : str
-        The type of a real number.
+        What the names of its types begin with.
+    what : str
+        What the structure holds.
+    title : str
+        The comment above it.
+    variables : iterable of Variable
+    instances : iterable of (str, str)
+        Type and name of the structures inside.
+
+    Examples
+    --------
+    >>> print("\\n".join(structure("law", "inputs", "Inputs.", [Variable("u", "double")])))
+    /* Inputs. */
+    typedef struct {
+      double u;
+    } law_inputs;
+    <BLANKLINE>
+    """
+    members = []
+    for each in variables:
+        size = f"[{each.length}]" if each.length else ""
+        members += remarked(f"{each.type} {each.name}{size};", each.comment, 2)
+    for kind, instance in instances:
+        line = f"{kind} {instance};"
+        members += [line] if len(line) <= WIDTH - 2 else [kind, f"    {instance};"]
+    members = indented(members or [_PLACEHOLDER])
+    return [f"/* {title} */", "typedef struct {", *members, f"}} {name}_{what};", ""]
+
+
+def remarked(line: str, text: str, indent: int) -> list[str]:
+    """Return a line of C with a comment, if there is any, that is to be indented.
+
+    Examples
+    --------
+    >>> remarked("double u;", "[V]", 2)
+    ['double u; /* [V] */']
+    """
+    return commented(line, text, "/*", "*/", WIDTH - indent) if text else [line]
+
+
+def state_structure(
+    program: Program, language: C99, name: str, title: str, origin: Origin | None = None
+) -> list[str]:
+    """Return the structure of what a program or a block keeps, its instances inside.
+
+    Parameters
+    ----------
+    program : Program
+    language : C99
+    name, title : str
+        See `structure`.
     origin : Origin, optional
         Where the numbers of the program come from; those of a block differ by instance.
 
     Examples
     --------
     >>> from clepsydra.base.signal import Signal
-    >>> structures = Structures("law", "double")
-    >>> print("\\n".join(structures.plain([Signal("u")], "law", "inputs", "Inputs.")))
-    /* Inputs. */
-    typedef struct {
-      double u; /* [1] */
-    } law_inputs;
-    <BLANKLINE>
+    >>> from clepsydra.program.program import Block
+    >>> law = Program("law", (Signal("x"),), (), (), (), Block(1, (), (0,)))
+    >>> state_structure(law, C99("law", "double"), "law", "State.")[2]
+    '  double x; /* [1] */'
     """
-
-    def __init__(self, name: str, real: str, origin: Origin | None = None) -> None:
-        self._name = name
-        self._origin = origin
-        self._types = {**TYPES, "real": real}
-
-    def parameters(self, program: Program) -> list[str]:
-        """Return the structure of a program's parameters."""
-        members = [
-            line
-            for entry in program.parameters
-            for line in self._member(entry, comment(entry, source=self._source(entry)))
-        ]
-        return _structure(program.name, "parameters", "Parameters: constant or tuned.", members)
-
-    def state(self, program: Program, name: str, title: str) -> list[str]:
-        """Return the structure of what a program or a block keeps, its instances inside."""
-        members = []
-        counted = {ring.name: "turn" for ring in program.rings}
-        for entry in own_state(program):
-            about = comment(
-                entry, source=self._source(entry), counted=counted.get(entry.name, "sample")
-            )
-            members += self._member(entry, about)
-        for call in instances(program):
-            kind = f"{block_name(self._name, call.program)}_state"
-            line = f"  {kind} {call.identifier};"
-            members += [line] if len(line) <= WIDTH else [f"  {kind}", f"      {call.identifier};"]
-        return _structure(name, "state", title, members)
-
-    def plain(self, entries: Sequence[Entry], name: str, what: str, title: str) -> list[str]:
-        """Return the structure of inputs or outputs."""
-        members = [line for entry in entries for line in self._member(entry, comment(entry))]
-        return _structure(name, what, title, members)
-
-    def _source(self, entry: Entry) -> str:
-        return self._origin.source_of(entry) if self._origin else ""
-
-    def _member(self, entry: Entry, about: str) -> list[str]:
-        signal = signal_of(entry)
-        size = f"[{entry.length}]" if is_ring(entry) else ""
-        member = f"{self._types[signal.kind]} {signal.identifier}{size};"
-        lines = commented(member, about, "/*", "*/", WIDTH - 2)
-        if size:
-            place = f"int32_t {signal.identifier}_position;"
-            lines += commented(place, "[1] place of the oldest value", "/*", "*/", WIDTH - 2)
-        return [f"  {line}" for line in lines]
+    kept = declared(own_state(program), language, origin, program.rings)
+    held = (
+        (f"{block_name(language.name, call.program)}_state", call.identifier)
+        for call in instances(program)
+    )
+    return structure(name, "state", title, kept, held)
 
 
 def block_name(name: str, block: Program) -> str:
@@ -103,6 +115,88 @@ def block_name(name: str, block: Program) -> str:
     return f"{name}_{block.name}"
 
 
-def _structure(name: str, what: str, title: str, members: Sequence[str]) -> list[str]:
-    end = f"}} {name}_{what};"
-    return [f"/* {title} */", "typedef struct {", *(members or [_PLACEHOLDER]), end, ""]
+def instances(program: Program) -> tuple[Call, ...]:
+    """Return the calls of a printed program whose instances keep something.
+
+    Examples
+    --------
+    See `state_structure`.
+    """
+    return tuple(call for call in program.calls if call.program.state)
+
+
+def state_names(program: Program) -> dict[str, str]:
+    """Return for the name of each state the one with the instances that it lives in.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block, Operation
+    >>> add = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
+    >>> total = Program("total", (Signal("sum"),), (Signal("u"),), (), (Signal("y"),), add)
+    >>> calls = Block(2, (Call((2, 3), total, "flow", (0, 1)),), (2, 3))
+    >>> law = Program("law", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), calls)
+    >>> state_names(law)
+    {'x': 'flow.sum'}
+    """
+    names = [entry.name for entry in program.state]
+    paths = state_paths(with_owned_state(program))
+    return {
+        name: ".".join(path) if len(path) > 1 else name
+        for name, path in zip(names, paths, strict=True)
+    }
+
+
+_REAL = {"double": 8, "single": 4}
+_POSITION = 4
+
+
+def state_size(program: Program, precision: Precision = "double") -> int:
+    """Return the size of the state structure, for one instance [bytes].
+
+    As compilers lay structures out where every type stands at a multiple of its own size (64-bit
+    processors, ARM): on 32-bit x86 of Unix, where doubles stand at multiples of four bytes, it
+    may be four bytes less.
+
+    Parameters
+    ----------
+    program : Program
+    precision : {"double", "single"}
+
+    Examples
+    --------
+    A state of three numbers and a truth value, and a delay by ten samples with its position:
+
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.delay_ring import DelayRing
+    >>> from clepsydra.program.program import Block
+    >>> state = (Signal("a"), Signal("b"), Signal("c"), Signal("hand", kind="boolean"),
+    ...          DelayRing(Signal("flow", "m^3/s"), 10))
+    >>> program = Program("law", state, (), (), (), Block(5, (), (0, 1, 2, 3, 4)))
+    >>> state_size(program), state_size(program, "single")
+    (120, 60)
+    """
+    return _extent(with_owned_state(program), precision)[0]
+
+
+def _extent(program: Program, precision: Precision) -> tuple[int, int]:
+    """Return the size of a structure and that of its widest member's type [bytes]."""
+    size, widest = 0, 1
+    for width, aligned in _members(program, precision):
+        size += -size % aligned + width
+        widest = max(widest, aligned)
+    return max(size + -size % widest, 1), widest
+
+
+def _members(program: Program, precision: Precision) -> Iterator[tuple[int, int]]:
+    """Yield of each member how much it takes, and at a multiple of what it stands [bytes]."""
+    widths = {"real": _REAL[precision], "integer": 4, "boolean": 1}
+    for entry in own_state(program):
+        width = widths[signal_of(entry).kind]
+        if is_ring(entry):
+            yield width * entry.length, width
+            yield _POSITION, _POSITION
+        else:
+            yield width, width
+    for call in instances(program):
+        yield _extent(call.program, precision)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.c99.layout import state_names
+from clepsydra.deploy.c99.structures import state_names
 from clepsydra.deploy.fmi.dependencies import output_dependencies
 from clepsydra.deploy.fmi.model import FmuModel, FmuVariable, variables_of
 from clepsydra.deploy.printing.origin import Origin

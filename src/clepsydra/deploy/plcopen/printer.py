@@ -2,15 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
+from itertools import groupby
+from xml.etree.ElementTree import Element, indent, tostring
 
-from clepsydra.deploy.plcopen.document import Task, document, flavour_of
+from clepsydra import __version__
+from clepsydra.base.errors import InputError
+from clepsydra.deploy.printing.declarations import Variable
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
-from clepsydra.deploy.structured_text.dialect import dialect_of
-from clepsydra.deploy.structured_text.library import function_blocks
-from clepsydra.deploy.structured_text.project import CONFIGURATION, RESOURCE, TASK, make_project
+from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
+from clepsydra.deploy.structured_text.pou import Section, Unit, declaration_lines
+from clepsydra.deploy.structured_text.printer import function_blocks
+from clepsydra.deploy.structured_text.project import CONFIGURATION, RESOURCE, TASK, Project
 from clepsydra.program.program import Program
+
+XHTML = "http://www.w3.org/1999/xhtml"
+#: Equal programs make equal files, so a file says nothing of the moment it was written.
+_MOMENT = "1970-01-01T00:00:00"
+_VARIABLES = {
+    "VAR_INPUT": "inputVars",
+    "VAR_OUTPUT": "outputVars",
+    "VAR": "localVars",
+    "VAR_TEMP": "tempVars",
+}
+_UNITS = {"FUNCTION_BLOCK": "functionBlock", "FUNCTION": "function", "PROGRAM": "program"}
+_PLAIN_TEXT = "http://www.3s-software.com/plcopenxml/interfaceasplaintext"
+#: Version of the schema that the editors of a dialect read.
+_NAMESPACES = {
+    "codesys": "http://www.plcopen.org/xml/tc6_0200",
+    "matiec": "http://www.plcopen.org/xml/tc6_0201",
+}
+
+
+def namespace_of(dialect: str) -> str:
+    """Return the version of the schema that the editors of a dialect read.
+
+    Raises
+    ------
+    InputError
+        They read no PLCopen XML.
+
+    Examples
+    --------
+    >>> namespace_of("codesys")
+    'http://www.plcopen.org/xml/tc6_0200'
+    """
+    if dialect not in _NAMESPACES:
+        raise InputError(
+            "PLCopen XML, dialect", dialect, f"one of {', '.join(_NAMESPACES)}",
+            "TIA Portal reads no PLCopen XML: give it the SCL text as an external source",
+        )  # fmt: skip
+    return _NAMESPACES[dialect]
 
 
 def print_plcopen(
@@ -49,31 +92,16 @@ def print_plcopen(
     >>> "y := x + x;" in print_plcopen(program)
     True
     """
-    flavour, spoken = flavour_of(dialect), dialect_of(dialect)
-    units = function_blocks(program, spoken, precision, origin)
-    return document(program.name, units, spoken, flavour, None)
+    namespace_of(dialect)  # refuses a dialect whose editors read none
+    spoken = dialect_of(dialect)
+    return document(program.name, function_blocks(program, spoken, precision, origin), spoken)
 
 
-def print_plcopen_project(
-    controller: Program,
-    process: Program,
-    wires: Mapping[str, str],
-    sampling_period: float,
-    *,
-    origin: Origin | None = None,
-    process_origin: Origin | None = None,
-    precision: Precision = "double",
-    dialect: str = "codesys",
-) -> str:
-    """Print the test project of `print_test_project` as PLCopen XML.
+def print_plcopen_project(project: Project) -> str:
+    """Print a test project as PLCopen XML.
 
-    Parameters
-    ----------
-    controller, process, wires, sampling_period, origin, process_origin, precision
-        See `clepsydra.deploy.structured_text.project.print_test_project`.
-    dialect : {"codesys", "matiec"}
-        The task is part of the document for the editors of OpenPLC and Beremiz; in CODESYS and
-        TwinCAT it is made in the device tree.
+    The task is part of the document for the editors of OpenPLC and Beremiz; in CODESYS and
+    TwinCAT it is made in the device tree.
 
     Raises
     ------
@@ -86,22 +114,116 @@ def print_plcopen_project(
     >>> from clepsydra.deploy.process_program import process_program
     >>> plant = cl.load("quadruple-tank")
     >>> controller = cl.design.simc(plant)
-    >>> text = print_plcopen_project(
+    >>> text = print_plcopen_project(Project(
     ...     controller.program(), process_program(plant.point, 1),
-    ...     controller.input_wires | controller.output_wires, 1.0, dialect="matiec")
+    ...     controller.input_wires | controller.output_wires, 1.0, dialect="matiec"))
     >>> 'interval="T#1s"' in text, text.count('pouType="program"')
     (True, 1)
     """
-    flavour, spoken = flavour_of(dialect), dialect_of(dialect)
-    project = make_project(
-        controller,
-        process,
-        wires,
-        sampling_period,
-        spoken,
-        precision=precision,
-        origin=origin,
-        process_origin=process_origin,
+    namespace_of(project.dialect)
+    units = project.units
+    return document(units[-1].name, units, dialect_of(project.dialect), project.interval)
+
+
+def document(name: str, units: Sequence[Unit], dialect: Dialect, interval: str = "") -> str:
+    """Return units as the text of a PLCopen XML document.
+
+    Parameters
+    ----------
+    name : str
+        Of the project.
+    units : sequence of Unit
+    dialect : Dialect
+        That the units were made in.
+    interval : str
+        TIME of the task that runs the last unit, if one does. It is part of the document for
+        editors that do not make it in their device tree.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> unit = Unit("PROGRAM", "main", ("Nothing yet.",), (), ())
+    >>> document("empty", [unit], dialect_of("matiec")).splitlines()[1]
+    '<project xmlns="http://www.plcopen.org/xml/tc6_0201" xmlns:xhtml="http://www.w3.org/1999/xhtml">'
+    """
+    product = {"companyName": "Clepsydra", "productName": "Clepsydra"}
+    scalings = (
+        _element(which, _element("scaling", x="1", y="1")) for which in ("fbd", "ld", "sfc")
     )
-    task = Task(CONFIGURATION, RESOURCE, TASK, project.interval, project.program)
-    return document(project.program, project.units, spoken, flavour, task)
+    tasks = [_task(units[-1].name, interval)] if interval and dialect.configuration else []
+    coordinates = _element("coordinateInfo", *scalings)
+    pous = _element("pous", *(_unit(unit, dialect) for unit in units))
+    root = _element(
+        "project",
+        _element("fileHeader", **product, productVersion=__version__, creationDateTime=_MOMENT),
+        _element("contentHeader", coordinates, name=name, modificationDateTime=_MOMENT),
+        _element("types", _element("dataTypes"), pous),
+        _element("instances", _element("configurations", *tasks)),
+        **{"xmlns": namespace_of(dialect.name), "xmlns:xhtml": XHTML},
+    )
+    indent(root)
+    return f'<?xml version="1.0" encoding="utf-8"?>\n{tostring(root, encoding="unicode")}\n'
+
+
+def _unit(unit: Unit, dialect: Dialect) -> Element:
+    returned = [_element("returnType", _element(unit.result))] if unit.result else []
+    sections = [_section(each, dialect) for each in unit.sections if list(each.variables)]
+    told = _documentation("\n".join(unit.head), dialect)
+    body = _element("body", _element("ST", _formatted("\n".join(unit.body), dialect)))
+    parts = [_element("interface", *returned, *sections, told), body]
+    if dialect.name == "codesys":
+        # The declarations as text, too, with all of their comments.
+        text = _formatted("\n".join(declaration_lines(unit, dialect)), dialect)
+        plain = _element("InterfaceAsPlainText", text)
+        data = _element("data", plain, name=_PLAIN_TEXT, handleUnknown="implementation")
+        parts.append(_element("addData", data))
+    return _element("pou", *parts, name=unit.name, pouType=_UNITS[unit.kind])
+
+
+def _section(section: Section, dialect: Dialect) -> Element:
+    qualified = {section.qualifier.lower(): "true"} if section.qualifier else {}
+    variables = (_variable(each, dialect) for each in section.variables)
+    return _element(_VARIABLES[section.keyword], *variables, **qualified)
+
+
+def _variable(entry: Variable, dialect: Dialect) -> Element:
+    kind = _element("derived", name=entry.type) if entry.is_block else _element(entry.type)
+    values = [_element("simpleValue", value=value) for value in entry.initial[:1]]
+    if entry.length:
+        dimension = _element("dimension", lower="0", upper=str(entry.length - 1))
+        kind = _element("array", dimension, _element("baseType", kind))
+        runs = ((value, len(list(run))) for value, run in groupby(entry.initial))
+        values = [_element("arrayValue", *(_run(value, count) for value, count in runs))]
+    parts = [_element("type", kind)]
+    parts += [_element("initialValue", *values)] if entry.initial else []
+    parts += [_documentation(entry.comment, dialect)] if entry.comment else []
+    return _element("variable", *parts, name=entry.name)
+
+
+def _run(value: str, count: int) -> Element:
+    repeated = {"repetitionValue": str(count)} if count > 1 else {}
+    return _element("value", _element("simpleValue", value=value), **repeated)
+
+
+def _documentation(text: str, dialect: Dialect) -> Element:
+    return _element("documentation", _formatted(text, dialect))
+
+
+def _formatted(text: str, dialect: Dialect) -> Element:
+    """Return text as a paragraph of XHTML, or as a whole document of it."""
+    codesys = dialect.name == "codesys"
+    made = _element("xhtml", xmlns=XHTML) if codesys else _element("xhtml:p")
+    made.text = text
+    return made
+
+
+def _task(program: str, interval: str) -> Element:
+    runs = _element("pouInstance", name=f"instance_of_{program}", typeName=program)
+    task = _element("task", runs, name=TASK, priority="0", interval=interval)
+    return _element("configuration", _element("resource", task, name=RESOURCE), name=CONFIGURATION)
+
+
+def _element(tag: str, /, *inside: Element, **attributes: str) -> Element:
+    made = Element(tag, attributes)
+    made.extend(inside)
+    return made

@@ -2,56 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Sequence
-from dataclasses import dataclass
+import textwrap
+from collections.abc import Container, Mapping, Sequence
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.expressions import Expression, flag, integer, variable
-from clepsydra.deploy.printing.folding import list_block
+from clepsydra.deploy.printing.expressions import Expression, flag, reading, variable
+from clepsydra.deploy.printing.folding import Lister
+from clepsydra.deploy.printing.heading import harmless
 from clepsydra.deploy.printing.identifiers import Identifiers
-from clepsydra.deploy.printing.in_place import in_place, mentions
 from clepsydra.deploy.printing.language import Language
-from clepsydra.deploy.printing.listing import (
-    Assignment,
-    Branch,
-    CountedLoop,
-    ListingStatement,
-    touched,
-)
-from clepsydra.deploy.printing.statements import advance, ring_place, statements
+from clepsydra.deploy.printing.lines import explained, in_place, mentions
+from clepsydra.deploy.printing.listing import Assignment, Compound, ListingStatement, touched
+from clepsydra.deploy.printing.statements import advance, assign, ring_place, statements
 from clepsydra.deploy.printing.typed_values import of_kind
 from clepsydra.deploy.printing.whole_numbers import whole_ranges
 from clepsydra.program.entries import is_ring, signal_of
 from clepsydra.program.owned_state import owned_by_calls
 from clepsydra.program.program import Operation, Program
 
+#: A line of words above a step is no wider than this [characters].
+_WIDTH = 90
 
-@dataclass(frozen=True)
-class Places:
-    """What reads and writes the signals of a program, in their order.
+
+def places_of(program: Program, mark: str = "") -> dict[str, list[str]]:
+    """Return what reads and writes the signals of a program, by their groups and in their order.
+
+    Parameters
+    ----------
+    program : Program
+    mark : str
+        What stands between the name of a group and that of a signal, where a group is a structure.
 
     Examples
     --------
     >>> from clepsydra.program.program import Block
     >>> law = Program("law", (), (Signal("tank.level"),), (), (Signal("y"),), Block(1, (), (0,)))
-    >>> Places.of(law, inputs="inputs->").inputs
-    ['inputs->tank_level']
+    >>> places_of(law)["inputs"], places_of(law, "->")["outputs"]
+    (['tank_level'], ['outputs->y'])
     """
-
-    state: list[str]
-    inputs: list[str]
-    parameters: list[str]
-    outputs: list[str]
-
-    @classmethod
-    def of(cls, program: Program, **prefixes: str) -> Places:
-        """Return the identifiers of a program's signals, those of a group behind its prefix."""
-
-        def named(group: str) -> list[str]:
-            entries, prefix = getattr(program, group), prefixes.get(group, "")
-            return [prefix + signal_of(each).identifier for each in entries]
-
-        return cls(*map(named, ("state", "inputs", "parameters", "outputs")))
+    return {
+        group: [
+            f"{group}{mark}{signal_of(each).identifier}" if mark else signal_of(each).identifier
+            for each in getattr(program, group)
+        ]
+        for group in ("state", "inputs", "parameters", "outputs")
+    }
 
 
 class Body:
@@ -64,7 +59,8 @@ class Body:
     language : Language
     names : Identifiers
         The scope of the statements, with all that stands there already.
-    places : Places
+    places : mapping
+        See `places_of`.
 
     Examples
     --------
@@ -72,188 +68,168 @@ class Body:
     >>> from clepsydra.program.program import Block
     >>> double = Block(1, (Operation(1, "add", (0, 0)),), (1,))
     >>> program = Program("double_it", (), (Signal("x"),), (), (Signal("y"),), double)
-    >>> names = Identifiers([], ignore_case=False)
-    >>> places = Places.of(program, outputs="outputs->")
+    >>> names, places = Identifiers([], ignore_case=False), places_of(program)
     >>> Body(program, C99("law", "double"), names, places).lines()
-    ['outputs->y = x + x;']
+    ['y = x + x;']
     """
 
     def __init__(
-        self, program: Program, language: Language, names: Identifiers, places: Places
+        self,
+        program: Program,
+        language: Language,
+        names: Identifiers,
+        places: Mapping[str, Sequence[str]],
     ) -> None:
-        self._program, self._language, self._names = program, language, names
-        self._places = places
-        owned = owned_by_calls(program)
-        #: The states that no instance holds, by where they stand.
-        self._held = {
-            place: entry
-            for k, (place, entry) in enumerate(zip(places.state, program.state, strict=True))
-            if k not in owned
-        }
+        self._program, self._names, self._places = program, names, places
+        constants = {names.new(each.identifier): each for each in program.constants}
+        named = {(each.kind == "integer", each.initial): name for name, each in constants.items()}
+        language = self._language = language.naming(named)
+        owned, entries = owned_by_calls(program), [*map(signal_of, program.state)]
+        #: The states that no instance holds: value, signal, where it stands, length of a ring.
+        self._held = [
+            (value, signal_of(entry), place, entry.length if is_ring(entry) else 0)
+            for value, (entry, place) in enumerate(zip(program.state, places["state"], strict=True))
+            if value not in owned
+        ]
         ranges = whole_ranges(program, "single" if language.notation.single else "double")
-        made = {each.target for each in program.block.statements if isinstance(each, Operation)}
-        # What is whole may have a variable of another type than a number.
-        labels, preferred = self._labels(made.intersection(ranges))
-        listing = list_block(
-            program.block,
-            list(self._arguments()),
-            language.notation,
-            names,
-            labels=labels,
-            preferred=preferred,
-            read=self._read,
-            ranges=ranges,
-        )
+        labels, preferred = self._labels(ranges)
+        lister = Lister(language.notation, names)
+        at = [
+            ring_place(p, is_ring(e)) for p, e in zip(places["state"], program.state, strict=True)
+        ]
+        at += [*places["inputs"], *places["parameters"]]
+        entries += [*program.inputs, *program.parameters]
+        given = [reading(entry.kind, place) for entry, place in zip(entries, at, strict=True)]
+        listed, results = lister.block(program.block, given, labels, preferred, ranges)
         #: Tables of the loops by name.
-        self.tables = listing.tables
-        self._statements = _together([*map(_begun, listing.statements)], self._held)
-        count = len(program.state)
-        following = [each for k, each in enumerate(listing.results[:count]) if k not in owned]
-        self._next = [
-            self._plain(signal_of(entry), result)
-            for entry, result in zip(self._held.values(), self._kept(following), strict=True)
+        self.tables = lister.tables
+        self._told = self._words(labels)
+        self._statements = _together([*map(_begun, listed)], {each[2] for each in self._held})
+        following = self._kept(results)
+        nexts = [
+            self._plain(signal, result)
+            for (_, signal, _, _), result in zip(self._held, following, strict=True)
         ]
-        self._outputs = [
-            self._plain(output, result)
-            for output, result in zip(program.outputs, listing.results[count:], strict=True)
+        shown = [
+            Assignment(place, self._plain(output, result))
+            for output, place, result in zip(
+                program.outputs, places["outputs"], results[len(program.state) :], strict=True
+            )
         ]
-        self._lines = in_place(self._written(), self._found(), self._assigned())
+        stores: list[Assignment] = []
+        rings: list[str] = []
+        for (_, _, place, length), result in zip(self._held, nexts, strict=True):
+            if length:
+                rings += assign(ring_place(place), result, language)
+                rings += advance(place, length, language)
+            else:
+                stores.append(Assignment(place, result))
+        lines = statements(self._statements, language)
+        for group in (shown, stores):
+            moved = [each for each in group if each.expression.text != each.name]
+            lines += statements(moved, language)
+        known = {*places["outputs"], *places["state"]}
+        self._found = {n: kind for n, kind in _declared(self._statements) if n not in known}
+        targets = [*places["outputs"], *(each.name for each in stores)]
+        self._lines = in_place([*lines, *rings], self._found, targets)
+        #: Constants that the statements read, by name.
+        self.constants = {name: each for name, each in constants.items() if self._reads(name)}
+
+    def _reads(self, name: str) -> bool:
+        return any(mentions(line, name) for line in self._lines)
 
     def lines(self) -> list[str]:
         """Return the lines of the statements, each statement on one line however long."""
-        return self._lines
+        return explained(self._lines, self._told)
 
     def temporaries(self) -> dict[str, str]:
         """Return name and type of the variables that are no part of the interface."""
         types = self._language.types
+        return {name: types[kind] for name, kind in self._found.items() if self._reads(name)}
+
+    def _words(self, labels: Mapping[int, str]) -> dict[str, list[str]]:
+        """Return the comments above the steps, by what these assign."""
+        program, comment = self._program, self._language.syntax.comment.format
+        named = {labels[v]: name for v, name in program.names.items() if v in labels}
+        for group in ("state", "outputs"):
+            names = (entry.name for entry in getattr(program, group))
+            named |= dict(zip(self._places[group], names, strict=True))
         return {
-            name: types[kind]
-            for name, kind in self._found().items()
-            if any(mentions(line, name) for line in self._lines)
+            place: [comment(r) for r in textwrap.wrap(harmless(program.words[name]), _WIDTH)]
+            for place, name in named.items()
+            if name in program.words
         }
 
-    def _found(self) -> dict[str, str]:
-        known = {*self._places.outputs, *self._places.state}
-        return {n: kind for n, kind in _declared(self._statements) if n not in known}
-
-    def _assigned(self) -> list[str]:
-        """Return what results go to."""
-        states = [place for place, entry in self._held.items() if not is_ring(entry)]
-        return [*self._places.outputs, *states]
-
-    def _written(self) -> list[str]:
-        language = self._language
-        shown = [
-            Assignment(place, result)
-            for place, result in zip(self._places.outputs, self._outputs, strict=True)
-            if result.text != place
-        ]
-        stores: list[Assignment] = []
-        rings: list[str] = []
-        for (place, entry), result in zip(self._held.items(), self._next, strict=True):
-            if is_ring(entry):
-                rings += statements([Assignment(ring_place(place), result)], language)
-                rings += advance(place, entry.length, language)
-            elif result.text != place:
-                stores.append(Assignment(place, result))
-        lines = statements(self._statements, language)
-        stored = [*statements(stores, language), *rings]
-        for title, results in (("outputs", statements(shown, language)), ("next state", stored)):
-            lines += [language.syntax.comment.format(title), *results] if results else []
-        return lines
-
-    def _arguments(self) -> Iterator[Expression]:
-        for entry, place in zip(self._program.state, self._places.state, strict=True):
-            yield self._read(signal_of(entry), ring_place(place, is_ring(entry)))
-        signals = (*self._program.inputs, *self._program.parameters)
-        for signal, place in zip(
-            signals, (*self._places.inputs, *self._places.parameters), strict=True
-        ):
-            yield self._read(signal, place)
-
-    def _read(self, signal: Signal, name: str) -> Expression:
-        """Return what reads a variable that is declared with the type of a signal."""
-        if signal.kind == "boolean":
-            return Expression("number", (flag(name),))
-        return integer(name) if signal.kind == "integer" else variable(name)
-
-    def _labels(self, whole: Container[int]) -> tuple[dict[int, str], dict[int, str]]:
+    def _labels(self, ranges: Container[int]) -> tuple[dict[int, str], dict[int, str]]:
         """Return the names of values that have one: the law's own, outputs, next states."""
         program, used = self._program, self._program.block.uses()
         first = program.block.arguments
+        made = {
+            each.target: each for each in program.block.statements if isinstance(each, Operation)
+        }
         instances = {call.identifier for call in program.calls}
-        labels = self._begun()
-        preferred: dict[int, str] = {}
-        for output, place, value in zip(
-            program.outputs, self._places.outputs, program.output_values, strict=True
-        ):
-            # An output variable may be read back: the value needs no other name.
-            unnamed = program.names.get(value, output.name) == output.name
-            if output.kind == "real" and value >= first and unnamed and value not in whole:
-                labels.setdefault(value, place)
+        labels = self._begun(made, used)
         results = dict(zip(program.output_values, program.outputs, strict=True))
+        for output, place, value in zip(
+            program.outputs, self._places["outputs"], program.output_values, strict=True
+        ):
+            # An output variable may be read back: the value needs no other name. What is whole
+            # may have a variable of another type than a number.
+            unnamed = program.names.get(value, output.name) == output.name
+            whole = value in made and value in ranges
+            if output.kind == "real" and value >= first and unnamed and not whole:
+                labels.setdefault(value, place)
         for value, name in program.names.items():
             own = value in results and results[value].name == name
             if value >= first and value in used and value not in labels and not own:
                 clashes = name.replace(".", "_") in instances
                 labels[value] = self._names.new(f"{name}_value" if clashes else name)
-        for entry, value in zip(program.state, program.next_state, strict=True):
-            if value not in labels and value not in results:
-                preferred[value] = f"next_{signal_of(entry).identifier}"
+        preferred = {
+            value: f"next_{signal_of(entry).identifier}"
+            for entry, value in zip(program.state, program.next_state, strict=True)
+            if value not in labels and value not in results
+        }
         return labels, preferred
 
-    def _begun(self) -> dict[int, str]:
+    def _begun(self, made: Mapping[int, Operation], uses: Mapping[int, int]) -> dict[int, str]:
         """Return the values that a state is set to where it begins anew, before it is read."""
-        program, uses = self._program, self._program.block.uses()
-        entries = (*program.state, *program.inputs, *program.parameters)
-        constants = {
-            each.target
-            for each in program.block.statements
-            if isinstance(each, Operation) and each.code == "constant"
-        }
+        program = self._program
+        entries = [*program.state, *program.inputs, *program.parameters]
         held = {
-            value: (place, signal_of(self._held[place]).kind)
-            for value, place in enumerate(self._places.state)
-            if place in self._held and not is_ring(self._held[place])
+            value: (place, signal.kind) for value, signal, place, ring in self._held if not ring
         }
         labels: dict[int, str] = {}
-        truths: dict[int, int] = {}
-        negated: set[int] = set()
-        for each in program.block.statements:
-            if not isinstance(each, Operation):
-                continue
-            if each.code == "truth" and uses[each.arguments[0]] == 1:
-                truths[each.target] = each.arguments[0]
-            if each.code == "not":
-                negated.add(each.target)
-            if each.code == "and" and negated.intersection(each.arguments):
-                for value in each.arguments:
-                    if uses[value] == 1 and truths.get(value) in held:
-                        labels[each.target] = held[truths[value]][0]
-            if each.code != "select":
-                continue
-            _, start, before = each.arguments
-            if before not in held or uses[before] != 1:
-                continue
-            place, kind = held[before]
-            given = start in constants or (
-                start < len(entries) and signal_of(entries[start]).kind == kind
-            )
-            if given or kind == "real":
-                labels[each.target] = place
-                held[each.target] = held[before]
+
+        def code_of(value: int) -> str:
+            return made[value].code if value in made else ""
+
+        for target, each in made.items():
+            given = each.arguments
+            if each.code == "and" and "not" in map(code_of, given):
+                for value in given:
+                    read = made[value].arguments[0] if code_of(value) == "truth" else -1
+                    if read in held and uses[value] == uses[read] == 1:
+                        labels[target] = held[read][0]
+            if each.code == "select" and given[2] in held and uses[given[2]] == 1:
+                _, start, before = given
+                place, kind = held[before]
+                alike = start < len(entries) and signal_of(entries[start]).kind == kind
+                if alike or kind == "real" or code_of(start) == "constant":
+                    labels[target], held[target] = place, held[before]
         return labels
 
     def _kept(self, results: Sequence[Expression]) -> list[Expression]:
         """Give the next values variables where a state that they read is overwritten before."""
         kept = []
         overwritten: set[str] = set()
-        for (place, entry), result in zip(self._held.items(), results, strict=True):
-            signal = signal_of(entry)
+        for value, signal, place, length in self._held:
+            result = results[value]
             if overwritten & touched(Assignment("", result)):
-                result = self._variable(f"next_{signal.identifier}", signal, result)
+                name = self._names.new(f"next_{signal.identifier}")
+                self._statements.append(Assignment(name, self._plain(signal, result)))
+                result = reading(signal.kind, name)
             kept.append(result)
-            overwritten.add(ring_place(place, is_ring(entry)))
+            overwritten.add(ring_place(place, length > 0))
         return kept
 
     def _plain(self, signal: Signal, result: Expression) -> Expression:
@@ -264,11 +240,6 @@ class Body:
             self._statements.append(Assignment(name, result))
             return of_kind(signal.kind, variable(name))
         return found
-
-    def _variable(self, wanted: str, signal: Signal, result: Expression) -> Expression:
-        name = self._names.new(wanted)
-        self._statements.append(Assignment(name, self._plain(signal, result)))
-        return self._read(signal, name)
 
 
 def _begun(statement: ListingStatement) -> ListingStatement:
@@ -320,9 +291,8 @@ def _declared(statements: Sequence[ListingStatement]) -> list[tuple[str, str]]:
             truth, whole = entry.expression.is_truth, entry.expression.is_whole
             found.append((entry.name, "boolean" if truth else "integer" if whole else "real"))
             continue
-        if isinstance(entry, CountedLoop):
+        if isinstance(entry, Compound):
             found += [(entry.index, "integer")] if entry.count > 1 else []
             found += [(turn.oldest, "real") for turn in entry.rings if turn.oldest]
-        if isinstance(entry, (CountedLoop, Branch)):
             found += _declared(entry.start) + _declared(entry.body)
     return found

@@ -9,18 +9,26 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.signal import Kind
 from clepsydra.program.program import COMPARISONS, LOGIC
 
 # How tightly a written expression holds together; an operand that is looser than its place
 # demands is put in parentheses.
 _LOOSE, _SIGNED, _SUM, _PRODUCT, _ATOM = range(5)
-_CHOICES = frozenset({"select", "number"})
-_EXTREMES = {"maximum": ">", "minimum": "<", "greatest": ">", "least": "<"}
+#: How tightly an operation holds together, and its operands have to; others compare.
+_STRENGTHS = dict.fromkeys(("multiply", "divide", "quotient"), (_PRODUCT, _PRODUCT, _ATOM))
+_STRENGTHS |= dict.fromkeys(("add", "subtract"), (_SUM, _SUM, _PRODUCT))
+_LARGER, _SMALLER = "{0} > {1} ? {0} : {1}", "{0} < {1} ? {0} : {1}"
 #: What a language without a function for it writes as a choice.
-_CHOSEN = frozenset({*_EXTREMES, "magnitude", "count"})
+_CHOSEN = {
+    "select": "{c} ? {1} : {2}",
+    "number": "{c} ? {one} : {zero}",
+    "count": "{c} ? 1 : 0",
+    "magnitude": "{0} < 0 ? -{0} : {0}",
+    **dict.fromkeys(("maximum", "greatest"), _LARGER),
+    **dict.fromkeys(("minimum", "least"), _SMALLER),
+}
 # Integers: read, constant, counted from a truth value, rounded; the others have whole operands.
-# How a comparison may be written from the other side.
-_GREATER = frozenset({"greater", "greater_equal"})
 _INTEGERS = frozenset(
     {"integer", "whole", "count", "rounded", "quotient", "greatest", "least", "limit", "magnitude"}
 )
@@ -81,7 +89,7 @@ class Expression:
     @property
     def is_choice(self) -> bool:
         """Whether it is one of two values."""
-        return self.code in _CHOICES
+        return self.code in ("select", "number")
 
 
 def variable(text: str) -> Expression:
@@ -106,15 +114,19 @@ def flag(text: str) -> Expression:
     return Expression("flag", text=text)
 
 
-def integer(text: str) -> Expression:
-    """Return the expression that reads an integer, as a number.
+def reading(kind: Kind, text: str) -> Expression:
+    """Return the expression that reads a variable of a type, as a number.
 
     Examples
     --------
-    >>> integer("scans").operands[0].is_whole
-    True
+    >>> reading("boolean", "good").code, reading("real", "level").code
+    ('number', 'variable')
     """
-    return Expression("real", (Expression("integer", text=text),))
+    if kind == "boolean":
+        return Expression("number", (flag(text),))
+    if kind == "integer":
+        return Expression("real", (Expression("integer", text=text),))
+    return variable(text)
 
 
 def as_select(choice: Expression) -> Expression:
@@ -180,6 +192,11 @@ def _chain(condition: Expression, code: str) -> Iterator[Expression]:
         yield from _chain(operand, code)
 
 
+#: Signs that all languages share.
+OPERATORS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "quotient": "/"}
+OPERATORS |= {"less": "<", "less_equal": "<=", "greater": ">", "greater_equal": ">="}
+
+
 @dataclass(frozen=True)
 class Notation:
     """How a language writes operations.
@@ -206,7 +223,7 @@ class Notation:
     suffix : str
         What stands behind a number to give it its type.
     width : int
-        A folded expression grows no wider than this [characters].
+        A folded expression grows no wider than this: two lines at the most [characters].
     formal : mapping
         Code of an operation to the names of its function's parameters, where they are written.
 
@@ -226,7 +243,7 @@ class Notation:
     infinity: str = ""
     single: bool = False
     suffix: str = ""
-    width: int = 72
+    width: int = 150
     formal: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def writes(self, expression: Expression) -> bool:
@@ -305,12 +322,14 @@ def render(expression: Expression, notation: Notation) -> str:
 
 def _written(expression: Expression, notation: Notation) -> tuple[str, int]:
     code, operands = expression.code, expression.operands
+    function = notation.functions.get(code, "")
     if code in ("variable", "flag", "integer"):
         return expression.text, _ATOM
     if code == "whole":
         return f"{expression.number:.0f}", _SIGNED if expression.number < 0 else _ATOM
     if code == "constant":
-        return _constant(expression.number, notation)
+        sign = _SIGNED if math.copysign(1.0, expression.number) < 0 else _ATOM
+        return _constant(expression.number, notation), sign
     if code in notation.operators:
         return _operator(expression, notation)
     if code == "negate":
@@ -319,24 +338,22 @@ def _written(expression: Expression, notation: Notation) -> tuple[str, int]:
         # No operator over truth values binds as tightly, in either language.
         return notation.negation + _operand(operands[0], notation, _ATOM), _ATOM
     if code == "truth":
-        zero = Expression("constant")
-        return _operator(Expression("not_equal", (operands[0], zero)), notation)
-    chosen = code in _CHOICES and code not in notation.statements
-    if chosen or (code in _CHOSEN and code not in notation.functions):
+        return _operator(Expression("not_equal", (operands[0], Expression("constant"))), notation)
+    as_function = code in notation.statements if expression.is_choice else function
+    if code in _CHOSEN and not as_function:
         return _choice(expression, notation), _LOOSE
     if code == "number":
         return _written(as_select(expression), notation)
-    if code in notation.functions and notation.functions[code].endswith(")"):
-        return notation.functions[code] + _operand(operands[0], notation, _ATOM), _ATOM
-    if code in notation.functions:
+    if function.endswith(")"):
+        return function + _operand(operands[0], notation, _ATOM), _ATOM
+    if function:
         texts = [_operand(operand, notation, _LOOSE) for operand in operands]
         if code == "select":
             # The function has the alternative of FALSE first.
             texts[1:] = texts[:0:-1]
-        formal = notation.formal.get(code, ())
-        if formal:
+        if formal := notation.formal.get(code):
             texts = [f"{name} := {text}" for name, text in zip(formal, texts, strict=True)]
-        return f"{notation.functions[code]}({', '.join(texts)})", _ATOM
+        return f"{function}({', '.join(texts)})", _ATOM
     raise InputError(
         f"program, operation {code}",
         code,
@@ -345,10 +362,9 @@ def _written(expression: Expression, notation: Notation) -> tuple[str, int]:
     )
 
 
-def _constant(number: float, notation: Notation) -> tuple[str, int]:
-    sign = _SIGNED if math.copysign(1.0, number) < 0 else _ATOM
+def _constant(number: float, notation: Notation) -> str:
     if math.isinf(number) and notation.infinity:
-        return ("-" if number < 0 else "") + notation.infinity, sign
+        return ("-" if number < 0 else "") + notation.infinity
     if not math.isfinite(number):
         raise InputError(
             "program, constant",
@@ -356,40 +372,25 @@ def _constant(number: float, notation: Notation) -> tuple[str, int]:
             f"a number that {notation.language} can write",
             "write the law with finite numbers, for example 1e300 for no limit",
         )
-    return decimal(number, single=notation.single) + notation.suffix, sign
+    return decimal(number, single=notation.single) + notation.suffix
 
 
 def _operator(expression: Expression, notation: Notation) -> tuple[str, int]:
-    code = expression.code
-    left, right = expression.operands
+    code, (left, right) = expression.code, expression.operands
+    strength, *least = _STRENGTHS.get(code, (_LOOSE, _SIGNED, _SIGNED))
     if code in LOGIC:
         # A chain of one operator needs no parentheses; a mixture gets them all.
-        needed = _LOOSE if left.code == code else _ATOM
-        strength, least = _LOOSE, (needed, _ATOM)
-    elif code in COMPARISONS or code in _GREATER:
-        strength, least = _LOOSE, (_SIGNED, _SIGNED)
-    elif code in ("multiply", "divide", "quotient"):
-        strength, least = _PRODUCT, (_PRODUCT, _ATOM)
-    else:
-        strength, least = _SUM, (_SUM, _PRODUCT)
+        least = [_LOOSE if left.code == code else _ATOM, _ATOM]
     first, second = _operand(left, notation, least[0]), _operand(right, notation, least[1])
     return f"{first} {notation.operators[code]} {second}", strength
 
 
 def _choice(expression: Expression, notation: Notation) -> str:
     """Write a choice in the notation of C."""
-    code, operands = expression.code, expression.operands
-    texts = [_operand(operand, notation, _SIGNED) for operand in operands]
-    if code == "number":
-        one, zero = (_constant(value, notation)[0] for value in (1.0, 0.0))
-        return f"{_operand(operands[0], notation, _ATOM)} ? {one} : {zero}"
-    if code == "select":
-        return f"{_operand(operands[0], notation, _ATOM)} ? {texts[1]} : {texts[2]}"
-    if code == "count":
-        return f"{_operand(operands[0], notation, _ATOM)} ? 1 : 0"
-    if code == "magnitude":
-        return f"{texts[0]} < 0 ? -{texts[0]} : {texts[0]}"
-    return f"{texts[0]} {_EXTREMES[code]} {texts[1]} ? {texts[0]} : {texts[1]}"
+    texts = [_operand(operand, notation, _SIGNED) for operand in expression.operands]
+    condition = _operand(expression.operands[0], notation, _ATOM)
+    one, zero = (_constant(value, notation) for value in (1.0, 0.0))
+    return _CHOSEN[expression.code].format(*texts, c=condition, one=one, zero=zero)
 
 
 def _operand(expression: Expression, notation: Notation, least: int) -> str:

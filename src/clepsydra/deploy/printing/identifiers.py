@@ -72,7 +72,7 @@ class Identifiers:
         if not wanted or wanted[0].isdigit():
             wanted = f"value_{wanted}".rstrip("_")
         name, number = wanted, 1
-        while self._key(name) in self._taken:
+        while not self.is_free(name):
             number += 1
             name = f"{wanted}_{number}"
         self._taken.add(self._key(name))
@@ -88,12 +88,10 @@ class Identifiers:
 
     def temporary(self) -> str:
         """Return the next of the names t1, t2, … that is free."""
-        while True:
+        self._temporaries += 1
+        while not self.is_free(f"t{self._temporaries}"):
             self._temporaries += 1
-            name = f"t{self._temporaries}"
-            if self._key(name) not in self._taken:
-                self._taken.add(self._key(name))
-                return name
+        return self.new(f"t{self._temporaries}")
 
     def _key(self, name: str) -> str:
         return name.lower() if self._ignore_case else name

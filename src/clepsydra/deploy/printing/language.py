@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, replace
+from typing import Self
 
+from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.expressions import (
     Expression,
     Notation,
     as_select,
+    flag,
     render,
     simplified,
+    variable,
 )
 from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.program.program import COMPARISONS
@@ -75,6 +80,18 @@ class Language(ABC):
 
     def __init__(self, notation: Notation, syntax: Syntax, types: Mapping[str, str]) -> None:
         self.notation, self.syntax, self.types = notation, syntax, types
+        #: Names of numbers, by whether these are integers and by what they are.
+        self.constants: Mapping[tuple[bool, float], str] = {}
+
+    def naming(self, constants: Mapping[tuple[bool, float], str]) -> Self:
+        """Return this language where numbers have names."""
+        named = copy(self)
+        named.constants = {key: name for key, name in constants.items() if self.readable(key[1])}
+        return named
+
+    def readable(self, number: float) -> bool:
+        """Whether the language can read a number at all."""
+        return True
 
     def expression(self, expression: Expression) -> str:
         """Write an expression.
@@ -89,6 +106,9 @@ class Language(ABC):
     def worded(self, expression: Expression, *, compared: bool = False) -> Expression:
         """Return an expression as a person would write it; `compared` if it is an operand of <."""
         code = expression.code
+        if code in ("constant", "whole"):
+            name = self.constants.get((code == "whole", expression.number))
+            return variable(name) if name else expression
         if code == "truth":
             zero = Expression("constant")
             return self.worded(Expression("not_equal", (expression.operands[0], zero)))
@@ -106,6 +126,18 @@ class Language(ABC):
         if code in _TURNED and expression.operands[0].code in ("constant", "whole"):
             return Expression(_TURNED[code], operands[::-1])
         return replace(expression, operands=operands)
+
+    def number(self, value: float, place: str = "a number") -> str:
+        """Write a number of a declaration; `place` is where it stands."""
+        return render(Expression("constant", number=value), self.notation)
+
+    def initial(self, signal: Signal) -> str:
+        """Write the initial value of a signal in its type."""
+        if signal.kind == "real":
+            return self.number(signal.initial, f"initial value of {signal.name}")
+        if signal.kind == "boolean":
+            return self.expression(flag("TRUE" if signal.initial else "FALSE"))
+        return str(int(signal.initial))
 
     @abstractmethod
     def call(self, entry: BlockCall) -> list[str]:

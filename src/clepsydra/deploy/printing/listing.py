@@ -1,9 +1,9 @@
-"""What a printed program consists of: assignments, loops, branches, results and tables."""
+"""What a printed program consists of: assignments, loops, branches and calls."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 from clepsydra.base.signal import Signal
 from clepsydra.deploy.printing.expressions import Expression
@@ -49,47 +49,42 @@ class RingTurn:
 
 
 @dataclass(frozen=True)
-class CountedLoop:
-    """``for index = 0 … count-1``: carried variables with start value, body and next value.
+class Compound:
+    """A counted loop, or what counts where a condition is true: carried variables and a body.
 
     A turn reads the oldest values of the rings, runs the body, writes the rings and advances
     them, and then updates the carried variables, which what is written may read.
+
+    Parameters
+    ----------
+    label : str
+        What a reader is told that it is.
+    start, body, update : tuple
+        What the carried variables begin with, and what a turn does and gives them.
+    condition : Expression or None
+        None for a loop.
+    index : str
+        Counts the turns from 0.
+    count : int
+    rings : tuple of RingTurn
 
     Examples
     --------
     >>> from clepsydra.deploy.printing.expressions import variable
     >>> zero, row = Expression("constant"), variable("table[i]")
     >>> update = Assignment("total", Expression("add", (variable("total"), row)))
-    >>> CountedLoop("i", 3, (Assignment("total", zero),), (), (update,), "sum").count
+    >>> Compound("sum", (Assignment("total", zero),), (), (update,), index="i", count=3).count
     3
     """
 
-    index: str
-    count: int
+    label: str
     start: tuple[Assignment, ...]
     body: tuple[ListingStatement, ...]
     update: tuple[Assignment, ...]
-    label: str
+    condition: Expression | None = None
+    index: str = ""
+    count: int = 1
     rings: tuple[RingTurn, ...] = ()
-
-
-@dataclass(frozen=True)
-class Branch:
-    """``if condition``: variables with start value, and body and next value where it is true.
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.printing.expressions import flag, variable
-    >>> start, update = Assignment("level", variable("x")), Assignment("level", variable("limit"))
-    >>> Branch(flag("spilling"), (start,), (), (update,), "spill").condition.text
-    'spilling'
-    """
-
-    condition: Expression
-    start: tuple[Assignment, ...]
-    body: tuple[ListingStatement, ...]
-    update: tuple[Assignment, ...]
-    label: str
 
 
 @dataclass(frozen=True)
@@ -129,23 +124,7 @@ class BlockCall:
             yield signal, of_kind(signal.kind, value)
 
 
-ListingStatement = Assignment | CountedLoop | Branch | BlockCall
-
-
-@dataclass(frozen=True)
-class Listing:
-    """Statements in order, the expressions of the results, and the tables of the loops.
-
-    Examples
-    --------
-    >>> from clepsydra.deploy.printing.expressions import variable
-    >>> Listing((Assignment("t1", variable("x")),), (variable("t1"),)).tables
-    {}
-    """
-
-    statements: tuple[ListingStatement, ...]
-    results: tuple[Expression, ...]
-    tables: dict[str, tuple[float, ...]] = field(default_factory=dict)
+ListingStatement = Assignment | Compound | BlockCall
 
 
 def touched(statement: ListingStatement) -> set[str]:
@@ -161,20 +140,17 @@ def touched(statement: ListingStatement) -> set[str]:
 
 
 def _touched(statement: ListingStatement) -> Iterator[str]:
-    given: Iterable[Expression]
+    given: list[Expression] = []
     if isinstance(statement, Assignment):
         yield statement.name
         given = [statement.expression]
     elif isinstance(statement, BlockCall):
-        given = statement.arguments
+        given = [*statement.arguments]
     else:
         for inner in (*statement.start, *statement.body, *statement.update):
             yield from _touched(inner)
-        given = (
-            [turn.written for turn in statement.rings]
-            if isinstance(statement, CountedLoop)
-            else [statement.condition]
-        )
+        given = [turn.written for turn in statement.rings]
+        given += [statement.condition] if statement.condition else []
     yield from (part.text for each in given for part in parts(each) if part.text)
 
 

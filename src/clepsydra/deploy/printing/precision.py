@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 from typing import Literal, get_args
 
 import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.entries import Entry
 from clepsydra.program.program import Block, Call, Conditional, Operation, Program, Statement
 
 #: LREAL and double, or REAL and float.
@@ -70,21 +69,9 @@ def in_precision(program: Program, precision: Precision) -> Program:
     check_precision(precision)
     if precision == "double":
         return program
-    place = f"program {program.name}"
-    return replace(
-        program,
-        state=tuple(_entry(entry, place) for entry in program.state),
-        inputs=tuple(_signal(signal, place) for signal in program.inputs),
-        parameters=tuple(_signal(signal, place) for signal in program.parameters),
-        outputs=tuple(_signal(signal, place) for signal in program.outputs),
-        block=_block(program.block, place),
-    )
-
-
-def _entry(entry: Entry, place: str) -> Entry:
-    if isinstance(entry, DelayRing):
-        return replace(entry, signal=_signal(entry.signal, place))
-    return _signal(entry, place)
+    block = _block(program.block, f"program {program.name}")
+    rounded = program.with_signals(partial(_signal, place=f"program {program.name}"))
+    return replace(rounded, block=block)
 
 
 def _signal(signal: Signal, place: str) -> Signal:
@@ -102,17 +89,15 @@ def _statement(statement: Statement, place: str) -> Statement:
         if statement.code != "constant":
             return statement
         return replace(statement, constant=_single(statement.constant, f"{place}, a constant"))
-    if isinstance(statement, Conditional):
-        return replace(statement, body=_block(statement.body, place))
     if isinstance(statement, Call):
         return replace(statement, program=in_precision(statement.program, "single"))
+    statement = replace(statement, body=_block(statement.body, place))
+    if isinstance(statement, Conditional):
+        return statement
     inside = f"{place}, table of {statement.name}"
-    return replace(
-        statement,
-        body=_block(statement.body, place),
-        tables=tuple(tuple(_single(v, inside) for v in table) for table in statement.tables),
-        rings=tuple(replace(ring, signal=_signal(ring.signal, place)) for ring in statement.rings),
-    )
+    tables = tuple(tuple(_single(v, inside) for v in table) for table in statement.tables)
+    rings = tuple(replace(each, signal=_signal(each.signal, place)) for each in statement.rings)
+    return replace(statement, tables=tables, rings=rings)
 
 
 def _single(value: float, place: str) -> float:

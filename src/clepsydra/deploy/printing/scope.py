@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from clepsydra.deploy.printing.expressions import (
     Expression,
     Notation,
     flag,
-    integer,
+    reading,
     render,
     simplified,
     variable,
@@ -33,6 +34,7 @@ _OFTEN = 90
 _DEPTH = 4
 
 
+@dataclass
 class Scope:
     """The values of one block while its statements are written.
 
@@ -52,39 +54,32 @@ class Scope:
     See `clepsydra.deploy.printing.folding.list_block`.
     """
 
-    def __init__(
-        self,
-        notation: Notation,
-        names: Identifiers,
-        values: dict[int, Expression],
-        preferred: Mapping[int, str],
-        ranges: Mapping[int, WholeRange],
-    ) -> None:
-        self._notation = notation
-        self._ranges = ranges
-        self._integers = INTEGERS["single" if notation.single else "double"][:2]
-        self._names = names
-        self._arguments = dict(values)
-        self.values = values
-        self.preferred = dict(preferred)
+    notation: Notation
+    names: Identifiers
+    values: dict[int, Expression]
+    preferred: dict[int, str]
+    ranges: Mapping[int, WholeRange]
+    statements: list[ListingStatement] = field(default_factory=list)
+    #: Variables of loops and branches, which a later one may go on with.
+    carried: set[str] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        self._integers = INTEGERS["single" if self.notation.single else "double"][:2]
+        self._arguments = dict(self.values)
         self._read_as_number: set[int] = set()
-        self.statements: list[ListingStatement] = []
-        #: Variables of loops and branches, which a later one may go on with.
-        self.carried: set[str] = set()
 
     def assign(self, value: int, name: str = "") -> Expression:
         """Give a value a variable, and return the expression that reads it."""
         expression = self.values[value]
         if not name:
             wanted = self.preferred.get(value) or _name_for(expression)
-            name = self._names.new(wanted) if wanted else self._names.temporary()
+            name = self.names.new(wanted) if wanted else self.names.temporary()
         read = flag(name) if expression.is_truth else variable(name)
         if expression.code == "select" and value not in self._read_as_number:
             integers = whole_form(expression)
             expression = expression if integers is None else Expression("real", (integers,))
         if expression.code in ("real", "number"):
-            whole = expression.code == "real"
-            read = integer(name) if whole else Expression("number", (flag(name),))
+            read = reading("integer" if expression.code == "real" else "boolean", name)
             expression = expression.operands[0]
         self.statements.append(Assignment(name, expression))
         self.values[value] = read
@@ -101,9 +96,8 @@ class Scope:
     def name_by_ports(self, block: Block) -> None:
         """Let a variable that a call reads be named after the port that it goes to."""
         for call in (each for each in block.statements if isinstance(each, Call)):
-            ports = zip(call.program.inputs, call.arguments[len(call.program.state) :], strict=True)
-            for signal, value in ports:
-                free = self._names.is_free(signal.identifier)
+            for signal, value in call.ports():
+                free = self.names.is_free(signal.identifier)
                 name = signal.identifier if free else f"{call.identifier}_{signal.identifier}"
                 self.preferred.setdefault(value, name)
 
@@ -112,11 +106,9 @@ class Scope:
         others = set(block.results)
         for each in block.statements:
             if isinstance(each, Operation):
-                others.update(() if each.target in self._ranges else each.arguments)
+                others.update(() if each.target in self.ranges else each.arguments)
             elif isinstance(each, Call):
-                given = each.arguments[len(each.program.state) :]
-                ports = zip(each.program.inputs, given, strict=True)
-                others.update(value for signal, value in ports if signal.kind != "integer")
+                others.update(value for signal, value in each.ports() if signal.kind != "integer")
             else:
                 others.update(read_by(each))
         self._read_as_number = others
@@ -125,10 +117,8 @@ class Scope:
         """Whether an expression may be written as often as it is read."""
         if expression.code == "number":
             expression = expression.operands[0]
-        plain = all(
-            each.is_atom or (each.code == "not" and each.operands[0].is_atom)
-            for each in expression.operands
-        )
+        read = (each.operands[0] if each.code == "not" else each for each in expression.operands)
+        plain = all(each.is_atom for each in read)
         width = self._width(expression)
         return expression.is_truth and plain and width <= _SHORT and width * uses <= _OFTEN
 
@@ -145,49 +135,40 @@ class Scope:
             if number.code == "number":
                 return number.operands[0]
         typed = self._made(operation)
+        wanted = typed.operands[0].code if typed.code in ("real", "number") else typed.code
         for position, value in enumerate(operation.arguments):
-            wanted = typed.operands[0].code if typed.code in ("real", "number") else typed.code
             if not self._fits(wanted, position, self.values[value]):
                 self.atom(value)
-        return self._narrowed(operation)
+        # A long sum reads well on several lines.
+        widest = self.notation.width * (3 if code == "add" else 1)
+        while True:
+            expression = self._made(operation)
+            folded = [value for value in operation.arguments if not self.values[value].is_atom]
+            if self._width(expression) <= widest or not folded:
+                return expression
+            # What is too wide has variables for its widest operands.
+            self.atom(max(folded, key=lambda value: self._width(self.values[value])))
 
     def _made(self, operation: Operation) -> Expression:
         """Return an operation over the expressions of its arguments, in their own type."""
         operands = tuple(self.values[value] for value in operation.arguments)
-        bounds = [self._ranges.get(value) for value in operation.arguments]
-        found = self._ranges.get(operation.target)
+        bounds = [self.ranges.get(value) for value in operation.arguments]
+        found = self.ranges.get(operation.target)
         typed = in_own_type(operation.code, operands, bounds, found, self._integers)
         return typed or simplified(Expression(operation.code, operands))
 
     def _fits(self, code: str, position: int, operand: Expression) -> bool:
         """Whether the language can write an operand in that place."""
-        if operand.is_atom:
-            return True
-        if code in self._notation.repeating:
-            return False
-        if not self._notation.writes(operand):
-            branch = code == "select" and position > 0 and code in self._notation.statements
-            return branch and operand.code == "select" and _depth(operand) < _DEPTH
-        return True
-
-    def _narrowed(self, operation: Operation) -> Expression:
-        """Return the operation, with the widest operands given variables while it is too wide."""
-        arguments = operation.arguments
-        while True:
-            expression = self._made(operation)
-            # A long sum reads well on several lines.
-            lines = 3 if operation.code == "add" else 1
-            if self._width(expression) <= lines * self._notation.width:
-                return expression
-            folded = [value for value in arguments if not self.values[value].is_atom]
-            if not folded:
-                return expression
-            self.atom(max(folded, key=lambda value: self._width(self.values[value])))
+        if operand.is_atom or code in self.notation.repeating:
+            return operand.is_atom
+        branch = code == "select" and position > 0 and code in self.notation.statements
+        nested = branch and operand.code == "select" and _depth(operand) < _DEPTH
+        return nested or self.notation.writes(operand)
 
     def _width(self, expression: Expression) -> int:
-        if not self._notation.writes(expression):
+        if not self.notation.writes(expression):
             return max(self._width(operand) for operand in expression.operands)
-        return len(render(expression, self._notation))
+        return len(render(expression, self.notation))
 
 
 def _name_for(expression: Expression) -> str:
@@ -211,6 +192,5 @@ def _last_name(read: Expression, end: str) -> str:
 
 
 def _depth(expression: Expression) -> int:
-    if expression.code != "select":
-        return 0
-    return 1 + max(_depth(operand) for operand in expression.operands[1:])
+    choices = expression.operands[1:] if expression.code == "select" else ()
+    return max((1 + _depth(each) for each in choices), default=0)

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from clepsydra.deploy.printing.expressions import Expression, as_select
+from clepsydra.deploy.printing.expressions import Expression, as_select, variable
 from clepsydra.deploy.printing.language import Language
 from clepsydra.deploy.printing.listing import (
     Assignment,
     BlockCall,
-    Branch,
-    CountedLoop,
+    Compound,
     ListingStatement,
     parts,
 )
@@ -72,13 +71,11 @@ def _statement(entry: ListingStatement, language: Language) -> list[str]:
     if isinstance(entry, BlockCall):
         return language.call(entry)
     title = entry.label
-    if isinstance(entry, CountedLoop):
+    if entry.condition is None:
         title += f": {entry.count} turn{'s' if entry.count > 1 else ''}"
-    lines = [language.syntax.comment.format(title)]
-    for start in entry.start:
-        lines += assign(start.name, start.expression, language)
+    lines = [language.syntax.comment.format(title), *_assigned(entry.start, language)]
     inside = _body(entry, language)
-    if isinstance(entry, Branch):
+    if entry.condition is not None:
         head = language.syntax.opened.format(language.expression(entry.condition))
         return [*lines, head, *indented(inside), language.syntax.closed]
     if entry.count == 1:
@@ -87,22 +84,23 @@ def _statement(entry: ListingStatement, language: Language) -> list[str]:
     return [*lines, head, *indented(inside), language.syntax.loop_closed]
 
 
-def _body(entry: CountedLoop | Branch, language: Language) -> list[str]:
+def _assigned(entries: Iterable[Assignment], language: Language) -> list[str]:
+    return [line for each in entries for line in assign(each.name, each.expression, language)]
+
+
+def _body(entry: Compound, language: Language) -> list[str]:
     """Write what a loop repeats or a branch does, up to the next values of what it carries."""
-    turns = entry.rings if isinstance(entry, CountedLoop) else ()
-    places = [f"{language.syntax.states}{turn.ring.signal.identifier}" for turn in turns]
-    lines = []
-    for turn, place in zip(turns, places, strict=True):
-        if turn.oldest:
-            oldest = ring_place(place, is_ring(turn.ring))
-            lines.append(language.syntax.assignment.format(turn.oldest, oldest))
-    lines += statements(entry.body, language)
-    for turn, place in zip(turns, places, strict=True):
-        lines += assign(ring_place(place, is_ring(turn.ring)), turn.written, language)
+    places = [f"{language.syntax.states}{turn.ring.signal.identifier}" for turn in entry.rings]
+    turns = [
+        (turn, place, ring_place(place, is_ring(turn.ring)))
+        for turn, place in zip(entry.rings, places, strict=True)
+    ]
+    read = [Assignment(turn.oldest, variable(at)) for turn, _, at in turns if turn.oldest]
+    lines = [*_assigned(read, language), *statements(entry.body, language)]
+    for turn, place, at in turns:
+        lines += assign(at, turn.written, language)
         lines += advance(place, turn.ring.length, language) if is_ring(turn.ring) else []
-    for update in entry.update:
-        lines += assign(update.name, update.expression, language)
-    return lines
+    return [*lines, *_assigned(entry.update, language)]
 
 
 def ring_place(name: str, array: bool = True) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import operator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -59,6 +61,13 @@ class WholeRange:
 
 _TRUTH = WholeRange(0.0, 1.0)
 _ANY = WholeRange(-math.inf, math.inf, maybe_nan=True)
+#: Operations on two whole numbers whose bounds are among those of the operands' bounds.
+_CORNERS: dict[str, Callable[[float, float], float]] = {
+    "add": operator.add,
+    "subtract": operator.sub,
+    "multiply": operator.mul,
+    "divide": operator.truediv,
+}
 
 
 def check_whole_results(
@@ -112,24 +121,16 @@ def check_whole_results(
     for ring in program.rings:
         _check(program, ring.signal, None, precision)
     for signal in entries:
-        initial = signal.initial
-        what = "initial value of "
-        _check(program, signal, _whole(initial), precision, what=what, value=initial)
-    if precision == "single":
-        for signal in program.inputs:
-            _check_declared(program, signal)
-
-
-def _check_declared(program: Program, signal: Signal) -> None:
-    """Refuse an integer input whose range goes beyond the whole numbers of single precision."""
-    known = signal.low >= -SINGLE_WHOLE and signal.high <= SINGLE_WHOLE
-    if signal.kind == "integer" and not known:
-        raise InputError(
-            f"program {program.name}, {signal.name}",
-            f"an integer from {signal.low:.12g} to {signal.high:.12g}",
-            f"a range within {-SINGLE_WHOLE:.0f} and {SINGLE_WHOLE:.0f} in single precision",
-            "declare its range (low, high), or print it in double precision",
-        )
+        _check(program, signal, _whole(signal.initial), precision, initial=True)
+    for signal in program.inputs if precision == "single" else ():
+        known = signal.low >= -SINGLE_WHOLE and signal.high <= SINGLE_WHOLE
+        if signal.kind == "integer" and not known:
+            raise InputError(
+                f"program {program.name}, {signal.name}",
+                f"an integer from {signal.low:.12g} to {signal.high:.12g}",
+                f"a range within {-SINGLE_WHOLE:.0f} and {SINGLE_WHOLE:.0f} in single precision",
+                "declare its range (low, high), or print it in double precision",
+            )
 
 
 def _check(
@@ -138,18 +139,17 @@ def _check(
     found: WholeRange | None,
     precision: Precision,
     *,
-    what: str = "",
-    value: object = None,
+    initial: bool = False,
 ) -> None:
-    place = f"program {program.name}, {what}{signal.name}"
-    shown = value if what else _shown(found)
     low, high, expected = INTEGERS[precision]
-    if signal.kind == "integer" and not (found and found.within(low, high)):
-        remedy = "round it with floor and limit it with fmin and fmax, or declare it real"
-        wider = ", or print it in double precision" if precision == "single" else ""
-        raise InputError(place, shown, expected, remedy + wider)
-    if signal.kind == "boolean" and not (found and found.within(0.0, 1.0)):
-        raise InputError(place, shown, "0 or 1", "write it as a comparison, or declare it real")
+    remedy = "round it with floor and limit it with fmin and fmax, or declare it real"
+    remedy += ", or print it in double precision" if precision == "single" else ""
+    if signal.kind == "boolean":
+        low, high = 0.0, 1.0
+        expected, remedy = "0 or 1", "write it as a comparison, or declare it real"
+    if signal.kind != "real" and not (found and found.within(low, high)):
+        place = f"program {program.name}, {'initial value of ' if initial else ''}{signal.name}"
+        raise InputError(place, signal.initial if initial else _shown(found), expected, remedy)
 
 
 def _shown(found: WholeRange | None) -> str:
@@ -180,18 +180,18 @@ def whole_ranges(
     >>> whole_ranges(program)[3]
     WholeRange(low=0.0, high=1.0, maybe_nan=False)
     """
-    ranges: dict[int, WholeRange] = {}
-    states, others = WholeRange(INTEGER_LOW, INTEGER_HIGH), WholeRange(INTEGER_LOW, INTEGER_HIGH)
+    integer = WholeRange(INTEGER_LOW, INTEGER_HIGH)
+    states, others = integer, integer
     if precision == "single":
-        states, others = WholeRange(-SINGLE_WHOLE, SINGLE_WHOLE), _in_single(others)
+        states, others = WholeRange(-SINGLE_WHOLE, SINGLE_WHOLE), _in_single(integer)
+    ranges: dict[int, WholeRange] = {}
     entries = [*map(signal_of, program.state), *program.inputs, *program.parameters]
     for value, signal in enumerate(entries):
         if signal.kind == "integer":
-            ranges[value] = states if value in program.state_arguments else others
+            known = states if value in program.state_arguments else others
+            ranges[value] = (given or {}).get(value, known)
         elif signal.kind == "boolean":
             ranges[value] = _TRUTH
-        if given is not None and signal.kind == "integer" and value in given:
-            ranges[value] = given[value]
     _follow(program.block, ranges, precision)
     return ranges
 
@@ -199,23 +199,27 @@ def whole_ranges(
 def _follow(block: Block, ranges: dict[int, WholeRange], precision: Precision) -> None:
     # Bounds of quotients, which only rounding makes whole.
     quotients: dict[int, WholeRange] = {}
-    for statement in block.statements:
-        if isinstance(statement, Operation):
-            operands = [ranges.get(value) for value in statement.arguments]
-            if statement.code == "divide":
-                quotient = _quotient(*operands)
-                quotients |= {statement.target: quotient} if quotient else {}
-            elif statement.code in ("floor", "ceiling"):
-                operands = [operands[0] or quotients.get(statement.arguments[0])]
-            found = _range_of(statement, operands)
-            if found is not None:
-                ranges[statement.target] = found if precision == "double" else _in_single(found)
-        elif isinstance(statement, Conditional):
-            _follow_conditional(statement, ranges, precision)
-        elif isinstance(statement, Call):
-            called = statement.program
-            inside = whole_ranges(called, precision, _given(statement, ranges))
-            for target, result in zip(statement.targets, called.block.results, strict=True):
+    for each in block.statements:
+        if isinstance(each, Operation):
+            operands = [ranges.get(value) for value in each.arguments]
+            if each.code in ("floor", "ceiling"):
+                operands = [operands[0] or quotients.get(each.arguments[0], _ANY)]
+            found = _range_of(each, operands)
+            if found is not None and each.code == "divide":
+                quotients[each.target] = found
+            elif found is not None:
+                ranges[each.target] = found if precision == "double" else _in_single(found)
+        elif isinstance(each, Conditional):
+            given = enumerate(each.carried + each.invariants)
+            inside = {argument: ranges[value] for argument, value in given if value in ranges}
+            _follow(each.body, inside, precision)
+            carried = zip(each.targets, each.carried, each.body.results, strict=True)
+            for target, start, result in carried:
+                if start in ranges and result in inside:
+                    ranges[target] = _either(ranges[start], inside[result])
+        elif isinstance(each, Call):
+            inside = whole_ranges(each.program, precision, _given(each, ranges))
+            for target, result in zip(each.targets, each.program.block.results, strict=True):
                 if result in inside:
                     ranges[target] = inside[result]
 
@@ -235,53 +239,45 @@ def _in_single(found: WholeRange) -> WholeRange:
     return WholeRange(min(low, found.low), max(high, found.high), found.maybe_nan)
 
 
-def _follow_conditional(
-    conditional: Conditional, ranges: dict[int, WholeRange], precision: Precision
-) -> None:
-    given = enumerate(conditional.carried + conditional.invariants)
-    inside = {argument: ranges[value] for argument, value in given if value in ranges}
-    _follow(conditional.body, inside, precision)
-    for target, start, result in zip(
-        conditional.targets, conditional.carried, conditional.body.results, strict=True
-    ):
-        if start in ranges and result in inside:
-            ranges[target] = _either(ranges[start], inside[result])
-
-
 def _whole(number: float) -> WholeRange | None:
     whole = math.isfinite(number) and number == math.floor(number)
     return WholeRange(number, number) if whole else None
 
 
 def _range_of(operation: Operation, operands: list[WholeRange | None]) -> WholeRange | None:
-    code, constant = operation.code, operation.constant
+    code = operation.code
     if code == "constant":
-        return _whole(constant)
+        return _whole(operation.constant)
     if code == "number" or code in COMPARISONS or code in LOGIC or code == "truth":
         return _TRUTH
-    if code in ("floor", "ceiling"):
-        inner = operands[0] or _ANY
-        whole = math.floor if code == "floor" else math.ceil
-        if not math.isfinite(inner.low) or not math.isfinite(inner.high):
-            return inner
-        return WholeRange(whole(inner.low), whole(inner.high), inner.maybe_nan)
-    known = [operand for operand in operands if operand is not None]
     if code == "select":
-        first, second = operands[1:]
-        return None if first is None or second is None else _either(first, second)
+        operands = operands[1:]
+    known = [operand for operand in operands if operand is not None]
     if len(known) != len(operands) or not known:
         return None
+    first, second = known[0], known[-1]
+    if code == "select":
+        return _either(first, second)
+    if code in ("floor", "ceiling"):
+        if not math.isfinite(first.low) or not math.isfinite(first.high):
+            return first
+        whole = math.floor if code == "floor" else math.ceil
+        return WholeRange(whole(first.low), whole(first.high), first.maybe_nan)
     if code in ("maximum", "minimum"):
-        return _extreme(code, known[0], known[1])
-    return _arithmetic(code, known)
-
-
-def _quotient(first: WholeRange | None, second: WholeRange | None) -> WholeRange | None:
-    """Return the bounds of a whole number over a positive one."""
-    if first is None or second is None or first.maybe_nan or second.maybe_nan or second.low < 1.0:
+        return _extreme(code, first, second)
+    if first.maybe_nan or second.maybe_nan or (code == "divide" and second.low < 1.0):
         return None
-    corners = [a / b for a in (first.low, first.high) for b in (second.low, second.high)]
-    return WholeRange(min(corners), max(corners))
+    bounds = [-first.high, -first.low]
+    if code == "absolute":
+        bounds = [0.0, max(-first.low, first.high)]
+    elif code in _CORNERS:
+        lows_and_highs = product((first.low, first.high), (second.low, second.high))
+        bounds = [_CORNERS[code](a, b) for a, b in lows_and_highs]
+    elif code != "negate":
+        return None
+    found = WholeRange(min(bounds), max(bounds))
+    computed = code in ("add", "subtract", "multiply")
+    return None if computed and not found.within(-_EXACT, _EXACT) else found
 
 
 def _either(first: WholeRange, second: WholeRange) -> WholeRange:
@@ -297,26 +293,3 @@ def _extreme(code: str, first: WholeRange, second: WholeRange) -> WholeRange:
     take = max if code == "maximum" else min
     found = WholeRange(take(first.low, second.low), take(first.high, second.high), second.maybe_nan)
     return _either(found, second) if first.maybe_nan else found
-
-
-def _arithmetic(code: str, operands: list[WholeRange]) -> WholeRange | None:
-    if any(operand.maybe_nan for operand in operands):
-        return None
-    first = operands[0]
-    if code == "negate":
-        return WholeRange(-first.high, -first.low)
-    if code == "absolute":
-        return WholeRange(0.0, max(-first.low, first.high))
-    if len(operands) < 2:
-        return None
-    second = operands[1]
-    if code == "add":
-        found = WholeRange(first.low + second.low, first.high + second.high)
-    elif code == "subtract":
-        found = WholeRange(first.low - second.high, first.high - second.low)
-    elif code == "multiply":
-        corners = [a * b for a in (first.low, first.high) for b in (second.low, second.high)]
-        found = WholeRange(min(corners), max(corners))
-    else:
-        return None
-    return found if found.within(-_EXACT, _EXACT) else None

@@ -11,7 +11,7 @@ from typing import Any
 
 from clepsydra.base.errors import ClepsydraError, InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.c99.layout import state_names
+from clepsydra.deploy.c99.structures import state_names
 from clepsydra.deploy.process_program import HELD
 from clepsydra.deploy.proof.instance import Instance, given_parameters
 from clepsydra.program.entries import is_ring, signal_of

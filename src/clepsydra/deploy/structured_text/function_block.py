@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from clepsydra.deploy.printing.body import Body, Places
+from clepsydra.deploy.printing.body import Body, places_of
+from clepsydra.deploy.printing.declarations import Variable, declared
 from clepsydra.deploy.printing.expressions import decimal
 from clepsydra.deploy.printing.identifiers import Identifiers
-from clepsydra.deploy.printing.line_breaking import dense, folded
+from clepsydra.deploy.printing.lines import dense, folded
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.structured_text.dialect import Dialect
-from clepsydra.deploy.structured_text.interface import Interface, block_type, check_names
-from clepsydra.deploy.structured_text.pou import Section, Unit, Variable
+from clepsydra.deploy.structured_text.interface import block_type, check_names, sections
+from clepsydra.deploy.structured_text.pou import Section, Unit
 from clepsydra.deploy.structured_text.wording import Wording
 from clepsydra.program.entries import signal_of
 from clepsydra.program.program import Program
@@ -53,78 +55,46 @@ def function_block(
     ('y := x + x;',)
     """
     check_names(program, dialect)
-    return _Printer(program, dialect, precision).unit(head, origin)
+    entries = (*program.state, *program.rings, *program.inputs, *program.parameters)
+    taken = [signal_of(entry).identifier for entry in (*entries, *program.outputs)]
+    taken += [f"{name}_position" for name in taken]
+    taken += [program.name, *(block_type(call.program) for call in program.calls)]
+    names = Identifiers([*taken, *dialect.all_words], ignore_case=True)
+    wording = Wording(dialect, precision, names)
+    body = Body(program, wording, names, places_of(program))
+    temporaries = dict.fromkeys(wording.products, wording.real) | body.temporaries()
+    by_type = sorted(temporaries.items(), key=lambda each: each[1])
+    variables = tuple(Variable(name, kind) for name, kind in by_type)
+    declarations = (
+        *sections(program, wording, origin),
+        *_constants(body, wording),
+        Section("VAR_TEMP", "", (("values of one sample", variables),)),
+    )
+    local = {entry.name.lower() for section in declarations for entry in section.variables}
+    lines = dense([wording.marked(line, local) for line in (*_products(wording), *body.lines())])
+    text = tuple(part for line in lines for part in folded(line))
+    return Unit("FUNCTION_BLOCK", program.name, tuple(head), declarations, text)
 
 
-#: So many factors of a product on a line.
-_FACTORS_A_LINE = 3
+def _products(wording: Wording) -> list[str]:
+    """Return what computes the numbers that the system cannot read."""
+    lines = []
+    for name, (number, product) in wording.products.items():
+        why = f"{name} is {decimal(number)}, beyond the numbers that the system reads"
+        rows = (" * ".join(product[k : k + 3]) for k in range(0, len(product), 3))
+        text = "\n    * ".join(rows)
+        lines += [wording.dialect.commented(why), *f"{name} := {text};".splitlines()]
+    return lines
 
 
-class _Printer:
-    def __init__(self, program: Program, dialect: Dialect, precision: Precision) -> None:
-        self._program = program
-        self._dialect = dialect
-        entries = (*program.state, *program.inputs, *program.parameters)
-        declared = [signal_of(entry).identifier for entry in (*entries, *program.rings)]
-        declared += [output.identifier for output in program.outputs]
-        declared += [f"{name}_position" for name in declared]
-        declared += [block_type(call.program) for call in program.calls]
-        self._names = Identifiers([*declared, program.name, *dialect.all_words], ignore_case=True)
-        self._wording = Wording(dialect, precision, self._names)
-        self._body = Body(program, self._wording, self._names, Places.of(program))
-
-    def unit(self, head: Sequence[str], origin: Origin | None) -> Unit:
-        program, wording = self._program, self._wording
-        body = self._body.lines()
-        # Only now is known which numbers the system cannot read.
-        body = [*self._products(), *body]
-        sections = [
-            *Interface(wording, origin).sections(program),
-            self._tables(),
-            self._temporaries(),
-        ]
-        local = {entry.name.lower() for section in sections for entry in section.variables}
-        return Unit(
-            "FUNCTION_BLOCK",
-            program.name,
-            tuple(head),
-            tuple(sections),
-            tuple(
-                part
-                for line in dense([wording.marked(line, local) for line in body])
-                for part in folded(line)
-            ),
-        )
-
-    def _products(self) -> list[str]:
-        lines = []
-        for name, (number, product) in self._wording.products.items():
-            why = f"{name} is {decimal(number)}, beyond the numbers that the system reads"
-            rows = [
-                product[k : k + _FACTORS_A_LINE] for k in range(0, len(product), _FACTORS_A_LINE)
-            ]
-            text = "\n    * ".join(" * ".join(row) for row in rows)
-            lines += [self._dialect.commented(why), *f"{name} := {text};".splitlines()]
-        return lines
-
-    def _tables(self) -> Section:
-        wording = self._wording
-        tables = tuple(
-            Variable(
-                name,
-                wording.real,
-                tuple(wording.number(value, f"an entry of {name}") for value in values),
-                len(values),
-            )
-            for name, values in self._body.tables.items()
-        )
-        return Section(
-            "VAR", "CONSTANT" if self._dialect.constant_arrays else "", (("tables", tables),)
-        )
-
-    def _temporaries(self) -> Section:
-        kinds = dict.fromkeys(self._wording.products, self._wording.real)
-        kinds |= self._body.temporaries()
-        by_type = sorted(kinds.items(), key=lambda each: each[1])
-        variables = tuple(Variable(name, kind) for name, kind in by_type)
-        return Section("VAR_TEMP", "", (("values of one sample", variables),))
+def _constants(body: Body, wording: Wording) -> list[Section]:
+    constants = body.constants.items()
+    named = [replace(declared([each], wording)[0], name=name) for name, each in constants]
+    tables = []
+    for name, values in body.tables.items():
+        texts = tuple(wording.number(value, f"an entry of {name}") for value in values)
+        tables.append(Variable(name, wording.real, texts, len(values)))
+    groups = ("numbers", tuple(named)), ("tables", tuple(tables))
+    if wording.dialect.constant_arrays:
+        return [Section("VAR", "CONSTANT", groups)]
+    return [Section("VAR", "CONSTANT", groups[:1]), Section("VAR", "", groups[1:])]

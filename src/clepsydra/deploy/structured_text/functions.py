@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from clepsydra.deploy.printing.declarations import Variable
+from clepsydra.deploy.printing.expressions import Expression, variable
 from clepsydra.deploy.printing.identifiers import Identifiers
-from clepsydra.deploy.printing.line_breaking import dense
+from clepsydra.deploy.printing.lines import dense
 from clepsydra.deploy.printing.precision import Precision
+from clepsydra.deploy.printing.statements import assign
 from clepsydra.deploy.structured_text.dialect import OWN, Dialect
-from clepsydra.deploy.structured_text.pou import Section, Unit, Variable
+from clepsydra.deploy.structured_text.pou import Section, Unit
 from clepsydra.deploy.structured_text.wording import Wording
 
 # A double of this size or above is a whole number already, and so is a single-precision number.
@@ -47,11 +50,9 @@ def _function(code: str, wording: Wording) -> Unit:
     name = OWN[code]
     lines, inputs = _whole(code, wording), "a"
     if code in ("maximum", "minimum"):
-        sign, inputs = ">" if code == "maximum" else "<", "ab"
-        given = (f"a {sign} b", "b", "a")
-        names = wording.notation.formal.get("select", ("",) * 3)
-        parts = (f"{n} := {v}" if n else v for n, v in zip(names, given, strict=True))
-        lines = [f"{name} := SEL({', '.join(parts)});"]
+        a, b = variable("a"), variable("b")
+        larger = Expression("less" if code == "minimum" else "greater", (a, b))
+        lines, inputs = assign(name, Expression("select", (larger, a, b)), wording), "ab"
     variables = tuple(Variable(each, wording.real) for each in inputs)
     return Unit(
         "FUNCTION",

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.heading import comment
-from clepsydra.deploy.printing.identifiers import check_distinct, check_identifier
+from clepsydra.deploy.printing.declarations import Variable, check_scope, declared
+from clepsydra.deploy.printing.identifiers import check_identifier
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.structured_text.dialect import Dialect
-from clepsydra.deploy.structured_text.pou import Section, Variable
+from clepsydra.deploy.structured_text.pou import Section
 from clepsydra.deploy.structured_text.wording import Wording
-from clepsydra.program.entries import Entry, is_ring, signal_of
+from clepsydra.program.entries import signal_of
 from clepsydra.program.owned_state import own_state
-from clepsydra.program.program import Program
+from clepsydra.program.program import Call, Program, Statement
 
 _ABBREVIATIONS = frozenset({"lq", "pd", "pi", "pid"})
 _LANGUAGE = "Structured Text"
@@ -32,19 +32,13 @@ def check_names(program: Program, dialect: Dialect) -> None:
     >>> check_names(program, dialect_of("scl"))
     """
     place = f"program {program.name}"
-    _check_name(program.name, place, dialect)
-    entries = [(program.name, place)]
+    check = partial(_check_name, dialect=dialect)
+    check(program.name, place)
     for call in program.calls:
-        _check_name(block_type(call.program), f"block {call.program.name}", dialect)
-        _check_name(call.identifier, f"{place}, {call.identifier}", dialect)
-        entries.append((call.identifier, f"{place}, {call.identifier}"))
-    for entry in (*program.inputs, *program.parameters, *program.outputs, *own_state(program)):
-        name = signal_of(entry).identifier
-        _check_name(name, f"{place}, {entry.name}", dialect)
-        entries.append((name, f"{place}, {entry.name}"))
-        if is_ring(entry):
-            entries.append((f"{name}_position", f"{place}, position in {entry.name}"))
-    check_distinct(entries, _LANGUAGE, ignore_case=True)
+        check(block_type(call.program), f"block {call.program.name}")
+    signals = (*program.inputs, *program.parameters, *program.outputs, *own_state(program))
+    entries = (Signal(program.name), *signals)
+    check_scope(place, entries, program.calls, check, _LANGUAGE, ignore_case=True)
 
 
 def _check_name(name: str, place: str, dialect: Dialect) -> None:
@@ -69,93 +63,81 @@ def block_type(block: Program) -> str:
     return "FB_" + "".join(w.upper() if w in _ABBREVIATIONS else w.capitalize() for w in words)
 
 
-class Interface:
-    """Declares the signals of a program.
+def sections(program: Program, wording: Wording, origin: Origin | None) -> list[Section]:
+    """Return the declarations of inputs, parameters, outputs, instances and state of a program.
 
     Parameters
     ----------
+    program : Program
     wording : Wording
     origin : Origin or None
-        Where the numbers of states and parameters come from.
+        Where its numbers come from.
 
     Examples
     --------
     >>> from clepsydra.deploy.printing.identifiers import Identifiers
     >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> from clepsydra.program.program import Block
+    >>> law = Program("law", (), (Signal("u"),), (), (Signal("y"),), Block(1, (), (0,)))
     >>> wording = Wording(dialect_of("codesys"), "double", Identifiers([], ignore_case=True))
-    >>> mode = Signal("mode", kind="integer", initial=1.0, low=0.0, high=2.0)
-    >>> declared = Interface(wording, None).variable(mode)
-    >>> declared.name, declared.type, declared.initial, declared.comment
-    ('mode', 'DINT', ('1',), '[1] 0 to 2')
+    >>> [(each.keyword, len(list(each.variables))) for each in sections(law, wording, None)]
+    [('VAR_INPUT', 1), ('VAR_OUTPUT', 1), ('VAR', 0), ('VAR', 0)]
     """
+    inputs = ("inputs of one sample", declared(program.inputs, wording))
+    parameters = ("parameters", declared(program.parameters, wording, origin))
+    instances = (
+        Variable(call.identifier, block_type(call.program), is_block=True) for call in program.calls
+    )
+    blocks = tuple(sorted(instances, key=lambda instance: instance.type))
+    state = declared(own_state(program), wording, origin, program.rings)
+    return [
+        Section("VAR_INPUT", "", (inputs, parameters)),
+        Section("VAR_OUTPUT", "", (("outputs", declared(program.outputs, wording)),)),
+        Section("VAR", "", (("blocks", blocks),)),
+        Section("VAR", "RETAIN", (("state", state),)),
+    ]
 
-    def __init__(self, wording: Wording, origin: Origin | None) -> None:
-        self._wording = wording
-        self._origin = origin
 
-    def sections(self, program: Program) -> list[Section]:
-        """Return inputs, parameters, outputs and state of a program."""
-        parameters = [self._with_source(entry) for entry in program.parameters]
-        loops = program.rings
-        state = [
-            variable
-            for entry in own_state(program)
-            for variable in self._held(entry, "turn" if entry in loops else "sample")
-        ]
-        instances = [
-            Variable(call.identifier, block_type(call.program), is_block=True)
-            for call in program.calls
-        ]
-        return [
-            Section(
-                "VAR_INPUT",
-                "",
-                (
-                    ("inputs of one sample", self._variables(program.inputs)),
-                    ("parameters", tuple(parameters)),
-                ),
-            ),
-            Section("VAR_OUTPUT", "", (("outputs", self._variables(program.outputs)),)),
-            Section(
-                "VAR",
-                "",
-                (("blocks", tuple(sorted(instances, key=lambda instance: instance.type))),),
-            ),
-            Section("VAR", "RETAIN", (("state", tuple(state)),)),
-        ]
+def with_block_names(program: Program, words: frozenset[str]) -> Program:
+    """Return a program whose calls, and what they call, have names of a system.
 
-    def variable(self, entry: Entry) -> Variable:
-        """Declare a signal with its initial value."""
-        signal = signal_of(entry)
-        return Variable(
-            signal.identifier,
-            self._wording.types[signal.kind],
-            (self.initial(signal),),
-            comment=comment(entry),
-        )
+    No instance has the name of a signal of its caller, and no signal of a block that is called
+    is a word of the system: that block comes from us, not from its user.
 
-    def initial(self, signal: Signal) -> str:
-        """Write the initial value of a signal in its type."""
-        if signal.kind == "integer":
-            return str(int(signal.initial))
-        if signal.kind == "boolean":
-            return "TRUE" if signal.initial else "FALSE"
-        return self._wording.number(signal.initial, f"initial value of {signal.name}")
+    Parameters
+    ----------
+    program : Program
+    words : frozenset of str
+        Of the system, in upper case.
 
-    def _variables(self, signals: Sequence[Signal]) -> tuple[Variable, ...]:
-        return tuple(map(self.variable, signals))
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.program.program import Block, Operation
+    >>> twice = Program("twice", (), (Signal("ramp"),), (), (Signal("b"),),
+    ...                 Block(1, (Operation(1, "add", (0, 0)),), (1,)))
+    >>> calls = Block(1, (Call((1,), twice, "flow", (0,)),), (1,))
+    >>> law = Program("law", (), (Signal("flow"),), (), (Signal("y"),), calls)
+    >>> (call,) = with_block_names(law, frozenset({"RAMP"})).calls
+    >>> call.instance, call.program.inputs[0].name
+    ('flow_block', 'ramp_value')
+    """
+    groups = (*program.state, *program.inputs, *program.parameters, *program.outputs)
+    taken = {signal_of(entry).identifier.lower() for entry in groups}
 
-    def _with_source(self, entry: Entry, counted: str = "sample") -> Variable:
-        source = self._origin.source_of(entry) if self._origin else ""
-        return replace(self.variable(entry), comment=comment(entry, source=source, counted=counted))
+    def no_word(signal: Signal) -> Signal:
+        is_word = signal.identifier.upper() in words
+        return replace(signal, name=f"{signal.name}_value") if is_word else signal
 
-    def _held(self, entry: Entry, counted: str) -> list[Variable]:
-        declared = self._with_source(entry, counted)
-        if not is_ring(entry):
-            return [declared]
-        name, length = declared.name, entry.length
-        values = declared.initial * length
-        return [
-            Variable(name, declared.type, values, length, declared.comment),
-            Variable(f"{name}_position", "DINT", ("0",), comment="[1] place of the oldest value"),
-        ]
+    def named(statement: Statement) -> Statement:
+        if not isinstance(statement, Call):
+            return statement
+        block = with_block_names(statement.program, words).with_signals(no_word)
+        told = {f"{name}_value": text for name, text in block.words.items()} | {**block.words}
+        instance = statement.identifier
+        clash = "_block" if instance.lower() in taken else ""
+        renamed = replace(block, words=told)
+        return replace(statement, instance=instance + clash, program=renamed)
+
+    block = replace(program.block, statements=tuple(map(named, program.block.statements)))
+    return replace(program, block=block)

@@ -1,47 +1,17 @@
-"""A program organisation unit: what Structured Text and PLCopen XML are both written from."""
+"""A program organisation unit, from which PLCopen XML is written too, and its text in a dialect."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import textwrap
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import groupby
 from typing import Literal
 
-
-@dataclass(frozen=True)
-class Variable:
-    """A declared variable.
-
-    Parameters
-    ----------
-    name : str
-    type : str
-        An elementary type, or the name of a function block whose instance it is.
-    initial : tuple of str
-        Initial value, one text an entry of an array; empty for the default of the type.
-    length : int
-        Entries of an array from 0 on; 0 for a variable that is none.
-    comment : str
-        Unit, range, description and source; on one line.
-    is_block : bool
-        Whether the type is a function block.
-
-    Examples
-    --------
-    >>> Variable("level", "LREAL", ("0.1",), comment="[m]").is_array
-    False
-    """
-
-    name: str
-    type: str
-    initial: tuple[str, ...] = ()
-    length: int = 0
-    comment: str = ""
-    is_block: bool = False
-
-    @property
-    def is_array(self) -> bool:
-        """Whether it is an array."""
-        return self.length > 0
+from clepsydra.deploy.printing.declarations import Variable
+from clepsydra.deploy.printing.heading import commented, harmless
+from clepsydra.deploy.structured_text.dialect import Dialect
 
 
 @dataclass(frozen=True)
@@ -95,6 +65,125 @@ class Unit:
     body: tuple[str, ...]
     result: str = ""
 
-    def declared(self) -> list[tuple[Section, Variable]]:
-        """Return every variable with its section."""
-        return [(section, entry) for section in self.sections for entry in section.variables]
+
+_WIDTH = 98
+_VALUES_A_LINE = 6
+
+
+def unit_text(unit: Unit, dialect: Dialect) -> list[str]:
+    """Return the lines of a unit in a dialect.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> section = Section("VAR", "RETAIN", (("state", (Variable("x", "LREAL", ("0.5",)),)),))
+    >>> unit = Unit("FUNCTION_BLOCK", "half", ("Half.",), (section,), ("x := 0.5 * x;",))
+    >>> print("\\n".join(unit_text(unit, dialect_of("codesys"))))
+    (* Half. *)
+    FUNCTION_BLOCK half
+    VAR RETAIN x : LREAL := 0.5; END_VAR
+    x := 0.5 * x;
+    END_FUNCTION_BLOCK
+    """
+    begin = [dialect.begin] if dialect.begin else []
+    end = f"END_{_keyword(unit, dialect)}"
+    return [*declaration_lines(unit, dialect), *begin, *unit.body, end]
+
+
+def declaration_lines(unit: Unit, dialect: Dialect) -> list[str]:
+    """Return the lines of a unit down to its statements: comment, title, declarations.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> unit = Unit("PROGRAM", "main", ("Nothing yet.",), (), ())
+    >>> declaration_lines(unit, dialect_of("codesys"))
+    ['(* Nothing yet. *)', 'PROGRAM main']
+    """
+    result = f" : {unit.result}" if unit.result else ""
+    title = f"{_keyword(unit, dialect)} {dialect.quoted(unit.name)}{result}"
+    head = comment_lines(unit.head, dialect)
+    # What stands before the attributes belongs to no block, so there the comment goes inside.
+    opening = [title, *dialect.attributes, *head] if dialect.attributes else [*head, title]
+    return [*opening, *(line for section in unit.sections for line in _section(section, dialect))]
+
+
+def _keyword(unit: Unit, dialect: Dialect) -> str:
+    return "FUNCTION_BLOCK" if unit.kind == "PROGRAM" and not dialect.programs else unit.kind
+
+
+def comment_lines(lines: Sequence[str], dialect: Dialect) -> list[str]:
+    """Return lines of text as one comment.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> comment_lines(["One.", "Two."], dialect_of("codesys"))
+    ['(* One.', '   Two. *)']
+    >>> comment_lines(["One.", "Two."], dialect_of("scl"))
+    ['// One.', '// Two.']
+    """
+    safe = [
+        row
+        for line in lines
+        for row in textwrap.wrap(harmless(line), _WIDTH - 4, subsequent_indent="  ")
+    ]
+    if not safe:
+        return []
+    if dialect.line_comments:
+        return [dialect.commented(line) for line in safe]
+    first, *rest = safe
+    found = [f"(* {first}", *(f"   {line}" for line in rest)]
+    found[-1] += " *)"
+    return found
+
+
+def _section(section: Section, dialect: Dialect) -> list[str]:
+    groups = [(title, variables) for title, variables in section.groups if variables]
+    head, end = f"{section.keyword} {section.qualifier}".rstrip(), "END_VAR"
+    lines: list[str] = []
+    for title, variables in groups:
+        if len(groups) > 1:
+            lines.append(dialect.commented(title))
+        for kind, names in groupby(variables, partial(_plain_type, dialect=dialect)):
+            entries = [*names]
+            if kind:
+                listed = f"{', '.join(entry.name for entry in entries)} : {kind};"
+                lines += textwrap.wrap(listed, _WIDTH, subsequent_indent="  ")
+            else:
+                lines += [row for entry in entries for row in _declaration(entry, dialect)]
+    if len(lines) == 1:
+        # A comment belongs to what it stands behind, and one of a line ends with it.
+        declared, mark, about = lines[0].partition(" (*")
+        whole = f"{head} {declared} {end}{mark}{about}"
+        if len(whole) <= _WIDTH and "//" not in whole:
+            return [whole]
+    return [head, *(f"  {line}" for line in lines), end] if lines else []
+
+
+def _plain_type(entry: Variable, dialect: Dialect) -> str:
+    """Return the type of a variable that has neither value nor comment; else nothing."""
+    return "" if entry.initial or entry.comment or entry.length else _type(entry, dialect)
+
+
+def _type(entry: Variable, dialect: Dialect) -> str:
+    kind = dialect.quoted(entry.type) if entry.is_block else entry.type
+    return f"ARRAY[0..{entry.length - 1}] OF {kind}" if entry.length else kind
+
+
+def _declaration(entry: Variable, dialect: Dialect) -> list[str]:
+    head, values = f"{entry.name} : {_type(entry, dialect)}", ", ".join(entry.initial)
+    if len(entry.initial) > _VALUES_A_LINE:
+        rows = textwrap.wrap(values + "];", _WIDTH - 4, break_on_hyphens=False)
+        lines = [f"  {row}" for row in rows]
+        return [*_commented(f"{head} := [", entry.comment, dialect), *lines]
+    value = f" := {f'[{values}]' if entry.length else values}" if values else ""
+    return _commented(f"{head}{value};", entry.comment, dialect)
+
+
+def _commented(line: str, text: str, dialect: Dialect) -> list[str]:
+    if not text:
+        return [line]
+    if dialect.line_comments:
+        return [f"{line} {dialect.commented(text)}"]
+    return commented(line, text, "(*", "*)", _WIDTH)

@@ -2,14 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from clepsydra.base.signal import Signal
+from clepsydra.deploy.printing.declarations import Variable
+from clepsydra.deploy.printing.heading import heading
+from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.precision import Precision
-from clepsydra.deploy.structured_text.dialect import dialect_of
-from clepsydra.deploy.structured_text.library import function_blocks
-from clepsydra.deploy.structured_text.pou_text import comment_lines, unit_text
-from clepsydra.program.program import Program
+from clepsydra.deploy.printing.precision import Precision, in_precision
+from clepsydra.deploy.printing.printed_form import printed_form
+from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
+from clepsydra.deploy.structured_text.function_block import function_block
+from clepsydra.deploy.structured_text.functions import called_functions
+from clepsydra.deploy.structured_text.interface import block_type, with_block_names
+from clepsydra.deploy.structured_text.pou import Section, Unit, comment_lines, unit_text
+from clepsydra.program.builder import BlockBuilder
+from clepsydra.program.called_blocks import called_blocks
+from clepsydra.program.entries import signal_of
+from clepsydra.program.inlined import append, renamed
+from clepsydra.program.owned_state import RESTART
+from clepsydra.program.program import Call, Program
+
+_BEGUN = "begun"
+_NOTES = (
+    "simulation in that precision. Call it once in every sampling period. Parameters are inputs",
+    "with defaults.",
+)
 
 
 def print_structured_text(
@@ -72,3 +91,102 @@ def print_structured_text(
     for unit in (*library, main):
         lines += [*unit_text(unit, spoken), ""]
     return "\n".join(lines)
+
+
+def function_blocks(
+    program: Program, dialect: Dialect, precision: Precision, origin: Origin | None = None
+) -> tuple[Unit, ...]:
+    """Return a step program as function blocks: first what it calls, itself last.
+
+    The state of a call lives in its instance where nothing else reads it. Its start values are
+    inputs: the program's own block has a retained state that says whether it has run.
+
+    Raises
+    ------
+    InputError
+        See `clepsydra.deploy.structured_text.printer.print_structured_text`.
+    ValueError
+        Two blocks of one name compute something else.
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> from clepsydra.program.program import Block, Operation
+    >>> add = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
+    >>> total = Program("flow_total", (Signal("sum"),), (Signal("u"),), (), (Signal("y"),), add)
+    >>> calls = Block(2, (Call((2, 3), total, "feed", (0, 1)),), (2, 3))
+    >>> law = Program("law", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), calls)
+    >>> units = function_blocks(law, dialect_of("codesys"), "double")
+    >>> [unit.name for unit in units], units[-1].body[0]
+    (['FB_FlowTotal', 'law'], 'feed(u := u, restart := NOT begun);')
+    """
+    printed = printed_form(program, precision)
+    main = with_block_names(_beginning(printed), dialect.all_words)
+    library = []
+    told: set[Variable] = set()
+    for block in called_blocks(main):
+        name = block_type(block)
+        head = (f"{name}:", *block.description)
+        unit = function_block(replace(block, name=name), dialect, precision, head)
+        library.append(replace(unit, sections=tuple(_told_once(s, told) for s in unit.sections)))
+    real = "LREAL" if precision == "double" else "REAL"
+    notes = (
+        f"{real} must be the IEEE 754 {precision}, without fused multiply-add: then it equals the",
+        *_NOTES,
+    )
+    if origin is not None:
+        # What tells the first scan from the others comes from no design.
+        origin = replace(origin, sources={_BEGUN: "", **origin.sources})
+    about = heading(in_precision(program, precision), "IEC 61131-3 Structured Text", notes, origin)
+    blocks = (*library, function_block(main, dialect, precision, about, origin))
+    return (*called_functions(blocks, dialect, precision), *blocks)
+
+
+#: What a variable is that is declared without a value.
+_ZEROS = (("0.0",), ("0",), ("FALSE",))
+
+
+def _told_once(section: Section, told: set[Variable]) -> Section:
+    """Return the declarations of a block, without what another one has said of the same name.
+
+    They are wired, so they begin with no value of their own; what needs no comment stands last.
+    """
+    groups = []
+    for title, variables in section.groups:
+        found = []
+        for each in variables:
+            each = replace(each, initial=() if each.initial in _ZEROS else each.initial)
+            found.append(replace(each, comment="") if each in told else each)
+            told.add(each)
+        found.sort(key=lambda each: "" if each.comment else each.type)
+        groups.append((title, tuple(found)))
+    return replace(section, groups=tuple(groups))
+
+
+def _beginning(program: Program) -> Program:
+    """Return a program whose instances begin anew in its first scan."""
+    block, states = program.block, len(program.state)
+    ports = {signal.name for call in program.calls for signal in call.program.inputs}
+    if RESTART not in ports:
+        return program
+    entries = (*program.state, *program.inputs, *program.parameters, *program.outputs)
+    taken = [signal_of(entry).identifier for entry in entries]
+    taken += [call.identifier for call in program.calls]
+    name = Identifiers(taken, ignore_case=True).new(_BEGUN)
+    about = "has run; else its blocks begin with their start values"
+    begun = Signal(name, kind="boolean", description=about)
+    builder = BlockBuilder(block.arguments + 1)
+
+    def called(builder: BlockBuilder, call: Call, place: Mapping[int, int]) -> Sequence[int]:
+        given = [place[value] for value in call.arguments]
+        for k, signal in enumerate(call.program.inputs, len(call.program.state)):
+            if signal.name == RESTART:
+                first = builder.operation("not", states)
+                given[k] = builder.operation("or", first, given[k])
+        return builder.call(call.program, call.instance, given)
+
+    given = [*range(states), *range(states + 1, block.arguments + 1)]
+    values, place = append(builder, block, given, called)
+    results = [*values[:states], builder.constant(1.0), *values[states:]]
+    state, names = (*program.state, begun), renamed(program, place)
+    return replace(program, state=state, block=builder.finish(results), names=names)

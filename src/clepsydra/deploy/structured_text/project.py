@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
+from clepsydra import __version__
+from clepsydra.deploy.printing.identifiers import Identifiers, check_distinct
 from clepsydra.deploy.printing.origin import Origin
-from clepsydra.deploy.printing.precision import Precision
+from clepsydra.deploy.printing.precision import Precision, in_precision
 from clepsydra.deploy.structured_text.dialect import Dialect, dialect_of
-from clepsydra.deploy.structured_text.library import function_blocks
-from clepsydra.deploy.structured_text.loop_program import make_loop_program
-from clepsydra.deploy.structured_text.pou import Unit
-from clepsydra.deploy.structured_text.pou_text import unit_text
+from clepsydra.deploy.structured_text.loop_program import loop_program, wired
+from clepsydra.deploy.structured_text.pou import Unit, unit_text
+from clepsydra.deploy.structured_text.printer import function_blocks
+from clepsydra.deploy.structured_text.time_literal import milliseconds, time_literal
+from clepsydra.deploy.structured_text.wording import Wording
 from clepsydra.program.program import Program
 
 #: Names that the runtime of OpenPLC looks for in what its compiler makes.
@@ -20,67 +24,7 @@ CONFIGURATION, RESOURCE, TASK = "Config0", "Res0", "sampling"
 
 @dataclass(frozen=True)
 class Project:
-    """The units of a test project, in the order in which one needs the other.
-
-    Parameters
-    ----------
-    units : tuple of Unit
-        The blocks of the controller, the process, and the program that runs both.
-    interval : str
-        TIME of the task.
-
-    Examples
-    --------
-    >>> Project((Unit("PROGRAM", "law_test", (), (), ()),), "T#1s").program
-    'law_test'
-    """
-
-    units: tuple[Unit, ...]
-    interval: str
-
-    @property
-    def program(self) -> str:
-        """Name of the program that the task runs."""
-        return self.units[-1].name
-
-
-def make_project(
-    controller: Program,
-    process: Program,
-    wires: Mapping[str, str],
-    sampling_period: float,
-    dialect: Dialect,
-    *,
-    precision: Precision,
-    origin: Origin | None,
-    process_origin: Origin | None,
-) -> Project:
-    """Return the units of a test project; see `print_test_project`."""
-    program = make_loop_program(
-        controller, process, wires, sampling_period, dialect, precision, origin
-    )
-    units = [
-        *function_blocks(controller, dialect, precision, origin),
-        *function_blocks(process, dialect, precision, process_origin),
-    ]
-    # A function that both call stands there once.
-    functions = {unit.name: unit for unit in units if unit.kind == "FUNCTION"}
-    blocks = [unit for unit in units if unit.kind != "FUNCTION"]
-    return Project((*functions.values(), *blocks, program.unit), program.interval)
-
-
-def print_test_project(
-    controller: Program,
-    process: Program,
-    wires: Mapping[str, str],
-    sampling_period: float,
-    *,
-    origin: Origin | None = None,
-    process_origin: Origin | None = None,
-    precision: Precision = "double",
-    dialect: str = "codesys",
-) -> str:
-    """Print a controller, a process, and a program that runs one against the other.
+    """A controller, a process, and a program that runs one against the other.
 
     The program calls the controller with what the process showed at the end of the last
     sampling period, and then the process with what the controller wants: that is the loop as
@@ -100,15 +44,83 @@ def print_test_project(
     origin, process_origin : Origin, optional
     precision : {"double", "single"}
     dialect : {"codesys", "matiec", "scl"}
-        In the text of matiec the task is included: a CONFIGURATION with the names that OpenPLC
-        wants. CODESYS and TwinCAT have tasks outside the text, and in TIA Portal the program is
-        a function block for a cyclic interrupt.
+
+    Examples
+    --------
+    See `print_test_project`.
+    """
+
+    controller: Program
+    process: Program
+    wires: Mapping[str, str]
+    sampling_period: float
+    origin: Origin | None = None
+    process_origin: Origin | None = None
+    precision: Precision = "double"
+    dialect: str = "codesys"
+
+    @property
+    def interval(self) -> str:
+        """TIME of the task."""
+        return time_literal(self.sampling_period)
+
+    @cached_property
+    def units(self) -> tuple[Unit, ...]:
+        """What it consists of, in the order in which one needs the other; the program last.
+
+        Raises
+        ------
+        InputError
+            A block cannot be printed, both have the same name, a wire does not fit, or a TIME
+            cannot hold the sampling period.
+        """
+        dialect, precision = dialect_of(self.dialect), self.precision
+        milliseconds(self.sampling_period)  # refuses what no TIME can hold
+        pair = (self.controller, self.process)
+        named = [(each.name, f"the block {each.name}") for each in pair]
+        check_distinct(named, "Structured Text", ignore_case=True)
+        controller, process = (in_precision(each, precision) for each in pair)
+        wiring = wired(controller, process, self.wires, self.sampling_period)
+        taken = (*dialect.all_words, controller.name, process.name)
+        names = Identifiers(taken, ignore_case=True)
+        wording = Wording(dialect, precision, names)
+        program = loop_program(controller, process, wiring, wording, names)
+        units = [
+            *function_blocks(self.controller, dialect, precision, self.origin),
+            *function_blocks(self.process, dialect, precision, self.process_origin),
+        ]
+        # A function that both call stands there once.
+        functions = {unit.name: unit for unit in units if unit.kind == "FUNCTION"}
+        blocks = (unit for unit in units if unit.kind != "FUNCTION")
+        head = self._head(program.name, dialect)
+        return (*functions.values(), *blocks, replace(program, head=head))
+
+    def _head(self, name: str, dialect: Dialect) -> tuple[str, ...]:
+        lines = [
+            f"{name}: {self.controller.name} at work on the simulated {self.process.name}.",
+            f"Printed by Clepsydra {__version__}.",
+            *(self.origin.lines() if self.origin else ()),
+            f"Call it in a cyclic task of {self.interval}; it starts at rest. A change of a "
+            "setpoint or",
+            "a disturbance here moves the plant as the simulation of Clepsydra does.",
+            "For tests only: delete it and the simulated process before the plant is connected.",
+        ]
+        if not dialect.programs:
+            lines.insert(-1, "It is a block, to be called from a cyclic interrupt such as OB30.")
+        return tuple(lines)
+
+
+def print_test_project(project: Project) -> str:
+    """Print a test project as text.
+
+    In the text of matiec the task is included: a CONFIGURATION with the names that OpenPLC
+    wants. CODESYS and TwinCAT have tasks outside the text, and in TIA Portal the program is
+    a function block for a cyclic interrupt.
 
     Raises
     ------
     InputError
-        A block cannot be printed, both have the same name, a wire does not fit, or a TIME cannot
-        hold the sampling period.
+        See `Project.units`.
 
     Examples
     --------
@@ -116,32 +128,21 @@ def print_test_project(
     >>> from clepsydra.deploy.process_program import process_program
     >>> plant = cl.load("quadruple-tank")
     >>> controller = cl.design.simc(plant)
-    >>> text = print_test_project(
+    >>> text = print_test_project(Project(
     ...     controller.program(), process_program(plant.point, 1),
-    ...     controller.input_wires | controller.output_wires, 1.0, dialect="matiec")
+    ...     controller.input_wires | controller.output_wires, 1.0, dialect="matiec"))
     >>> [line for line in text.splitlines() if "TASK" in line]
     ['    TASK sampling(INTERVAL := T#1s, PRIORITY := 0);']
     """
-    spoken = dialect_of(dialect)
-    project = make_project(
-        controller,
-        process,
-        wires,
-        sampling_period,
-        spoken,
-        precision=precision,
-        origin=origin,
-        process_origin=process_origin,
-    )
-    lines: list[str] = []
-    for unit in project.units:
-        lines += [*unit_text(unit, spoken), ""]
-    if spoken.configuration:
+    dialect = dialect_of(project.dialect)
+    lines = [line for unit in project.units for line in (*unit_text(unit, dialect), "")]
+    if dialect.configuration:
+        program = project.units[-1].name
         lines += [
             f"CONFIGURATION {CONFIGURATION}",
             f"  RESOURCE {RESOURCE} ON PLC",
             f"    TASK {TASK}(INTERVAL := {project.interval}, PRIORITY := 0);",
-            f"    PROGRAM instance_of_{project.program} WITH {TASK} : {project.program};",
+            f"    PROGRAM instance_of_{program} WITH {TASK} : {program};",
             "  END_RESOURCE",
             "END_CONFIGURATION",
             "",

@@ -8,14 +8,20 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from clepsydra.base.errors import InputError
-from clepsydra.deploy.printing.expressions import Expression, decimal, render, variable
+from clepsydra.deploy.printing.expressions import (
+    OPERATORS,
+    Expression,
+    Notation,
+    decimal,
+    render,
+    variable,
+)
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.language import Language, Syntax
 from clepsydra.deploy.printing.listing import BlockCall
 from clepsydra.deploy.printing.precision import Precision
 from clepsydra.deploy.printing.typed_values import of_kind
-from clepsydra.deploy.structured_text.dialect import Dialect
-from clepsydra.deploy.structured_text.notation import notation_of
+from clepsydra.deploy.structured_text.dialect import OWN, Dialect
 from clepsydra.program.program import COMPARISONS
 
 _SYNTAX = Syntax(
@@ -32,6 +38,43 @@ _SYNTAX = Syntax(
 #: The largest power of two that every system reads as a number, whatever the type.
 _FACTOR_EXPONENT = 120
 _NAME = re.compile(r"(?<![\w.#])[A-Za-z]\w*")
+
+
+# Functions of integers and truth values.
+_TYPED = {
+    "select": "SEL",
+    "count": "BOOL_TO_DINT",
+    "greatest": "MAX",
+    "least": "MIN",
+    "limit": "LIMIT",
+    "magnitude": "ABS",
+}
+
+
+def notation_of(dialect: Dialect, precision: Precision) -> Notation:
+    """Return how a dialect writes operations on LREAL (double) or REAL (single).
+
+    Examples
+    --------
+    >>> from clepsydra.deploy.structured_text.dialect import dialect_of
+    >>> notation_of(dialect_of("codesys"), "double").operators["not_equal"]
+    '<>'
+    """
+    real = "LREAL" if precision == "double" else "REAL"
+    power = {"pow": "EXPT"} if dialect.power else {}
+    own = {code: dialect.quoted(name) for code, name in OWN.items()}
+    typed = {**_TYPED, "real": f"DINT_TO_{real}", "rounded": f"{real}_TO_DINT"}
+    return Notation(
+        language="Structured Text",
+        operators={**OPERATORS, "equal": "=", "not_equal": "<>", "and": "AND", "or": "OR"},
+        # A power that is an operator is written by `Wording`; here it counts for its width.
+        functions={**dialect.functions, **power, **own, **typed},
+        negation="NOT ",
+        statements=frozenset({"select", "number"}),
+        repeating=frozenset(),
+        single=precision == "single",
+        formal=dialect.formal,
+    )
 
 
 class Wording(Language):
@@ -95,8 +138,8 @@ class Wording(Language):
         InputError
             It is not finite, or the system cannot read it.
         """
-        if self._readable(value) or not math.isfinite(value):
-            return render(Expression("constant", number=value), self.notation)
+        if self.readable(value) or not math.isfinite(value):
+            return super().number(value)
         low, high = self.dialect.literals or (0.0, math.inf)
         raise InputError(
             place, value,
@@ -128,15 +171,16 @@ class Wording(Language):
 
         return _NAME.sub(written, line)
 
-    def _readable(self, value: float) -> bool:
+    def readable(self, number: float) -> bool:
+        """Whether the system can read a number at all."""
         bounds = self.dialect.literals
-        return bounds is None or value == 0.0 or bounds[0] <= abs(value) <= bounds[1]
+        return bounds is None or number == 0.0 or bounds[0] <= abs(number) <= bounds[1]
 
     def worded(self, expression: Expression, *, compared: bool = False) -> Expression:
         """Return an expression as the dialect writes it."""
-        if expression.code == "constant":
-            return self._constant(expression)
         found = super().worded(expression, compared=compared)
+        if found.code == "constant":
+            return self._constant(found)
         if expression.code == "absolute" and not compared and not self.dialect.absolute_zero:
             # The sum of the two zeros is the positive one.
             return Expression("add", (found, self._constant(Expression("constant"))))
@@ -156,23 +200,19 @@ class Wording(Language):
         if self._typed:
             single = self.precision == "single"
             return variable(f"{self.real}#{decimal(number, single=single)}")
-        return expression if self._readable(number) else variable(self._product(number))
+        return expression if self.readable(number) else variable(self._product(number))
 
     def _product(self, number: float) -> str:
         """Return the variable that holds a number as a product of numbers that can be read.
 
         Every factor but the first is a power of two, so the product is exact.
         """
-        for name, (known, _) in self.products.items():
-            if known == number:
-                return name
-        fraction, exponent = math.frexp(number)
-        step = math.copysign(_FACTOR_EXPONENT, exponent)
-        factors = [decimal(fraction)]
-        while exponent:
-            part = step if abs(exponent) > abs(step) else exponent
-            factors.append(decimal(2.0**part))
-            exponent -= int(part)
-        name = self._names.new("large_number" if abs(number) > 1.0 else "small_number")
-        self.products[name] = number, factors
+        name = next((n for n, (known, _) in self.products.items() if known == number), "")
+        if not name:
+            fraction, exponent = math.frexp(number)
+            full, rest = divmod(abs(exponent), _FACTOR_EXPONENT)
+            powers = [_FACTOR_EXPONENT] * full + [rest] * (rest > 0)
+            factors = [decimal(2.0 ** math.copysign(power, exponent)) for power in powers]
+            name = self._names.new("large_number" if abs(number) > 1.0 else "small_number")
+            self.products[name] = number, [decimal(fraction), *factors]
         return name

@@ -17,13 +17,8 @@ from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.papers.averaging_tank.model import KMOL, high_tank, tank
 from clepsydra.papers.averaging_tank.symbols import Variant
 from clepsydra.process.process import Process
-from clepsydra.scores.integral_errors import (
-    integral_absolute_error,
-    integral_error,
-    integral_squared_error,
-)
+from clepsydra.scores.integral_errors import IAE, ISE, ITAE, SIGNED_ERROR
 from clepsydra.scores.step_response import settling_time
-from clepsydra.scores.time_weighted_errors import integral_time_absolute_error
 
 #: Steps of C [kmol/m³] and V [m³]; they are not printed, and follow from the printed indices.
 STEPS = {"C": 0.25, "V": 0.1}
@@ -120,8 +115,6 @@ def indices(run: Run, horizon: float | None = None) -> dict[tuple[str, str], flo
         time = run.time[:last]
         target = run.values[f"{measurement}.setpoint"][:last] / factor
         output = run.true_measurement(measurement)[:last] / factor
-        found["IE", name] = integral_error(time, target, output)
-        found["IAE", name] = integral_absolute_error(time, target, output)
-        found["ISE", name] = integral_squared_error(time, target, output)
-        found["ITAE", name] = integral_time_absolute_error(time, target, output)
+        for title, score in (("IE", SIGNED_ERROR), ("IAE", IAE), ("ISE", ISE), ("ITAE", ITAE)):
+            found[title, name] = score.along(time, target, output)
     return found

@@ -18,7 +18,7 @@ from clepsydra.linear.analysis import Analysis, analyse
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.scenario import Scenario, Segment
 from clepsydra.process.reader import load_process
-from clepsydra.scores.effort import total_variation
+from clepsydra.scores.effort import TOTAL_VARIATION
 from clepsydra.scores.step_response import overshoot, settling_time
 
 #: T0 [s]
@@ -90,7 +90,7 @@ class StepRun:
     @property
     def total_variation(self) -> float:
         """Of the inflow [m³/min/m]."""
-        return total_variation(self.minutes, self.inflow)
+        return TOTAL_VARIATION.along(self.minutes, self.inflow)
 
     @property
     def largest_inflow(self) -> float:

@@ -8,16 +8,16 @@ from collections.abc import Iterator
 from clepsydra.base.signal import path
 from clepsydra.base.suggestion import suggestion
 from clepsydra.designs.loops.detuning import SENSITIVITY_LIMIT
-from clepsydra.loop.running_averaging import AVERAGING_SCORES
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader, shown_value
+from clepsydra.scores.catalogue import SCORES
 from clepsydra.studies.file.gains import read_value
 from clepsydra.studies.file.placed import placed
 from clepsydra.studies.file.tuning_bound import Bound
 from clepsydra.studies.file.tuning_request import TuningRequest
 from clepsydra.studies.file.weight_bounds import WeightedStart
 from clepsydra.studies.tuning.lqi_weights import KINDS
-from clepsydra.studies.tuning.objective import JUDGED, Limits, Objective
+from clepsydra.studies.tuning.objective import Limits, Objective, judged
 
 TUNING_KEYS = (
     "objective",
@@ -102,27 +102,22 @@ def _objective(table: TableReader, process: Process) -> Objective:
 def _scores(table: TableReader, name: str, process: Process) -> list[str]:
     """Return the scores of single signals that a name stands for."""
     score, bracket, rest = name.partition("[")
-    if score not in JUDGED or (bracket and not rest.endswith("]")):
+    if score not in judged() or (bracket and not rest.endswith("]")):
         raise table.refused(
             "objective",
             name[:60],
-            f"a score that can be tuned for ({', '.join(JUDGED)}), of all its signals or of one, "
+            f"a score that can be tuned for ({', '.join(judged())}), of all its signals or of one, "
             'as in "iae[level_1]"',
-            suggestion(score, JUDGED, "choose one of them"),
+            suggestion(score, judged(), "choose one of them"),
         )
-    if score == "total_variation":
-        known = tuple(signal.name for signal in process.inputs)
-    elif score in AVERAGING_SCORES:
-        known = tuple(process.averaging)
-        if not known:
-            raise table.refused(
-                "objective",
-                name[:60],
-                f"a score that {process.name} has: it has no level that averages",
-                "choose another, or name averaging in the process file",
-            )
-    else:
-        known = process.controlled
+    known = SCORES[score].of.signals(process)
+    if not known:
+        raise table.refused(
+            "objective",
+            name[:60],
+            f"a score that {process.name} has: it has no level that averages",
+            "choose another, or name averaging in the process file",
+        )
     if not bracket:
         return [f"{score}[{signal}]" for signal in known]
     if rest[:-1] not in known:

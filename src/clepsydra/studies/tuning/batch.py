@@ -16,14 +16,12 @@ from clepsydra.loop.closed_loop import closed_loop, controller_name
 from clepsydra.loop.lane_status import STEP_BOUND, LaneStatus, lane_status
 from clepsydra.loop.loop import Loop
 from clepsydra.loop.refinement import LARGEST_REFINEMENT
-from clepsydra.loop.running_scores import RunningScores, split_score
+from clepsydra.loop.running_scores import RunningScores, running_scores
 from clepsydra.loop.scenario import Scenario
 from clepsydra.loop.step_size import MOST_SUBSTEPS
 from clepsydra.program.program import Program
+from clepsydra.scores.score import split_score
 from clepsydra.studies.tuning.resting_states import resting_states
-
-#: Scores of which the largest over the scenarios counts, where the others add up.
-_LARGEST = ("overshoot", "highest", "outflow_rate")
 
 
 class BatchScores(NamedTuple):
@@ -178,7 +176,4 @@ class BatchEvaluation:
 
 
 def _together(name: str, one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    score = split_score(name)[0]
-    if score in _LARGEST:
-        return np.maximum(one, other)
-    return np.minimum(one, other) if score == "lowest" else one + other
+    return running_scores()[split_score(name)[0]].fold.together(one, other)

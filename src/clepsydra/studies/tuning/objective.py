@@ -13,13 +13,22 @@ import numpy as np
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.parameters import is_finite_number
-from clepsydra.loop.running_averaging import AVERAGING_SCORES
-from clepsydra.loop.running_scores import INTEGRAL_SCORES, split_score
+from clepsydra.scores.catalogue import SCORES
+from clepsydra.scores.score import split_score
 
 #: Above its limit by this share, a candidate still counts as one that stands on it.
 ON_LIMIT = 1e-6
-#: Scores that a tuning can be for.
-JUDGED = (*INTEGRAL_SCORES, "overshoot", "total_variation", *AVERAGING_SCORES)
+
+
+def judged() -> tuple[str, ...]:
+    """Return the scores that a tuning can be for: a batch knows them, and they can be too large.
+
+    Examples
+    --------
+    >>> judged()[:2]
+    ('ie', 'iae')
+    """
+    return tuple(key for key, s in SCORES.items() if s.is_running and s.smaller_is_better)
 
 
 @dataclass(frozen=True)
@@ -30,7 +39,7 @@ class Objective:
     ----------
     kind : {"minimax", "weighted"}
     weights : dict
-        "score[signal]" to its weight, above zero. Of IE the magnitude counts.
+        "score[signal]" to its weight, above zero.
     relative : bool
         Whether each score is divided by its value at the start.
 
@@ -55,9 +64,9 @@ class Objective:
         if not self.weights:
             raise InputError("tuning, objective", "none", "a score", 'name one: "iae[level_1]"')
         for name, weight in self.weights.items():
-            if split_score(name)[0] not in JUDGED:
+            if split_score(name)[0] not in judged():
                 raise InputError(
-                    "tuning, objective", name, f"one of {', '.join(JUDGED)}", "choose another"
+                    "tuning, objective", name, f"one of {', '.join(judged())}", "choose another"
                 )
             if not is_finite_number(weight) or not weight > 0.0:
                 raise InputError(
@@ -72,7 +81,7 @@ class Objective:
     def parts(self, scores: Mapping[str, np.ndarray], start: Mapping[str, float]) -> np.ndarray:
         """Return every score with its weight and scale [n, scores]."""
         columns = [
-            weight * np.abs(scores[name]) / (abs(start[name]) if self.relative else 1.0)
+            weight * scores[name] / (start[name] if self.relative else 1.0)
             for name, weight in self.weights.items()
         ]
         return np.stack(columns, axis=1)
@@ -104,7 +113,7 @@ class Objective:
         for name, weight in self.weights.items():
             score, signal = split_score(name)
             times = "" if weight == 1.0 else f"{weight:g} × "
-            named.append(f"{times}{_TITLES.get(score, score.upper())} of {signal}")
+            named.append(f"{times}{SCORES[score].words} of {signal}")
         if len(named) > 1:
             lead = {"minimax": f"the large{'r' if len(named) == 2 else 'st'} of ",
                     "weighted": "the sum of "}[self.kind]  # fmt: skip
@@ -116,12 +125,6 @@ class Objective:
 
 
 _BY_NAMES = 'write as in minimax("iae[level_1]", "iae[level_2]")'
-_TITLES = {
-    "overshoot": "overshoot",
-    "total_variation": "total variation",
-    "outflow_rate": "outflow change",
-    "variance_ratio": "outflow variance",
-}
 
 
 def minimax(*scores: str, relative: bool = True) -> Objective:

@@ -9,8 +9,8 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.pid_parameters import GAINS
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.designs.gain_units import has_range, percent_gain
-from clepsydra.loop.running_scores import split_score
 from clepsydra.process.process import Process
+from clepsydra.scores.score import split_score
 
 #: What a study file calls a parameter of a loop, where it is not the same.
 _NAMES = {"proportional_gain": "gain"}

@@ -16,8 +16,9 @@ from clepsydra.controllers.controller import Controller
 from clepsydra.designs.sampled.sampled_loop import SampledLoops
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.loop.lane_status import LaneStatus
-from clepsydra.loop.running_scores import split_score
+from clepsydra.loop.running_scores import running_scores
 from clepsydra.loop.scenario import Scenario
+from clepsydra.scores.score import split_score
 from clepsydra.studies.tuning.batch import BatchEvaluation
 from clepsydra.studies.tuning.memory import Memory
 from clepsydra.studies.tuning.objective import ON_LIMIT, Limits, Objective
@@ -303,5 +304,6 @@ class TuningProblem:
 
 def _margin(name: str, scores: np.ndarray, limit: float) -> np.ndarray:
     """Return the room to a limit, as a share of it [n]."""
-    room = scores - limit if split_score(name)[0] == "lowest" else limit - scores
+    smaller = running_scores()[split_score(name)[0]].smaller_is_better
+    room = limit - scores if smaller else scores - limit
     return np.asarray(room / (abs(limit) or 1.0))

@@ -1,9 +1,9 @@
-"""Statements on lines that are not too long, nor too short."""
+"""Lines of statements: computed in place, with comments above steps, and of good length."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
 #: Longest line where it can be helped [characters].
 LINE = 100
@@ -97,3 +97,77 @@ def _branches(lines: Sequence[str]) -> Iterator[str]:
         if after.lstrip() == "END_IF;":
             yield from rows
             return
+
+
+def mentions(line: str, name: str) -> bool:
+    """Whether a line reads or assigns a variable.
+
+    Examples
+    --------
+    >>> mentions("t1 := t10 + tank.t;", "t1"), mentions("t1 := t10 + tank.t;", "t")
+    (True, False)
+    """
+    return re.search(_whole(name), line) is not None
+
+
+def in_place(lines: list[str], variables: Container[str], places: Iterable[str]) -> list[str]:
+    """Return statements in which a variable that a result is read from is that result.
+
+    Parameters
+    ----------
+    lines : list of str
+    variables : container of str
+        Those that nothing else knows.
+    places : iterable of str
+        What the results are assigned to.
+
+    Examples
+    --------
+    >>> in_place(["t1 := a + b;", "z := c * t1;", "y := t1;"], ["t1"], ["y"])
+    ['y := a + b;', 'z := c * y;']
+    """
+    for place in places:
+        for k, line in enumerate(lines):
+            found = re.fullmatch(rf"{re.escape(place)} :?= (\w+);", line)
+            if found is None or found[1] not in variables:
+                continue
+            first = next(j for j, each in enumerate(lines) if mentions(each, found[1]))
+            later = [*lines[first:k], *lines[k + 1 :]]
+            # What stands in no branch or loop may read what it overwrites.
+            once = not lines[first].startswith(" ")
+            if not any(mentions(each, place) for each in later[once:]):
+                renamed = (re.sub(_whole(found[1]), place, each) for each in later)
+                lines = [*lines[:first], *renamed]
+            break
+    return lines
+
+
+#: How a line begins that is part of the statement above it.
+_PART = re.compile(r" |ELSE|ELSIF|END_|\}")
+
+
+def explained(lines: Sequence[str], told: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return statements with rows of comment above those that compute what the rows tell of.
+
+    Where more than one assigns it, that is the last, with what it holds otherwise.
+
+    Examples
+    --------
+    >>> explained(["y = 0;", "if (on) {", "  y = x;", "}"], {"y": ["/* the reading */"]})
+    ['/* the reading */', 'y = 0;', 'if (on) {', '  y = x;', '}']
+    """
+    above: dict[int, list[str]] = {}
+    for place, rows in told.items():
+        assigns = re.compile(rf" *{re.escape(place)} :?= ")
+        found = [k for k, line in enumerate(lines) if assigns.match(line)]
+        if not found:
+            continue
+        k = found[-1]
+        while k and (_PART.match(lines[k]) or assigns.match(lines[k - 1])):
+            k -= 1
+        above.setdefault(k, []).extend(rows)
+    return [row for k, line in enumerate(lines) for row in (*above.get(k, ()), line)]
+
+
+def _whole(name: str) -> str:
+    return rf"(?<![\w.>]){re.escape(name)}\b"

@@ -1,0 +1,133 @@
+"""The variables that a printed program declares for its signals, in any language."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterable, Iterator
+from dataclasses import dataclass
+
+from clepsydra.deploy.printing.heading import comment
+from clepsydra.deploy.printing.identifiers import check_distinct
+from clepsydra.deploy.printing.language import Language
+from clepsydra.deploy.printing.origin import Origin
+from clepsydra.program.entries import Entry, is_ring, signal_of
+from clepsydra.program.program import Call
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A declared variable.
+
+    Parameters
+    ----------
+    name : str
+    type : str
+        An elementary type, or the name of a function block whose instance it is.
+    initial : tuple of str
+        Initial value, one text an entry of an array; empty for the default of the type.
+    length : int
+        Entries of an array from 0 on; 0 for a variable that is none.
+    comment : str
+        Unit, range, description and source; on one line.
+    is_block : bool
+        Whether the type is a function block.
+
+    Examples
+    --------
+    >>> Variable("level", "LREAL", ("0.1",), comment="[m]").length
+    0
+    """
+
+    name: str
+    type: str
+    initial: tuple[str, ...] = ()
+    length: int = 0
+    comment: str = ""
+    is_block: bool = False
+
+
+def declared(
+    entries: Iterable[Entry],
+    language: Language,
+    origin: Origin | None = None,
+    turned: Container[Entry] = (),
+) -> tuple[Variable, ...]:
+    """Declare signals with their initial values; a ring is an array, with its position.
+
+    Parameters
+    ----------
+    entries : iterable of Signal or DelayRing
+    language : Language
+    origin : Origin, optional
+        Where the numbers come from.
+    turned : container of DelayRing
+        The rings that advance with the turns of a loop.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.deploy.c99.language import C99
+    >>> declared([Signal("tank.level", "m", initial=0.1)], C99("law", "single"))[0].initial
+    ('0.1f',)
+    """
+    found = []
+    for entry in entries:
+        signal, length = signal_of(entry), entry.length if is_ring(entry) else 0
+        source = origin.source_of(entry) if origin else ""
+        about = comment(entry, source=source, counted="turn" if entry in turned else "sample")
+        values, types = (language.initial(signal),) * max(length, 1), language.types
+        name = signal.identifier
+        found.append(Variable(name, types[signal.kind], values, length, about))
+        if length:
+            about = "[1] place of the oldest value"
+            found.append(Variable(f"{name}_position", types["integer"], ("0",), comment=about))
+    return tuple(found)
+
+
+def check_scope(
+    place: str,
+    entries: Iterable[Entry],
+    calls: Iterable[Call],
+    check: Callable[[str, str], None],
+    language: str,
+    *,
+    ignore_case: bool,
+) -> None:
+    """Refuse names of one scope that a language does not accept or cannot tell apart.
+
+    Parameters
+    ----------
+    place : str
+        Where the scope is.
+    entries, calls : iterable
+        The signals and the instances whose names stand there.
+    check : callable
+        Takes a name and its place, and refuses what is no name.
+    language : str
+    ignore_case : bool
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> twice = [Signal("level"), Signal("level")]
+    >>> check_scope("law", twice, (), lambda name, place: None, "C", ignore_case=False)
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: law, level: got 'level', expected a name that differs in C \
+from law, level; rename one.
+    """
+
+    def named() -> Iterator[tuple[str, str]]:
+        for entry in entries:
+            yield signal_of(entry).identifier, f"{place}, {entry.name}"
+            if is_ring(entry):
+                yield f"{entry.signal.identifier}_position", f"{place}, position in {entry.name}"
+        yield from ((call.identifier, f"{place}, {call.identifier}") for call in calls)
+
+    scope = [*named()]
+    for name, where in scope:
+        check(name, where)
+    check_distinct(scope, language, ignore_case=ignore_case)
