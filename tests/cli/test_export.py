@@ -123,7 +123,7 @@ def test_the_tuning_goes_to_screen_and_file(command):
         (("quadruple-tank", "--to", "tuning", "--controller", "LQI, Bryson"), "PID"),
         ((*PI, "--to", "c", "--fail-safe", "pump_3=1 V"), "perhaps 'pump_"),
         ((*PI, "--to", "c", "--fail-safe", "pump_1"), "'=' and its value"),
-        ((*PI, "--to", "c", "--fail-safe", "pump_1=1 m"), "convertible to V"),
+        ((*PI, "--to", "c", "--fail-safe", "pump_1=1 m"), "pump_1 from 0 to 10 V"),
         ((*PI, "--to", "c", "--fail-safe", "pump_1=11 V"), "10"),
         ((*PI, "--to", "c", "--sensor-delay", "level_1=-1 s"), "-1"),
         (("no-such-tank", "--to", "fmu"), "no-such-tank"),

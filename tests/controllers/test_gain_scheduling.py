@@ -9,6 +9,7 @@ from scan_rig import ScannedLaw, at_rest
 
 import clepsydra as cl
 from clepsydra import PidForm, Signal
+from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.schedule import Schedule
 from clepsydra.controllers.gain_scheduling import scheduled_law, scheduled_lqi_law
 from clepsydra.controllers.multiloop_pid import multiloop_pid_law
@@ -17,8 +18,7 @@ LEVEL, PUMP = Signal("level", "m", low=0.0, high=10.0), Signal("pump", "%", low=
 
 
 def followed(schedule, numbers):
-    found = schedule.followed({name: ca.DM(value) for name, value in numbers.items()})
-    return float(found.outputs["followed"])
+    return float(schedule.followed(Sample({name: ca.DM(v) for name, v in numbers.items()})))
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def table_of(points, values):
     schedule = Schedule("level.sp", LEVEL, len(points))
     symbols = {f"schedule.point.{k}": ca.DM(p) for k, p in enumerate(points, start=1)}
     symbols |= {f"gain.at.{k}": ca.DM(v) for k, v in enumerate(values, start=1)}
-    return lambda at: float(schedule.interpolated(symbols, ca.DM(at), ["gain"])["gain"])
+    return lambda at: float(schedule.interpolated(Sample(symbols), ca.DM(at), ["gain"])["gain"])
 
 
 def test_the_table_is_numpys_interpolation():

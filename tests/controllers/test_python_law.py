@@ -288,7 +288,10 @@ def test_a_step_that_fails_names_line_sample_and_time(plant, end, expected, solv
         (STEP + "inputs = 'level_1.pv'\n", "law.py, inputs: got \"'level_1.pv'\", expected"),
         (STEP + "parameters = {'gain': 'big'}\n", "law.py, parameters: got \"('gain', 'big')\""),
         (STEP + "parameters = ['count']\n", "law.py: got 'count', expected a name for one input"),
-        (STEP + "state = ['a b']\n", "law.py, state: got \"Signal(name='a b'"),
+        (STEP + "state = ['a b']\n", "law.py, state: got 'a b', expected a list of names"),
+        (STEP + "outputs = ['pump_1.out', 'pump_1.out']\n", "law.py: got 'pump_1.out', expected"),
+        (STEP + "inputs = ['level_1.pv', 'level_1.pv']\n", "law.py: got 'level_1.pv', expected"),
+        (STEP + "inputs = ['pump_1.out']\n", "law.py: got 'pump_1.out', expected a name for one"),
         (
             _FAST_PROPORTIONAL.replace('outputs=[Signal("pump_1.out")]',
                                        'outputs=[Signal("pump_1.out"), Signal("pump_2.status")]')
@@ -311,10 +314,35 @@ def test_a_file_without_a_proper_law_is_refused(text, expected) -> None:
     assert str(caught.value).startswith(expected)
 
 
+@pytest.mark.parametrize(
+    ("key", "given", "value", "expected"),
+    [
+        ("manipulated", ["pump_3"], "pump_3", "an input of quadruple-tank: pump_1, pump_2"),
+        ("measurements", ["level_9"], "level_9", "a measurement of quadruple-tank: level_1"),
+        ("measurements", ["pump_1"], "pump_1", "a measurement of quadruple-tank: level_1"),
+        ("measurements", ["level_1", "level_2"], ["level_1", "level_2"], "1 names, one for each"),
+        ("setpoints", ["level_3"], "level_3", "a controlled measurement of quadruple-tank: level"),
+        ("setpoints", [], [], "1 names, one for each setpoint"),
+        ("values", ["gain"], "a list", "names with their numbers"),
+        ("initial_state", 3, 3, "names with their numbers"),
+        ("free_inputs", ["level.sp"], "a list", "names with their numbers"),
+    ],
+)
+def test_what_does_not_suit_the_plant_is_refused_at_once(plant, key, given, value, expected):
+    with refused(place=f"Own law, {key}", value=value, expected=expected):
+        cl.design.own(plant, load_law("my_pi.py"), **(WIRES | {key: given}))
+
+
+def test_a_free_input_is_a_number(plant) -> None:
+    with refused(place="Own law, free inputs, level.sp", value="5 V", expected="a finite number"):
+        cl.design.own(
+            plant, load_law("my_pi.py"), measurements=["level_1"], setpoints=[],
+            manipulated=["pump_1"], free_inputs={"level.sp": "5 V"},
+        )  # fmt: skip
+
+
 def test_a_wrong_wire_is_refused(plant) -> None:
     law = load_law("my_pi.py")
-    with refused(place="manipulated", value="pump_3", expected="an input of quad"):
-        cl.design.own(plant, law, **(WIRES | {"manipulated": ["pump_3"]}))
     with refused(remedy="add integral_time"):
         Controller("a", "b", "", law, {"gain": 1.0}, {}, ("level_1",), ("level_1",), ("pump_1",))
 

@@ -185,19 +185,19 @@ def test_a_failed_sensor_leaves_the_pumps_and_the_operator_can_stop_them(driven)
         ({"stage.1.start_level": 0.4}, None),
         (
             {"stage.2.start_level": 0.9, "stage.2.stop_level": 0.6},
-            "stage.2.start_level: got 0.9, expected a level beyond stage.1.start_level",
+            "stage.2.start_level: got '0.9 m', expected a level beyond stage.1.start_level",
         ),
         (
             {"stage.2.stop_level": 2.5},
-            "stage.2.start_level: got 2.0, expected a level above stage.2.stop_level, 2.5",
+            "stage.2.start_level: got '2 m', expected a level above stage.2.stop_level, 2.5 m",
         ),
         (
             {"stage.1.stop_level": 1.0},
-            "stage.1.start_level: got 1.0, expected a level above stage.1.stop_level, 1;",
+            "stage.1.start_level: got '1 m', expected a level above stage.1.stop_level, 1 m;",
         ),
         (
             {"stage.1.stop_level": 1.2},
-            "stage.2.start_level: got 2.0, expected a level below stage.2.stop_level, 1.5",
+            "stage.2.start_level: got '2 m', expected a level below stage.2.stop_level, 1.5 m",
         ),
     ],
 )
@@ -205,10 +205,11 @@ def test_levels_follow_each_other(changed, words):
     values = {"stage.1.start_level": 1.0, "stage.1.stop_level": 0.5}
     values |= {"stage.2.start_level": 2.0, "stage.2.stop_level": 1.5}
     if words is None:  # the first stage would fill, the second empty
-        words = "stage.2.start_level: got 2.0, expected a level below stage.2.stop_level"
-    check_levels(values, 2, "well")
+        words = "stage.2.start_level: got '2 m', expected a level below stage.2.stop_level"
+    law = start_stop_law([Signal("level", "m")], ["pump_1", "pump_2"])
+    check_levels(law, values, "well")
     with pytest.raises(InputError, match=words):
-        check_levels(values | changed, 2, "well")
+        check_levels(law, values | changed, "well")
 
 
 STATION = """
@@ -285,8 +286,9 @@ def test_the_stages_share_the_room(tmp_path):
     second += '[sensors.second_flow]\nflow = "second"\nlag = "1 s"\nrange = ["0 l/s", "50 l/s"]\n'
     text = STATION.format(**EMPTYING).replace("[sensors.level]", second + "[sensors.level]")
     plant = plant_of(tmp_path, text + 'second_flow = "10 l/s"\n')
-    values = cl.design.start_stop_levels(plant, starts_per_hour=12.0).values
-    assert check_levels(values, 2, "station") is None
+    controller = cl.design.start_stop_levels(plant, starts_per_hour=12.0)
+    values = controller.values
+    assert check_levels(controller.law, values, "station") is None
     # From 1 to 4 m there is room for 0.3 m of each stage; half of the rest is 1.35 m.
     assert values["stage.1.start_level"] == pytest.approx(1.3, rel=1e-12)
     assert values["stage.2.stop_level"] == pytest.approx(2.35, rel=1e-12)

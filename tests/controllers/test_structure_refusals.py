@@ -72,7 +72,7 @@ def test_an_override_without_tracking(selection, anti_windup, algorithm, waiting
         SelectorBlock("selected", tuple(names), selection),
         OutputBlock(PUMP, "selected"),
     )
-    assert error.place == f"control scheme scheme, {names[waiting]}"
+    assert error.place == f"control scheme scheme, {names[waiting]}, anti_windup"
     assert error.value == anti_windup
     assert "back_calculation" in error.expected and "selected" in error.expected
     assert 'anti_windup = "back_calculation"' in error.remedy
@@ -85,7 +85,7 @@ def test_an_override_behind_another_one_needs_tracking_too():
         SelectorBlock("inner", ("a", "b"), "low"), SelectorBlock("outer", ("inner", "c"), "high"),
         OutputBlock(PUMP, "outer"),
     )  # fmt: skip
-    assert error.place == "control scheme scheme, b"
+    assert error.place == "control scheme scheme, b, anti_windup"
 
 
 @pytest.mark.parametrize(

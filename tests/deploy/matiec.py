@@ -96,7 +96,11 @@ class CompiledByMatiec(ScannedLibrary):
             f"    instance.{signal.identifier.upper()}.value = given[{place}];"
             for place, signal in enumerate(self._signals)
         ]
-        shown = [f"instance.{signal.identifier.upper()}.value" for signal in program.outputs]
+        # A structure is one value with members; a scalar is one.
+        shown = [
+            f"instance.{s.variable.upper()}.value{f'.{s.part.upper()}' if s.record else ''}"
+            for s in program.outputs
+        ]
         words = dialect_of("matiec").all_words
         paths = state_paths(with_block_names(with_owned_state(program), words))
         for entry, path in zip(program.state, paths, strict=True):

@@ -53,7 +53,21 @@ def test_a_block_that_nobody_wired_stands_in_manual_at_fail_safe_and_without_sen
         assert current < 3.6 and inputs[f"{name}.good"] == 0.0
     for name in ready.controller.setpoints:
         signal = ready.process.signal(name)
-        assert inputs[f"{name}.sp"] == from_si(at[name], signal.unit, signal.shown_unit)
+        at_rest = from_si(at[name], signal.unit, signal.shown_unit)
+        assert inputs[f"{name}.sp"] == float(f"{at_rest:.9g}")
+
+
+@pytest.mark.parametrize("process", ["quadruple-tank", "wet-well"])
+def test_a_setpoint_begins_with_digits_to_read_and_the_state_with_all(process):
+    """Nine of them, where the point has those of its solution: a level of 6.13148375977550 V."""
+    ready = made_ready(process, "PI, SIMC")
+    for exported in (ready.program, ready.program_in_si):
+        for each in (signal for signal in exported.inputs if signal.part == "sp"):
+            assert each.initial == float(f"{each.initial:.9g}")
+    state = {signal_of(entry).name: signal_of(entry).initial for entry in ready.program.state}
+    at = ready.point.as_dict()
+    moved = ready.controller.manipulated
+    assert [state[f"{name}.last_output"] for name in moved] == [at[name] for name in moved]
 
 
 def test_every_printer_declares_the_inputs_alike():

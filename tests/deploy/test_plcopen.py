@@ -164,7 +164,9 @@ def test_the_test_project(dialect):
     assert [unit.name for unit in units] == ["tank_pi", "quadruple_tank", "tank_pi_test"]
     instances = [v for section in units[2].sections for v in section.variables if v.is_block]
     assert [(v.name, v.type) for v in instances] == [
-        ("controller", "tank_pi"), ("plant", "quadruple_tank")]  # fmt: skip
+        ("controller", "tank_pi"), ("plant", "quadruple_tank"),
+        ("pump_1_conditions", "ST_OutputConditions"),
+        ("pump_2_conditions", "ST_OutputConditions")]  # fmt: skip
     in_text = print_test_project(project)
     for unit in units:
         assert "\n".join(unit.body) in in_text

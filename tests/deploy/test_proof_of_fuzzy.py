@@ -213,4 +213,24 @@ def test_engine_c_and_structured_text_are_equal_in_every_bit(make, tmp_path):
 def test_the_points_are_a_for_in_both_languages(tmp_path):
     program = wide(tmp_path).program()
     in_c, text = print_c(program).source, print_structured_text(program)
-    assert in_c.count("for (") == text.count("FOR ") >= 12
+    assert in_c.count("for (") == text.count("FOR ") >= 10
+
+
+def centroids(program):
+    return {c.instance: c.program.name for c in program.calls if c.instance.endswith(".centroid")}
+
+
+def test_outputs_of_one_shape_share_a_block(tmp_path):
+    assert centroids(wide(tmp_path).program()) == {
+        "f_in.centroid": "f_in_centroid",
+        "f_out.centroid": "f_in_centroid",
+        "C_in.centroid": "C_in_centroid",
+    }
+
+
+@pytest.mark.parametrize("name", ["double", "centroid", "i", "END_IF"])
+def test_a_set_may_have_the_name_of_a_word_of_a_language_or_of_a_port(tmp_path, name):
+    text = ONE_INPUT.replace("M = {", f"{name} = {{").replace("u is M", f"u is {name}")
+    program = of_a_file(tmp_path, "quadruple-tank", text).program()
+    for printed in (print_c(program).source, print_structured_text(program)):
+        assert f"height_{name}" in printed

@@ -133,6 +133,12 @@ def test_no_limit_of_a_rate_is_none_in_every_unit():
     assert engine_run(program, slow)[-1, column] == pytest.approx(0.4)
 
 
+def test_a_gain_of_six_digits_has_few_in_the_units_of_its_port():
+    """3.03834 %/% are 18.989625 %/mA of 4 to 20 mA, and so it is printed."""
+    (gain,) = (s.initial for s in ready(WELL).program.parameters if s.part == "proportional_gain")
+    assert gain == float(f"{gain:.9g}")
+
+
 def test_an_fmu_stays_in_si_and_says_what_to_show():
     exported = ready(LABORATORY)
     model = controller_model(exported.program_in_si, exported.origin)
@@ -142,19 +148,28 @@ def test_an_fmu_stays_in_si_and_says_what_to_show():
     assert model.variable("pump_1.high_limit").signal.initial == 1.0
 
 
-def test_the_test_project_wires_percent_to_si():
+def test_the_test_project_speaks_the_units_of_the_process_file():
+    """100 cm³/s for 0.1 s into 15.5179 cm² are 0.6444 cm; what flows out of them is hardly more."""
     need_grammar()
     exported = ready(LABORATORY)
     files = export_structured_text(exported).files
     (text,) = (t.decode() for n, t in files.items() if n.endswith("_test.st"))
     program = StructuredText(text).instance(f"{exported.program.name}_test")
+    at = exported.point.as_dict()
+    program.run()
+    assert program.state["level_1"] == pytest.approx(100.0 * at["level_1"])
+    assert program.state["tank_1_level"] == pytest.approx(100.0 * at["tank_1.level"])
     for scan in range(600):
         if scan == 5:
             program.state["level_1_sp"] += 5.0
         program.run()
-    at = exported.point.as_dict()
-    assert program.state["level_1"] == pytest.approx(at["level_1"] + 0.05, abs=0.01)
+    assert program.state["level_1"] == pytest.approx(100.0 * at["level_1"] + 5.0, abs=1.0)
     assert program.state["pump_1_out"] > 100.0 * at["pump_1"]
+    before, program.state["pour_1"] = program.state["tank_1_level"], 100.0
+    for _ in range(2):
+        program.run()
+    risen = program.state["tank_1_level"] - before
+    assert risen == pytest.approx(100.0 * 0.1 / 15.5179, abs=0.02)
 
 
 def test_a_process_in_si_is_exported_as_if_there_were_no_edge():

@@ -150,7 +150,7 @@ def test_the_test_project_runs_as_it_is(precision, tmp_path):
     text = print_test_project(project)
     matiec.translate(text, tmp_path)
     assert "common_ticktime__ = 1000000000ULL" in (tmp_path / "Config0.c").read_text()
-    given = ("level_1.sp", "pump_2.mode", "pump_2.manual", "inflow_1")
+    given = ("level_1_sp", "pump_2_mode", "pump_2_manual", "inflow_1")
     program = StructuredText(text).instance("tank_pi_test")
     reals = "REAL" if precision == "single" else "LREAL"
     declared = text[text.index("PROGRAM tank_pi_test") : text.index("END_PROGRAM")]
@@ -171,8 +171,8 @@ def test_the_test_project_runs_as_it_is(precision, tmp_path):
     for scan in range(SCANS):
         if scan % 100 == 0:
             numbers[:] = (random.uniform(5, 7), random.integers(2), random.uniform(2, 4),
-                          random.uniform(0, 5e-6))  # fmt: skip
-        program.state["pump_2.mode"] = int(numbers[1])
+                          random.uniform(0, 5))  # fmt: skip
+        program.state["pump_2_mode"] = int(numbers[1])
         for k in (0, 2, 3):
             program.state[given[k]] = real(numbers[k])
         library.scan(numbers.ctypes.data_as(POINTER), rows.ctypes.data_as(POINTER))

@@ -64,7 +64,7 @@ def test_it_moves_as_the_loop_of_the_engine():
     need("tree_sitter_iec61131_3_st")
     analysis, controller, text = project()
     at = analysis.operating_point.as_dict()
-    found = run_in_text(text, {"level_1_sp": FACTOR * at["level_1"], "inflow_2": 2e-6})
+    found = run_in_text(text, {"level_1_sp": FACTOR * at["level_1"], "inflow_2": 2.0})
     process, late = analysis.operating_point.process, slice(SCANS // 3, None)
     setpoints = np.tile([at["level_1"], at["level_2"]], (SCANS, 1))
     disturbances = np.tile([at[signal.name] for signal in process.disturbances], (SCANS, 1))

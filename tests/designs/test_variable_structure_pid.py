@@ -39,7 +39,8 @@ def test_it_has_a_controller_for_every_process(name):
         assert times_faster(rate, settled[output]) == pytest.approx(3.0)
         for what in ("proportional_gain", "integral_time"):
             key = f"{output}.{what}"
-            assert controller.values[key] == plain.values[key]
+            # Unrounded here, the gain goes to percent and back once more than the plain one.
+            assert controller.values[key] == pytest.approx(plain.values[key], rel=1e-14)
 
 
 def test_the_rule_makes_an_excess_settle_so_many_times_sooner():

@@ -1,6 +1,7 @@
 """A mistake of a caller names place, value, what was expected and what to do."""
 
 import pytest
+from refusals import refused
 
 import clepsydra as cl
 
@@ -148,7 +149,7 @@ MISTAKES = {
     ),
     "goal": (
         lambda plant, pi: cl.tune(pi, plant, goal="iaf"),
-        ("tuning, objective", "iaf", "iae, ise", "'iae' was meant"),
+        ("tuning, objective", "iaf", "iae, iae_setpoint", "'iae' was meant"),
     ),
     "limit": (
         lambda plant, pi: cl.tune(pi, plant, limits={"overshot": "10 %"}),
@@ -176,7 +177,11 @@ MISTAKES = {
     ),
     "fail-safe value": (
         lambda plant, pi: cl.export(pi, plant, fail_safe={"pump_1": "1 m"}),
-        ("fail_safe, pump_1", "1 m", "convertible to V", "measures something else"),
+        ("fail_safe, pump_1", "1 m", "a value of pump_1 from 0 to 10 V", "'m' is no unit of it"),
+    ),
+    "parameter of a matrix in another unit": (
+        lambda plant, pi: cl.design.lqi(plant).with_values({"pump_1.bias": "1 m"}),
+        ("values, pump_1.bias", "1 m", "a setting in V", "or a number in V"),
     ),
     "too few scans": (
         lambda plant, pi: cl.verify(pi, plant, scans=10),
@@ -209,3 +214,44 @@ def test_a_design_that_does_not_suit_says_why(plant):
 def test_a_plant_that_cannot_rest_as_asked_says_why(plant):
     with pytest.raises(cl.NoEquilibrium):
         cl.analyse(plant.at(outputs={"level_1": "9.9 V", "level_2": "0.2 V"}))
+
+
+@pytest.fixture(scope="module")
+def well():
+    """A level in mA and pumps in percent."""
+    return cl.load("wet-well:start-stop")
+
+
+@pytest.mark.parametrize(
+    ("values", "place", "value", "expected"),
+    [
+        ({"stage.1.start_level": "-1 mA"}, "stage.1.start_level", "-1 mA", "from 4 to 20 mA"),
+        ({"stage.1.start_level": "0 mA"}, "stage.1.start_level", "0 mA", "from 4 to 20 mA"),
+        ({"stage.1.start_level": 12}, "stage.1.start_level", "12.0 A", "from 0.004 to 0.02 A"),
+        ({"duty.running_value": "120 %"}, "duty.running_value", "120 %", "from 0 to 100 %"),
+        (
+            {"stage.2.start_level": "8 mA", "stage.2.stop_level": "6 mA"},
+            "stage.2.start_level", "8 mA", "beyond stage.1.start_level, 8.43527 mA",
+        ),
+    ],
+)  # fmt: skip
+def test_a_level_that_no_pump_could_start_at_is_refused(well, values, place, value, expected):
+    controller = cl.design.start_stop_levels(well)
+    with refused(place=f"values, {place}", value=value, expected=expected):
+        controller.with_values(values)
+
+
+@pytest.mark.parametrize(
+    ("setting", "value", "shown", "expected"),
+    [
+        ("setpoint_rate", "-1 mA/s", "-1 mA/s", "a rate above 0 mA/s"),
+        ("setpoint_rate", -1, "-1.0 mA/s", "a rate above 0 mA/s"),
+        ("setpoint_rate", "1 m/s", "1 m/s", "a rate of level, in mA/min or %/min"),
+        ("sensor_delay", "-1 min", "-1 min", "a time of at least 0 min"),
+        ("fail_safe", 200, "200 %", "from 0 to 100 %, the limits of duty"),
+    ],
+)
+def test_a_setting_on_the_plant_is_refused_in_its_unit(well, setting, value, shown, expected):
+    signal = "duty" if setting == "fail_safe" else "level"
+    with refused(place=f"{setting}, {signal}", value=shown, expected=expected):
+        cl.export(cl.design.simc(well), well, **{setting: {signal: value}})

@@ -45,7 +45,7 @@ SCHEMES = [
         + OTHER.replace('"outflow"', '"highest"')
         + HIGHEST,
         "line 9, controllers.a.loops.level.anti_windup: got 'conditional_integration', expected "
-        "back_calculation: highest selects among several loops",
+        "back_calculation: selector highest selects among several loops",
     ),
     (
         loop(output='"highest"', anti_windup='"none"')

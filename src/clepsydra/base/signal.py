@@ -35,6 +35,9 @@ class Signal:
         Of a parameter: the significant digits that a design gives to it.
     matrix : str
         Of a parameter: the matrix that it is a number of, if of one.
+    record : str
+        Of an output: the type of the structure that it is a member of, if of one; its owner is the
+        structure, its part the member.
 
     Examples
     --------
@@ -53,6 +56,7 @@ class Signal:
     description: str = ""
     digits: int = field(default=6, repr=False, compare=False)
     matrix: str = field(default="", repr=False, compare=False)
+    record: str = field(default="", repr=False)
 
     @property
     def span(self) -> float:
@@ -115,8 +119,36 @@ class Signal:
 
     @property
     def identifier(self) -> str:
-        """The name as an identifier of a programming language."""
+        """The name in a programming language: an identifier, or a member of a structure.
+
+        >>> Signal("pump_1.mode").identifier
+        'pump_1_mode'
+        >>> Signal("pump_1.conditions.automatic", record="conditions").identifier
+        'pump_1_conditions.automatic'
+        """
+        if self.record:
+            return f"{self.variable}.{self.part}"
         return identifier(self.name)
+
+    @property
+    def port(self) -> Signal:
+        """The signal as a port of a block: without value, and where real without range.
+
+        >>> Signal("gain", low=0.0, initial=3.0).port.low
+        -inf
+        """
+        if self.kind != "real":
+            return replace(self, initial=0.0)
+        return replace(self, low=-math.inf, high=math.inf, initial=0.0)
+
+    @property
+    def variable(self) -> str:
+        """The identifier of the variable that holds the signal, maybe with others.
+
+        >>> Signal("pump_1.conditions.automatic", record="conditions").variable
+        'pump_1_conditions'
+        """
+        return identifier(self.owner if self.record else self.name)
 
     def to_percent(self, value: float) -> float:
         """Return a value [unit] in the signal's percent."""

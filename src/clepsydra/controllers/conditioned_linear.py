@@ -3,32 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from typing import Self
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal, effect, elements, path
+from clepsydra.base.signal import Signal, effect, elements
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import tracking_share
-from clepsydra.controllers.blocks.output_stage import output_stage, stage_equations
-from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step, value_or_zero
+from clepsydra.controllers.blocks.output_stage import output_stage
+from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
+from clepsydra.controllers.control_law import control_law
 from clepsydra.controllers.state_feedback import fading_time
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+from clepsydra.program.step_law import StepLaw
 
 FAMILY = "loop shaping"
 #: More states than this make a law that nobody can read or check on a plant.
 MOST_STATES = 60
 
-#: Name of a matrix, and what its numbers are called among the parameters of the law.
+_Ends = dict[str, tuple[Signal, ...]]
+#: What the numbers of each matrix are called among the parameters of the law; the matrix, and
+#: which of memory z, error e and output u it acts on and comes from.
 _MATRICES = {
-    "transition": "transition",
-    "entered": "error_effect",
-    "told": "output_effect",
-    "shown": "memory_gain",
-    "direct": "error_gain",
+    "transition": ("transition", "z", "z"),
+    "error_effect": ("entered", "z", "e"),
+    "output_effect": ("told", "z", "u"),
+    "memory_gain": ("shown", "u", "z"),
+    "error_gain": ("direct", "u", "e"),
 }
 
 
@@ -72,42 +75,27 @@ class ConditionedMatrices:
     direct: np.ndarray
 
     def __post_init__(self) -> None:
-        for entry in fields(self):
-            matrix = np.atleast_2d(np.asarray(getattr(self, entry.name), float))
-            object.__setattr__(self, entry.name, matrix)
-        n, m, p = self.states, self.outputs, self.errors
-        if not 1 <= n <= MOST_STATES or m < 1 or p < 1:
+        for name, _, _ in _MATRICES.values():
+            matrix = np.atleast_2d(np.asarray(getattr(self, name), float))
+            object.__setattr__(self, name, matrix)
+        place, counts = "conditioned linear law", self.counts
+        if not 1 <= counts["z"] <= MOST_STATES or counts["u"] < 1 or counts["e"] < 1:
             raise InputError(
-                "conditioned linear law, shapes",
-                f"{n} states, {m} outputs, {p} errors",
+                f"{place}, shapes",
+                "{z} states, {u} outputs, {e} errors".format(**counts),
                 f"1 to {MOST_STATES} states, and at least one output and one error",
                 "reduce the order",
             )
-        shapes = {"transition": (n, n), "entered": (n, p), "told": (n, m), "shown": (m, n)}
-        for name, shape in shapes.items():
-            found = getattr(self, name).shape
+        remedy = "give every matrix in the same numbers of states, outputs and errors"
+        for name, to, by in _MATRICES.values():
+            found, shape = getattr(self, name).shape, (counts[to], counts[by])
             if found != shape:
-                raise InputError(
-                    f"conditioned linear law, {name}",
-                    found,
-                    f"the shape {shape}",
-                    "give every matrix in the same numbers of states, outputs and errors",
-                )
+                raise InputError(f"{place}, {name}", found, f"the shape {shape}", remedy)
 
     @property
-    def states(self) -> int:
-        """Number n of states."""
-        return len(self.transition)
-
-    @property
-    def outputs(self) -> int:
-        """Number m of manipulated variables."""
-        return len(self.direct)
-
-    @property
-    def errors(self) -> int:
-        """Number p of control errors."""
-        return self.direct.shape[1]
+    def counts(self) -> dict[str, int]:
+        """How many states (z), control errors (e) and manipulated variables (u) there are."""
+        return {"z": len(self.transition), "e": self.direct.shape[1], "u": len(self.direct)}
 
     def unconditioned(self) -> ConditionedMatrices:
         """Return the same controller that is told nothing: it winds up in saturation."""
@@ -123,8 +111,8 @@ class ConditionedMatrices:
         self, measured: Sequence[Signal | str], manipulated: Sequence[Signal | str]
     ) -> dict[str, float]:
         """Return the numbers that are not zero as parameters of the law for these signals."""
-        law = _Law.of(self, measured, manipulated)
-        return {effect(to, matrix, by): value for matrix, to, by, value in law.numbers()}
+        _, numbers = _joined(self, measured, manipulated)
+        return {effect(to, matrix, by): value for to, matrix, by, value in numbers}
 
 
 def conditioned_linear_law(
@@ -199,21 +187,24 @@ def conditioned_linear_law(
     >>> float(outputs[0]), float(state[2])
     (5.0, 0.2)
     """
-    law = _Law.of(matrices, measured, manipulated)
-    return step_law(
+    ends, numbers = _joined(matrices, measured, manipulated)
+    parameters = [
+        signals.number_of(matrix, to, by, f"effect of {by.name} on {to.name}", digits=9)
+        for to, matrix, by, _ in numbers
+    ]
+    for u in ends["u"]:
+        parameters += [signals.at_rest(u, "bias"), fading_time(u), *signals.limit_parameters(u)]
+    return control_law(
         "conditioned_linear",
-        inputs=[
-            *signals.setpoint_inputs(law.measured),
-            *signals.measurement_inputs(law.measured),
-            *signals.output_inputs(law.manipulated),
-        ],
-        parameters=law.parameters(),
+        lambda sample: _equations(sample, ends),
+        measured=ends["e"],
+        controlled=ends["e"],
+        manipulated=ends["u"],
+        parameters=parameters,
         state=[
-            *(state for u in law.manipulated for state in signals.output_state(u)),
-            *(Signal(z.name, description=f"{z.name} of the controller") for z in law.memory),
+            *(state for u in ends["u"] for state in signals.output_state(u)),
+            *(replace(z, description=f"{z.name} of the controller") for z in ends["z"]),
         ],
-        outputs=[result for u in law.manipulated for result in signals.output_signals(u)],
-        equations=law.equations,
         description=(
             "u = u° + C z + D e + b within the limits, e = y − r, then z⁺ = A z + B e + "
             "M (u − u°) with the u that was applied; b makes a change to automatic bumpless and "
@@ -223,104 +214,68 @@ def conditioned_linear_law(
     )
 
 
-@dataclass(frozen=True)
-class _Law:
-    """The matrices with the signals that they join; those of z have no unit."""
+def _joined(
+    matrices: ConditionedMatrices,
+    measured: Sequence[Signal | str],
+    manipulated: Sequence[Signal | str],
+) -> tuple[_Ends, list[tuple[Signal, str, Signal, float]]]:
+    """Return the signals that the matrices join, and what each number is of which and its value.
 
-    matrices: ConditionedMatrices
-    measured: tuple[Signal, ...]
-    manipulated: tuple[Signal, ...]
-    memory: tuple[Signal, ...]
+    Those of z have no unit.
+    """
+    place = "conditioned linear law"
+    shown = signals.process_signals(measured, f"{place}, measured")
+    moved = signals.process_signals(manipulated, f"{place}, manipulated")
+    counts = matrices.counts
+    if (len(shown), len(moved)) != (counts["e"], counts["u"]):
+        raise InputError(
+            f"{place}, signals",
+            f"{len(shown)} measured, {len(moved)} manipulated",
+            "{e} measured and {u} manipulated, as the matrices".format(**counts),
+            "correct the signals",
+        )
+    memory = tuple(map(Signal, elements("memory", counts["z"])))
+    ends = {"z": memory, "e": shown, "u": moved}
+    return ends, [
+        (ends[to][j], called, ends[by][k], float(value))
+        for called, (name, to, by) in _MATRICES.items()
+        for (j, k), value in np.ndenumerate(getattr(matrices, name))
+        if value != 0.0
+    ]
 
-    @classmethod
-    def of(
-        cls,
-        matrices: ConditionedMatrices,
-        measured: Sequence[Signal | str],
-        manipulated: Sequence[Signal | str],
-    ) -> Self:
-        place = "conditioned linear law"
-        shown = signals.process_signals(measured, f"{place}, measured")
-        moved = signals.process_signals(manipulated, f"{place}, manipulated")
-        if (len(shown), len(moved)) != (matrices.errors, matrices.outputs):
-            raise InputError(
-                f"{place}, signals",
-                f"{len(shown)} measured, {len(moved)} manipulated",
-                f"{matrices.errors} measured and {matrices.outputs} manipulated, as the matrices",
-                "correct the signals",
-            )
-        return cls(matrices, shown, moved, tuple(map(Signal, elements("memory", matrices.states))))
 
-    def numbers(self) -> list[tuple[str, Signal, Signal, float]]:
-        """Return for each number its matrix, what it acts on, what acts, and its value."""
-        z, y, u = self.memory, self.measured, self.manipulated
-        ends = {"transition": (z, z), "entered": (z, y), "told": (z, u)}
-        ends |= {"shown": (u, z), "direct": (u, y)}
-        return [
-            (_MATRICES[name], rows[j], columns[k], float(value))
-            for name, (rows, columns) in ends.items()
-            for (j, k), value in np.ndenumerate(getattr(self.matrices, name))
-            if value != 0.0
-        ]
+def _equations(sample: Sample, ends: _Ends) -> None:
+    names = [y.name for y in ends["e"]]
+    reading = Reading.of(sample, names, names)
+    errors = {y: reading.measurements[y] - reading.setpoints[y] for y in names}
+    values = {"z": [sample[z.name] for z in ends["z"]], "e": [*errors.values()], "u": []}
+    goes_on = is_time_step(sample["time_step"])
+    time_step = ca.if_else(goes_on, sample["time_step"], 1)
 
-    def parameters(self) -> list[Signal]:
-        found = [
-            signals.number_of(matrix, to, by, f"effect of {by.name} on {to.name}", digits=9)
-            for matrix, to, by, _ in self.numbers()
-        ]
-        for u in self.manipulated:
-            found += [signals.at_rest(u, "bias"), fading_time(u), *signals.limit_parameters(u)]
-        return found
+    def product(called: str, to: Signal) -> ca.SX:
+        total, (_, _, by) = ca.SX(0), _MATRICES[called]
+        for each, value in zip(ends[by], values[by], strict=True):
+            if (name := effect(to, called, each)) in sample.symbols:
+                total = total + sample[name] * value
+        return total
 
-    def equations(self, symbols: Symbols) -> Equations:
-        names = [signal.name for signal in self.measured]
-        p = len(names)
-        raw = [symbols[path(y, part)] for part in ("pv", "sp") for y in names]
-        valid = [is_number(value) for value in raw]
-        numbers = [value_or_zero(*pair) for pair in zip(raw, valid, strict=True)]
-        errors = [y - r for y, r in zip(numbers[:p], numbers[p:], strict=True)]
-        memory = [symbols[z.name] for z in self.memory]
-        are_numbers = all_of(valid)
-        are_good = all_of([symbols[path(y, "good")] for y in names])
-        goes_on = is_time_step(symbols["time_step"])
-        time_step = ca.if_else(goes_on, symbols["time_step"], 1)
-
-        def product(
-            to: Signal, matrix: str, by: Sequence[Signal], values: Sequence[ca.SX]
-        ) -> ca.SX:
-            total = ca.SX(0)
-            for each, value in zip(by, values, strict=True):
-                name = effect(to, matrix, each)
-                if name in symbols:
-                    total = total + symbols[name] * value
-            return total
-
-        named = {path(y, "error"): value for y, value in zip(names, errors, strict=True)}
-        stages = []
-        for u in self.manipulated:
-            asked = product(u, "memory_gain", self.memory, memory)
-            asked = asked + product(u, "error_gain", self.measured, errors)
-            named[path(u, "asked")] = asked
-            share = tracking_share(time_step, symbols[path(u, "fading_time")])
-            stages.append(
-                output_stage(
-                    symbols,
-                    u,
-                    proportional=symbols[path(u, "bias")] + asked,
-                    increment=-share * symbols[path(u, "integral")],
-                    signals_are_numbers=are_numbers,
-                    sensors_are_good=are_good,
-                    anti_windup="conditional_integration",
-                )
-            )
-        ended = stage_equations(stages, named)
-        moves = [stage.manipulated - symbols[path(stage.moved, "bias")] for stage in stages]
-        known = all_of([are_numbers, are_good, goes_on])
-        following = {}
-        for z, before in zip(self.memory, memory, strict=True):
-            value = product(z, "transition", self.memory, memory)
-            value = value + product(z, "error_effect", self.measured, errors)
-            value = value + product(z, "output_effect", self.manipulated, moves)
-            usable = ca.logic_and(known, is_number(value))
-            following[z.name] = ca.if_else(usable, value, before)
-        return Equations({**ended.next_state, **following}, ended.outputs, ended.intermediates)
+    for y, error in errors.items():
+        sample.name(y, {"error": error})
+    for u in ends["u"]:
+        bias, fading, integral = sample.of(u, "bias", "fading_time", "integral")
+        asked = product("memory_gain", u) + product("error_gain", u)
+        sample.name(u, {"asked": asked})
+        output = output_stage(
+            sample,
+            u,
+            reading,
+            proportional=bias + asked,
+            increment=-tracking_share(time_step, fading) * integral,
+            anti_windup="conditional_integration",
+        )
+        values["u"].append(output - bias)
+    known = all_of([reading.numbers, reading.sensors, goes_on])
+    for z in ends["z"]:
+        value = product("transition", z) + product("error_effect", z) + product("output_effect", z)
+        usable = ca.logic_and(known, is_number(value))
+        sample.next_state[z.name] = ca.if_else(usable, value, sample[z.name])

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, field
 
 from clepsydra.controllers.parameters import (
+    check_finite,
     check_initial_state,
     check_parameters,
     remembered_parameters,
@@ -110,15 +111,10 @@ class Controller:
         complete = remembered_parameters(self.law, self.values) | self.initial_state
         object.__setattr__(self, "initial_state", complete)
         check_initial_state(self.law, self.initial_state, self.name)
-        check_wiring(
-            self.law,
-            self.measurements,
-            self.setpoints,
-            self.manipulated,
-            self.name,
-            free=self.free_inputs,
-            free_outputs=self.free_outputs,
-        )
+        wires = self.measurements, self.setpoints, self.manipulated
+        check_wiring(self.law, *wires, self.name, self.free_inputs, self.free_outputs)
+        for name, value in self.free_inputs.items():
+            check_finite(f"{self.name}, free inputs, {name}", value)
 
     @property
     def title(self) -> str:

@@ -9,29 +9,23 @@ import casadi as ca
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS
-from clepsydra.controllers.blocks.final_element import FinalElement, final_element
-from clepsydra.controllers.blocks.handover import Asked
+from clepsydra.controllers.blocks.final_element import final_element
+from clepsydra.controllers.blocks.handover import Applied, Asked
 from clepsydra.controllers.blocks.mode import Mode
-from clepsydra.controllers.blocks.ports import as_parts
-from clepsydra.controllers.blocks.validity import (
-    all_of,
-    any_of,
-    is_number,
-    is_time_step,
-    value_or_zero,
-)
+from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.blocks.validity import any_of, is_time_step
 from clepsydra.controllers.blocks.variable_structure import cut_off
+from clepsydra.controllers.control_law import control_law
 from clepsydra.controllers.linearised_process import Evaluated, LinearisedProcess
 from clepsydra.controllers.observers.model_observer import ModelObserver
 from clepsydra.controllers.virtual_input import (
     AlphaOn,
-    Applied,
     VirtualAntiWindup,
     VirtualInput,
     check_virtual_anti_windup,
 )
 from clepsydra.linear.relative_degree import VectorRelativeDegree
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+from clepsydra.program.step_law import StepLaw
 
 FAMILY = "feedback linearisation"
 
@@ -120,13 +114,24 @@ def feedback_linearisation_law(
         ),
         tuple(process.signal(name) for name in equations.inputs),
     )
-    return step_law(
+    virtual, known, moved = law.virtual, law.known, law.manipulated
+    return control_law(
         "feedback_linearisation",
-        inputs=law.inputs(),
-        parameters=law.parameters(),
-        state=law.state(),
-        outputs=law.outputs(),
-        equations=law.equations,
+        law.equations,
+        measured=[process.signal(name) for name in known.measurements],
+        controlled=[each.measurement for each in virtual],
+        manipulated=moved,
+        parameters=[
+            *(signal for each in virtual for signal in each.parameters()),
+            *(each.smallest_effect for each in virtual),
+            *known.parameters(),
+            *(limit for u in moved for limit in signals.limit_parameters(u)),
+        ],
+        state=[
+            *(signal for each in virtual for signal in each.state()),
+            *map(signals.last_output, moved),
+            *([] if observer is None else observer.state()),
+        ],
         description=(
             "u = E⁻¹ (ν − L) within the limits, with d^r y/dt^r = L + E u from the equations of "
             "the process, and ν = Kp (b r − y) + I − Σ m_k dᵏy/dtᵏ, I⁺ = I + Δt Ki (r − y), each "
@@ -142,182 +147,106 @@ class _Law:
     virtual: tuple[VirtualInput, ...]
     manipulated: tuple[Signal, ...]
 
-    @property
-    def paired(self) -> dict[int, int]:
-        """Place of each output to that of its input."""
-        return dict(self.known.linearised.order)
-
-    def inputs(self) -> list[Signal]:
-        process = self.known.linearised.equations.point.process
-        return [
-            *signals.setpoint_inputs([each.measurement for each in self.virtual]),
-            *signals.measurement_inputs([process.signal(n) for n in self.known.measurements]),
-            *signals.output_inputs(self.manipulated),
+    def equations(self, sample: Sample) -> None:
+        outputs = [each.measurement.name for each in self.virtual]
+        reading = Reading.of(sample, self.known.measurements, outputs)
+        usable = ca.logic_and(reading.numbers, reading.sensors)
+        time_step = ca.if_else(is_time_step(sample["time_step"]), sample["time_step"], 1)
+        measured = list(reading.measurements.values())
+        process = self.known.evaluated(sample.symbols, measured, reading.known)
+        last = [sample[path(u, "last_output")] for u in self.manipulated]
+        chains = zip(process.derivatives, process.through(last), strict=True)
+        parts = [
+            self.virtual[j].asked(sample, reading.setpoints[outputs[j]], chain[:-1], standing)
+            for j, (chain, standing) in enumerate(chains)
         ]
-
-    def parameters(self) -> list[Signal]:
-        found = [signal for each in self.virtual for signal in each.parameters()]
-        found += [smallest_effect(each) for each in self.virtual]
-        found += self.known.parameters()
-        return found + [p for moved in self.manipulated for p in signals.limit_parameters(moved)]
-
-    def state(self) -> list[Signal]:
-        observer = self.known.observer
-        return [
-            *(signal for each in self.virtual for signal in each.state()),
-            *map(signals.last_output, self.manipulated),
-            *([] if observer is None else observer.state()),
+        asked = [now + integral for now, integral in parts]
+        unlimited = self._solved(sample, asked, process, last)
+        applied = [
+            final_element(sample, u, Asked(value, usable, reading.numbers, reading.sensors))
+            for u, value in zip(self.manipulated, unlimited, strict=True)
         ]
-
-    def outputs(self) -> list[Signal]:
-        return [result for moved in self.manipulated for result in signals.output_signals(moved)]
-
-    def equations(self, symbols: Symbols) -> Equations:
-        names = self.known.measurements
-        count = len(names)
-        raw = [symbols[path(name, "pv")] for name in names]
-        raw += [symbols[path(each.measurement, "sp")] for each in self.virtual]
-        valid = [is_number(value) for value in raw]
-        values = [value_or_zero(*pair) for pair in zip(raw, valid, strict=True)]
-        measured, setpoints = values[:count], values[count:]
-        sensors = all_of([symbols[path(name, "good")] for name in names])
-        measured_well = ca.logic_and(all_of(valid[:count]), sensors)
-        numbers = all_of(valid)
-        usable = ca.logic_and(numbers, sensors)
-        time_step = ca.if_else(is_time_step(symbols["time_step"]), symbols["time_step"], 1)
-        process = self.known.evaluated(symbols, measured, measured_well)
-        last = [symbols[path(moved, "last_output")] for moved in self.manipulated]
-        standing = process.through(last)
-        asked, integrals = [], []
-        for j, each in enumerate(self.virtual):
-            below = process.derivatives[j][:-1]
-            now = each.nonintegral(symbols, setpoints[j], below)
-            former = each.nonintegral(symbols, setpoints[j], below, former=True)
-            integrals.append(each.integral(symbols, now, former, standing[j]))
-            asked.append(now + integrals[j])
-        unlimited = self._solved(symbols, asked, process, last)
-        elements = [
-            final_element(symbols, moved, Asked(value, usable, numbers, sensors))
-            for moved, value in zip(self.manipulated, unlimited, strict=True)
-        ]
-        told = self._told(symbols, process, unlimited, elements)
-        next_state: dict[str, ca.SX] = {}
-        named: dict[str, ca.SX] = {}
-        for j, each in enumerate(self.virtual):
-            y = each.measurement
-            gain = symbols[path(y, "virtual_integral_gain")]
-            increment = time_step * gain * (setpoints[j] - measured[j])
-            next_state |= each.next_state(
-                symbols, integrals[j], increment, asked[j], told[j], time_step
-            )
-            named |= as_parts(y, {"drift": process.derivatives[j][-1], "virtual": asked[j]})
-        outputs: dict[str, ca.SX] = {}
-        for moved, value, element in zip(self.manipulated, unlimited, elements, strict=True):
-            next_state[path(moved, "last_output")] = element.manipulated
-            outputs |= as_parts(moved, {"out": element.manipulated, "status": element.status})
-            named |= {path(moved, "unlimited"): value} | element.named
-        next_state |= process.following([element.manipulated for element in elements])
-        return Equations(next_state, outputs, named)
+        told = self._told(sample, process, unlimited, applied)
+        for j, y in enumerate(outputs):
+            proportional, integral = parts[j]
+            given = {"proportional": proportional, "integral_used": integral}
+            given |= {"error": reading.setpoints[y] - reading.measurements[y]}
+            self.virtual[j].integrate(sample, {**given, **told[j], "time_step": time_step})
+            sample.name(y, {"drift": process.derivatives[j][-1], "virtual": asked[j]})
+        for u, value in zip(self.manipulated, unlimited, strict=True):
+            sample.name(u, {"unlimited": value})
+        sample.next_state |= process.following([each.applied for each in applied])
 
     def _solved(
-        self, symbols: Symbols, asked: list[ca.SX], process: Evaluated, last: list[ca.SX]
+        self, sample: Sample, asked: list[ca.SX], process: Evaluated, last: list[ca.SX]
     ) -> list[ca.SX]:
         """Return u of L + E u = ν by elimination, around the inputs that stand."""
-        rows, right = [], []
-        for j, chain in enumerate(process.derivatives):
-            i = self.paired[j]
-            controls = symbols[path(self.manipulated[i], "mode")] == Mode.AUTOMATIC
-            unit = [ca.SX(float(k == i)) for k in range(len(last))]
-            # An input that is moved by hand stays where it is: its row says just that.
-            rows.append(
-                [
-                    effect if effect.is_zero() and k != i else ca.if_else(controls, effect, one)
-                    for k, (effect, one) in enumerate(zip(process.effects[j], unit, strict=True))
-                ]
-            )
-            right.append(ca.if_else(controls, asked[j] - chain[-1], last[i]))
-        pivots = {}
         order = self.known.linearised.order
+        rows, pivots = {}, {}
+        for j, i in order:
+            controls, drift = self._controls(sample, j), process.derivatives[j][-1]
+            # An input that is moved by hand stays where it is: its row says just that.
+            rows[j] = [
+                effect
+                if effect.is_zero() and k != i
+                else ca.if_else(controls, effect, float(k == i))
+                for k, effect in enumerate(process.effects[j])
+            ]
+            rows[j].append(ca.if_else(controls, asked[j] - drift, last[i]))
         for step, (j, i) in enumerate(order):
-            pivots[j] = self._pivot(symbols, j, rows[j][i])
+            pivots[j] = self._pivot(sample, j, rows[j][i])
             for other, _ in order[step + 1 :]:
-                if rows[other][i].is_zero():
-                    continue
-                share = rows[other][i] / pivots[j]
-                right[other] = right[other] - share * right[j]
-                rows[other] = [
-                    low if high.is_zero() else low - share * high
-                    for low, high in zip(rows[other], rows[j], strict=True)
-                ]
+                if not rows[other][i].is_zero():
+                    share = rows[other][i] / pivots[j]
+                    rows[other] = [
+                        low if high.is_zero() else low - share * high
+                        for low, high in zip(rows[other], rows[j], strict=True)
+                    ]
         found = [ca.SX(0)] * len(last)
         for step, (j, i) in reversed(list(enumerate(order))):
-            rest = right[j]
+            rest = rows[j][-1]
             for _, later in order[step + 1 :]:
                 if not rows[j][later].is_zero():
                     rest = rest - rows[j][later] * found[later]
             found[i] = rest / pivots[j]
         return found
 
-    def _pivot(self, symbols: Symbols, output: int, value: ca.SX) -> ca.SX:
+    def _controls(self, sample: Sample, output: int) -> ca.SX:
+        """Return whether the input of an output is in automatic."""
+        return sample[path(self.virtual[output].moved, "mode")] == Mode.AUTOMATIC
+
+    def _pivot(self, sample: Sample, output: int, value: ca.SX) -> ca.SX:
         """Return a divisor that is not zero: as it is, or the smallest that is divided by."""
-        each = self.virtual[output]
-        smallest = symbols[path(each.measurement, "smallest_effect")]
-        controls = symbols[path(each.moved, "mode")] == Mode.AUTOMATIC
+        smallest = sample[path(self.virtual[output].measurement, "smallest_effect")]
         large = ca.logic_and(ca.fabs(value) >= ca.fabs(smallest), value != 0)
         safe = ca.if_else(smallest == 0, 1, smallest)
-        return ca.if_else(controls, ca.if_else(large, value, safe), 1)
+        return ca.if_else(self._controls(sample, output), ca.if_else(large, value, safe), 1)
 
     def _told(
-        self,
-        symbols: Symbols,
-        process: Evaluated,
-        unlimited: list[ca.SX],
-        elements: list[FinalElement],
-    ) -> list[Applied]:
-        """Return for each virtual input what became of it."""
-        moved = [element.manipulated for element in elements]
-        limits = [
-            (symbols[path(u, "low_limit")], symbols[path(u, "high_limit")])
-            for u in self.manipulated
-        ]
+        self, sample: Sample, process: Evaluated, unlimited: list[ca.SX], applied: list[Applied]
+    ) -> list[dict[str, ca.SX]]:
+        """Return for each virtual input what became of it, see `VirtualInput.integrate`."""
+        moved = [each.applied for each in applied]
+        limits = [sample.of(u, "low_limit", "high_limit") for u in self.manipulated]
         cut = [
-            cut_off(value, element, low, high)
-            for value, element, (low, high) in zip(unlimited, moved, limits, strict=True)
+            cut_off(value, given, *ends)
+            for value, given, ends in zip(unlimited, moved, limits, strict=True)
         ]
         reached = process.through(moved)
         middle = process.through([0.5 * (low + high) for low, high in limits])
         told = []
-        for j, i in sorted(self.paired.items()):
-            effect = process.effects[j][i]
-            ends = [reached[j] + effect * (limit - moved[i]) for limit in limits[i]]
-            acting = [cut[k] for k, each in enumerate(process.effects[j]) if not each.is_zero()]
+        for j, i in sorted(self.known.linearised.order):
+            effects = process.effects[j]
+            ends = [reached[j] + effects[i] * (limit - moved[i]) for limit in limits[i]]
             told.append(
-                Applied(
-                    virtual=reached[j],
-                    cut=any_of(acting),
-                    middle=middle[j],
-                    low=ca.fmin(*ends),
-                    high=ca.fmax(*ends),
-                    input_excess=unlimited[i] - moved[i],
-                    in_force=elements[i].applied.in_force,
-                )
+                {
+                    "applied": reached[j],
+                    "cut": any_of([cut[k] for k, each in enumerate(effects) if not each.is_zero()]),
+                    "middle": middle[j],
+                    "low_limit": ca.fmin(*ends),
+                    "high_limit": ca.fmax(*ends),
+                    "input_excess": unlimited[i] - moved[i],
+                    "in_force": applied[i].in_force,
+                }
             )
         return told
-
-
-def smallest_effect(virtual: VirtualInput) -> Signal:
-    """Return smallest_effect, below which no effect of an input is divided by.
-
-    Examples
-    --------
-    >>> level, pump = Signal("level", "V"), Signal("pump", "V")
-    >>> smallest_effect(VirtualInput(level, 1, "none", "virtual", pump)).unit
-    'V/s/V'
-    """
-    moved, measured = virtual.moved, virtual.measurement
-    return signals.gain(
-        path(measured, "smallest_effect"),
-        signals.per(virtual.quantity, moved),
-        1.0,
-        f"smallest effect of {moved.name} on {measured.name} that is divided by",
-    )

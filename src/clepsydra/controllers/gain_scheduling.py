@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal, path
-from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.anti_windup import AntiWindup
+from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.blocks.schedule import Schedule
-from clepsydra.controllers.blocks.varying_gains import Feedback, varying_lqi
 from clepsydra.controllers.inner_law import inner_equations
-from clepsydra.controllers.linear_quadratic_integral import check_lqi_anti_windup
-from clepsydra.controllers.state_reading import StateSignals
+from clepsydra.controllers.linear_quadratic_integral import output_parameters, varying_lqi
+from clepsydra.controllers.observers.linear_state import LinearState
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
 FAMILY = "gain scheduling"
@@ -78,14 +76,13 @@ def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> Ste
         )
 
     def equations(symbols: Symbols) -> Equations:
-        at = schedule.followed(symbols)
-        found = schedule.interpolated(symbols, at.outputs["followed"], names)
+        sample = Sample(symbols)
+        found = schedule.interpolated(sample, schedule.followed(sample), names)
         inner = inner_equations(law, {**symbols, **found})
-        scheduled = {path(name, "used"): value for name, value in found.items()}
         return Equations(
-            {**inner.next_state, **at.next_state},
+            {**inner.next_state, **sample.next_state},
             inner.outputs,
-            {**scheduled, **inner.intermediates},
+            {**sample.named, **inner.intermediates},
         )
 
     return step_law(
@@ -93,16 +90,13 @@ def scheduled_law(law: StepLaw, schedule: Schedule, names: Sequence[str]) -> Ste
         inputs=law.inputs,
         parameters=[
             *schedule.parameters(),
-            *(
-                each
-                for parameter in law.parameters
-                for each in (schedule.table(parameter) if parameter.name in names else [parameter])
-            ),
+            *(p for p in law.parameters if p.name not in names),
+            *schedule.tables(known[name] for name in names),
         ],
         state=[*law.state, *schedule.state()],
         outputs=law.outputs,
         equations=equations,
-        description=(*law.description, _words(schedule)),
+        description=(*law.description, schedule.words),
     )
 
 
@@ -116,7 +110,7 @@ def scheduled_lqi_law(
     """Write the step law of LQI whose gains F and G follow a scheduling variable by tables.
 
     As `linear_quadratic_integral.lqi_law` without an observer; the integral takes up what a
-    change of F makes (`blocks.varying_gains`).
+    change of F makes (`linear_quadratic_integral.varying_lqi`).
 
     Parameters
     ----------
@@ -151,65 +145,31 @@ def scheduled_lqi_law(
     >>> [entry.name for entry in law.state][2:]
     ['schedule.variable', 'pump_1.feedback.level_1']
     """
-    check_lqi_anti_windup(anti_windup)
-    state = StateSignals.of(measured, manipulated, controlled, None, "scheduled LQI law")
-    rows = [state.feedback_parameters(u) for u in state.manipulated]
-    integral_rows = [state.integral_parameters(u) for u in state.manipulated]
-    scheduled = [gain for row in rows for gain in row]
-    kept = [
-        replace(gain, description=f"{gain.description} in the last sample") for gain in scheduled
-    ]
-    others = state.reference_parameters()
-    for u, row in zip(state.manipulated, integral_rows, strict=True):
-        scheduled += row
-        if anti_windup == "back_calculation":
-            scheduled.append(signals.tracking_time(u))
-        others += [signals.at_rest(u, "bias"), *signals.limit_parameters(u)]
-    names = [parameter.name for parameter in scheduled]
+    state = LinearState(measured, manipulated, controlled, None, "scheduled LQI law")
+    outputs = output_parameters(state.manipulated, anti_windup)
+    scheduled = [*state.feedback.signals(), *state.integral_gain.signals()]
+    scheduled += [each for each in outputs if each.part == "tracking_time"]
+    kept = state.feedback.last()
 
-    def equations(symbols: Symbols) -> Equations:
-        at = schedule.followed(symbols)
-        found = schedule.interpolated(symbols, at.outputs["followed"], names)
-        reading = state.read(symbols)
-        known = ca.logic_and(reading.signals_are_numbers, reading.sensors_are_good)
+    def gains(sample: Sample, reading: Reading, _: Sequence[ca.SX]) -> dict[str, ca.SX]:
+        at = schedule.followed(sample)
+        found = schedule.interpolated(sample, at, [parameter.name for parameter in scheduled])
         # The gains change with what is known, so that the integral can take the change up.
-        now = {k.name: ca.if_else(known, found[k.name], symbols[k.name]) for k in kept}
-        stages, named = varying_lqi(
-            {**symbols, **found},
-            state.manipulated,
-            Feedback(
-                reading.state, reading.errors, reading.signals_are_numbers, reading.sensors_are_good
-            ),
-            [[now[gain.name] for gain in row] for row in rows],
-            [[symbols[gain.name] for gain in row] for row in rows],
-            [[found[gain.name] for gain in row] for row in integral_rows],
-            anti_windup,
-        )
-        used = {path(name, "used"): value for name, value in found.items()}
-        ended = state.equations(symbols, reading, stages, used | named)
-        return Equations(
-            {**ended.next_state, **now, **at.next_state},
-            ended.outputs,
-            ended.intermediates,
-        )
+        known = ca.logic_and(reading.numbers, reading.sensors)
+        for gain in kept:
+            found[gain.name] = ca.if_else(known, found[gain.name], sample[gain.name])
+            sample.next_state[gain.name] = found[gain.name]
+        sample.symbols = {**found, **sample.symbols}
+        return found
 
-    return step_law(
+    plain = [each for each in outputs if each not in scheduled]
+    tables = schedule.tables(scheduled)
+    return varying_lqi(
         "scheduled_lqi",
-        inputs=state.inputs(),
-        parameters=[
-            *schedule.parameters(),
-            *others,
-            *(each for parameter in scheduled for each in schedule.table(parameter)),
-        ],
-        state=[*state.states(), *schedule.state(), *kept],
-        outputs=state.outputs(),
-        equations=equations,
-        description=(f"Anti-windup: {IN_WORDS[anti_windup]}.", _words(schedule)),
-    )
-
-
-def _words(schedule: Schedule) -> str:
-    return (
-        f"Gain scheduling: parameters by tables of {schedule.points} points over "
-        f"{schedule.shown}, filtered."
+        state,
+        anti_windup,
+        [*schedule.parameters(), *state.parameters(), *plain, *tables],
+        state=[*schedule.state(), *kept],
+        gains=gains,
+        words=[schedule.words],
     )

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import get_args
+
+import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import IN_WORDS, AntiWindup, check_anti_windup
 from clepsydra.controllers.blocks.output_stage import output_stage
+from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.observers.linear_state import LinearState
+from clepsydra.controllers.observers.measured_state import ProcessState
+from clepsydra.controllers.observers.state_source import StateSource
 from clepsydra.controllers.observers.structure import ObserverStructure
-from clepsydra.controllers.state_reading import StateSignals
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+from clepsydra.program.step_law import StepLaw, Symbols
 
 FAMILY = "LQI"
 
@@ -93,59 +98,130 @@ def lqi_law(
     >>> float(outputs[0]), float(state[0])
     (2.0, 0.05)
     """
-    check_lqi_anti_windup(anti_windup)
-    state = StateSignals.of(measured, manipulated, controlled, observer, "LQI law")
-    parameters = state.reference_parameters()
-    for u in state.manipulated:
-        parameters += [
-            *state.feedback_parameters(u),
-            *state.integral_parameters(u),
-            signals.at_rest(u, "bias"),
-            *signals.output_parameters(u, anti_windup),
-        ]
-    return step_law(
-        "linear_quadratic_integral",
-        inputs=state.inputs(),
-        parameters=parameters,
-        state=state.states(),
-        outputs=state.outputs(),
-        equations=lambda symbols: _equations(symbols, state, anti_windup),
-        description=(f"Anti-windup: {IN_WORDS[anti_windup]}.",),
-    )
+    state = LinearState(measured, manipulated, controlled, observer, "LQI law")
+    return _fixed_gains("linear_quadratic_integral", state, anti_windup)
 
 
-def _equations(symbols: Symbols, state: StateSignals, anti_windup: AntiWindup) -> Equations:
-    reading = state.read(symbols)
-    errors = reading.errors
-    stages, intermediates = [], dict(errors)
-    for u in state.manipulated:
-        feedback = state.fed_back(symbols, u, reading)
-        rate = state.of_controlled(symbols, u, "integral_gain", list(errors.values()))
-        intermediates |= {path(u, "feedback"): feedback, path(u, "integral_rate"): rate}
-        stages.append(
-            output_stage(
-                symbols,
-                u,
-                proportional=symbols[path(u, "bias")] - feedback,
-                increment=symbols["time_step"] * rate,
-                signals_are_numbers=reading.signals_are_numbers,
-                sensors_are_good=reading.sensors_are_good,
-                anti_windup=anti_windup,
-            )
-        )
-    return state.equations(symbols, reading, stages, intermediates)
+def nonlinear_lqi_law(
+    source: ProcessState, anti_windup: AntiWindup = "back_calculation"
+) -> StepLaw:
+    """Write the step law of LQI with fixed gains on the state of the process's equations.
 
+    As `lqi_law`, u = u° − F (x − x°) + I, with x from the extended Kalman filter, for one.
 
-def check_lqi_anti_windup(anti_windup: str) -> None:
-    """Refuse clamping: the integral is not the whole output.
+    Parameters
+    ----------
+    source : ProcessState
+    anti_windup : {"back_calculation", "conditional_integration", "none"}
+
+    Returns
+    -------
+    StepLaw
+        Inputs as for `lqi_law`; parameters feedback and integral_gain [per second] of each
+        output, reference of each state, model.*, bias, limits and, for back-calculation,
+        tracking_time [s], and those of the observer; state integral and last_output of each
+        output, and that of the observer.
 
     Raises
     ------
     InputError
+        The anti-windup is unknown or clamping.
 
     Examples
     --------
-    >>> check_lqi_anti_windup("back_calculation")
+    >>> import clepsydra as cl
+    >>> from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
+    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> equations = process_equations(cl.load("quadruple-tank").linear)
+    >>> law = nonlinear_lqi_law(ExtendedKalman(equations, ("level_1", "level_2"), (), 1, 0))
+    >>> sum(signal.matrix == "feedback" for signal in law.parameters)
+    8
+    """
+    return _fixed_gains("nonlinear_lqi", source, anti_windup)
+
+
+def _fixed_gains(name: str, source: StateSource, anti_windup: AntiWindup) -> StepLaw:
+    gains = [*source.feedback.signals(), *source.integral_gain.signals()]
+    outputs = output_parameters(source.manipulated, anti_windup)
+    return varying_lqi(name, source, anti_windup, [*source.parameters(), *gains, *outputs])
+
+
+def output_parameters(manipulated: Sequence[Signal], anti_windup: AntiWindup) -> list[Signal]:
+    """Return bias, limits and, for back-calculation, tracking_time of each output.
+
+    Examples
+    --------
+    >>> [each.part for each in output_parameters([Signal("pump", "V")], "none")]
+    ['bias', 'low_limit', 'high_limit']
+    """
+    return [
+        each
+        for u in manipulated
+        for each in (signals.at_rest(u, "bias"), *signals.output_parameters(u, anti_windup))
+    ]
+
+
+def varying_lqi(
+    name: str,
+    source: StateSource,
+    anti_windup: AntiWindup,
+    parameters: Sequence[Signal],
+    *,
+    state: Sequence[Signal] = (),
+    gains: Callable[[Sample, Reading, Sequence[ca.SX]], Symbols] | None = None,
+    words: Sequence[str] = (),
+) -> StepLaw:
+    """Write the step law u = u° − F x + I, whose gains F and G may change without a bump.
+
+    Where they do the integral takes up what a change of F makes of −F x, I + (F − F₋) x, so that
+    a change of the gains alone moves nothing: between two samples u moves by −F₋ Δx + Δt G e.
+    This is the velocity form of a scheduled controller, whose linear model at each point is the
+    one that was designed there, and which needs no table of the outputs at rest.
+
+    Parameters
+    ----------
+    name : str
+        An identifier.
+    source : StateSource
+    anti_windup : AntiWindup
+    parameters, state : sequence of Signal
+        All parameters, and what the gains keep.
+    gains : callable, optional
+        Writes the gains of a sample, from what is read and what is known of the state, and
+        returns F and G by name, where F of the last one is the law's state by that name; without
+        it they are the law's parameters.
+    words : sequence of str
+        For the reader of the law.
+
+    Raises
+    ------
+    InputError
+        The anti-windup is unknown or clamping.
+
+    References
+    ----------
+    I. Kaminer, A. M. Pascoal, P. P. Khargonekar and E. E. Coleman, A velocity algorithm for the
+    implementation of gain-scheduled controllers, Automatica 31(8), 1995, 1185-1191,
+    doi 10.1016/0005-1098(95)00026-S.
+
+    Examples
+    --------
+    F went from 1 to 2 at a deviation of 3; the output is that of F = 1:
+
+    >>> source = LinearState(["level"], ["pump"], ["level"], None, "law")
+    >>> now = {"pump.feedback.level": ca.SX(2), "pump.integral_gain.level": ca.SX(1)}
+    >>> def gains(sample, reading, known):
+    ...     sample.next_state["pump.feedback.level"] = now["pump.feedback.level"]
+    ...     return now
+    >>> law = varying_lqi(
+    ...     "example", source, "none",
+    ...     [*source.parameters(), *output_parameters(source.manipulated, "none")],
+    ...     state=source.feedback.last(), gains=gains)
+    >>> given = {"level.sp": 3, "level.pv": 3, "level.good": 1, "pump.mode": 1, "time_step": 1}
+    >>> next_state, outputs, _ = law.function(
+    ...     [4, 1, 1], [given.get(signal.name, 0) for signal in law.inputs], [0, 0, -9, 9])
+    >>> float(outputs[0]), float(next_state[0])
+    (1.0, 7.0)
     """
     check_anti_windup(anti_windup)
     if anti_windup == "clamping":
@@ -156,3 +232,35 @@ def check_lqi_anti_windup(anti_windup: str) -> None:
             f"one of {', '.join(known)}: its integral is not the whole output",
             "choose conditional_integration",
         )
+
+    def equations(sample: Sample) -> None:
+        reading = source.read(sample)
+        known = source.known(sample, reading)
+        now = sample.symbols if gains is None else gains(sample, reading, known)
+        deviations = source.deviations(sample, known)
+        errors = {
+            path(y, "error"): reading.setpoints[y.name] - reading.measurements[y.name]
+            for y in source.controlled
+        }
+        sample.named |= errors
+        fed_back = source.feedback.times(now, deviations)
+        rates = source.integral_gain.times(now, list(errors.values()))
+        former = source.feedback.times(sample.symbols, deviations)
+        applied = []
+        for u, back, before, rate in zip(source.manipulated, fed_back, former, rates, strict=True):
+            sample.name(u, {"fed_back": back, "integral_rate": rate})
+            applied.append(
+                output_stage(
+                    sample,
+                    u,
+                    reading,
+                    proportional=sample[path(u, "bias")] - back,
+                    increment=sample["time_step"] * rate,
+                    anti_windup=anti_windup,
+                    taken_up=None if gains is None else back - before,
+                )
+            )
+        source.move_on(sample, known, applied)
+
+    description = (f"Anti-windup: {IN_WORDS[anti_windup]}.", *words)
+    return source.law(name, equations, parameters, state, description)

@@ -14,7 +14,7 @@ from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
 from clepsydra.controllers.parameters import remembered_parameters
 from clepsydra.controllers.python_law import PythonLaw
-from clepsydra.program.delay_ring import DelayRing
+from clepsydra.program.entries import is_ring
 from clepsydra.program.step_law import StepLaw
 
 
@@ -74,10 +74,8 @@ class StepLawDerivatives:
 
     def __init__(self, law: StepLaw) -> None:
         self.law = law
-        self._rings = {
-            place: entry.length
-            for place, entry in enumerate(law.state)
-            if isinstance(entry, DelayRing)
+        self._longer = {
+            place: entry.length - 1 for place, entry in enumerate(law.state) if is_ring(entry)
         }
         if isinstance(law, PythonLaw):
             self._function: Callable[..., Any] = law.jacobians
@@ -119,30 +117,23 @@ class StepLawDerivatives:
             control.
         """
         law = self.law
-        given = dict(inputs)
         usual = {"mode": float(Mode.AUTOMATIC), "good": 1.0}
-        given |= {s.name: usual[s.part] for s in law.inputs if s.part in usual}
         ends = {"low_limit": -LARGEST_NUMBER, "high_limit": LARGEST_NUMBER}
-        limits = {s.name: ends[s.part] for s in law.parameters if s.part in ends}
-        with_limits = {**values, **limits}
         # Gains that are as they were: no change of them is differentiated.
         at = {**state, **remembered_parameters(law, values)}
         step_x, step_u, output_x, output_u = (
             np.array(matrix)
             for matrix in self._function(
                 [at.get(entry.name, 0.0) for entry in law.state],
-                [given.get(signal.name, 0.0) for signal in law.inputs],
-                [with_limits[parameter.name] for parameter in law.parameters],
+                [usual.get(s.part, inputs.get(s.name, 0.0)) for s in law.inputs],
+                [ends[p.part] if p.part in ends else values[p.name] for p in law.parameters],
             )
         )
         step_x, step_u, output_x = self._with_rings(step_x, step_u, output_x)
         rows = _places(law.outputs, "out")
         setpoints, measurements = _places(law.inputs, "sp"), _places(law.inputs, "pv")
         read = np.any(step_x != 0.0, axis=0) | np.any(output_x[rows] != 0.0, axis=0)
-        # What nothing moves, as the bias of a P controller, is a constant and no state.
-        inert = np.all(np.hstack([step_x - np.eye(len(step_x)), step_u]) == 0.0, axis=1)
-        read &= ~inert
-        # A bias that stays what it was, as without integral action, is no mode of the loop.
+        # What nothing moves is a constant, as the bias of a P controller, and no mode of the loop.
         moved = np.any(step_x != np.eye(len(step_x)), axis=1)
         moved |= np.any(step_u[:, [*setpoints, *measurements]] != 0.0, axis=1)
         read &= moved
@@ -162,20 +153,13 @@ class StepLawDerivatives:
 
         The oldest keeps the place of the ring; the others follow at the end, youngest first.
         """
-        for place, length in self._rings.items():
-            n, more = len(step_x), length - 1
-            if not more:
-                continue
-            wider = np.zeros((n + more, n + more))
-            wider[:n, :n] = step_x
-            wider[n], wider[place] = wider[place], 0.0
-            for older in range(n + 1, n + more):
-                wider[older, older - 1] = 1.0
-            wider[place, n + more - 1] = 1.0
-            driven = np.vstack([step_u, np.zeros((more, step_u.shape[1]))])
-            driven[n], driven[place] = step_u[place], 0.0
-            step_x, step_u = wider, driven
-            output_x = np.hstack([output_x, np.zeros((len(output_x), more))])
+        for place, more in self._longer.items():
+            n = len(step_x)
+            step_x, step_u = np.pad(step_x, (0, more)), np.pad(step_u, ((0, more), (0, 0)))
+            output_x = np.pad(output_x, ((0, 0), (0, more)))
+            for matrix in (step_x, step_u):
+                matrix[n], matrix[place] = matrix[place], 0.0
+            step_x[[*range(n + 1, n + more), place], range(n, n + more)] = 1.0
         return step_x, step_u, output_x
 
 

@@ -118,7 +118,7 @@ def _declared(declared: object, place: str) -> tuple[Signal, ...]:
     for entry in entries:
         if not isinstance(entry, Signal) or not all(map(str.isidentifier, entry.name.split("."))):
             raise InputError(
-                place, shortened(repr(entry)),
+                place, shortened(entry.name if isinstance(entry, Signal) else repr(entry)),
                 "a list of names or signals, or a dictionary of names and numbers",
                 'write as in parameters = {"gain": 2.0}',
             )  # fmt: skip

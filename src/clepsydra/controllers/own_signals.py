@@ -13,7 +13,7 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.handover import Asked
-from clepsydra.controllers.blocks.ports import as_parts
+from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import (
     all_of,
     is_number,
@@ -96,14 +96,15 @@ class OwnSignals:
                 f"{self.place}, outputs", ", ".join(names) or "none", "outputs like pump.out",
                 "name each so after what it moves, and wire it to the process by the controller",
             )  # fmt: skip
-        every_name = [
-            s.name for s in (*self.whole_inputs, *self.whole_parameters, *self.whole_state)
-        ]
+        # What was written first, since what is added to it would be twice there too.
+        whole = *self.outputs, *self.whole_inputs, *self.whole_parameters, *self.whole_state
+        every_name = [signal.name for signal in whole]
         for name in every_name:
             if every_name.count(name) > 1:
                 raise InputError(
-                    self.place, name, "a name for one input, parameter or state", "rename one"
-                )
+                    self.place, name, "a name for one input, parameter, state or output",
+                    "leave out or rename one",
+                )  # fmt: skip
 
     @property
     def moved(self) -> tuple[Signal, ...]:
@@ -123,15 +124,13 @@ class OwnSignals:
     @property
     def whole_inputs(self) -> list[Signal]:
         """Those of the user, but the last outputs, and those that are added."""
-        asked = {signal.name: signal for signal in self.inputs}
         added = [
             Signal(name, low=0.0, high=1.0, initial=1.0, kind="boolean") for name in self.sensors
         ]
         added += signals.output_inputs(self.moved)
         known = [signal.name for signal in added]
         last = [path(signal, "last_output") for signal in self.moved]
-        own = [s for name, s in asked.items() if name not in (*known, *last)]
-        return [*own, *added]
+        return [*(s for s in self.inputs if s.name not in (*known, *last)), *added]
 
     @property
     def whole_parameters(self) -> list[Signal]:
@@ -155,8 +154,10 @@ class OwnSignals:
         names = [path(output, "asked") for output in self.moved]
 
         def equations(symbols: Symbols) -> Equations:
+            sample = Sample(symbols)
             conditions = symbols["usable"], symbols["numbers"], symbols["sensors"]
-            return self._ended(symbols, [symbols[name] for name in names], *conditions)
+            self._end(sample, [symbols[name] for name in names], *conditions)
+            return sample.equations()
 
         return step_law(
             "end",
@@ -170,18 +171,11 @@ class OwnSignals:
             equations=equations,
         )
 
-    def _ended(
-        self, symbols: Symbols, asked: Sequence[ca.SX], usable: ca.SX, numbers: ca.SX, good: ca.SX
-    ) -> Equations:
-        state: dict[str, ca.SX] = {}
-        outputs: dict[str, ca.SX] = {}
-        named: dict[str, ca.SX] = {}
+    def _end(
+        self, sample: Sample, asked: Sequence[ca.SX], usable: ca.SX, numbers: ca.SX, good: ca.SX
+    ) -> None:
         for moved, value in zip(self.moved, asked, strict=True):
-            element = final_element(symbols, moved, Asked(value, usable, numbers, good))
-            state[path(moved, "last_output")] = element.manipulated
-            outputs |= as_parts(moved, {"out": element.manipulated, "status": element.status})
-            named |= element.named
-        return Equations(state, outputs, named)
+            final_element(sample, moved, Asked(value, usable, numbers, good))
 
     def whole_law(self, law: StepLaw) -> StepLaw:
         """Return a law of expressions with the end added; its signals are those of the user."""
@@ -198,17 +192,15 @@ class OwnSignals:
             if "time_step" in known:
                 known["time_step"] = ca.if_else(time_step_good, symbols["time_step"], 1)
             found = inner_equations(law, {**symbols, **known})
-            asked = [found.outputs[signal.name] for signal in law.outputs]
-            ended = self._ended(symbols, asked, usable, numbers, good)
-            state = {
+            sample = Sample(symbols)
+            sample.named |= found.intermediates
+            sample.next_state |= {
                 name: ca.if_else(usable, value, symbols[name])
                 for name, value in found.next_state.items()
             }
-            return Equations(
-                {**state, **ended.next_state},
-                ended.outputs,
-                {**found.intermediates, **ended.intermediates},
-            )
+            asked = [found.outputs[signal.name] for signal in law.outputs]
+            self._end(sample, asked, usable, numbers, good)
+            return sample.equations()
 
         return step_law(
             law.name,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Real
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
 from clepsydra.controllers.signals import owners
-from clepsydra.program.entries import signal_of
+from clepsydra.program.entries import Entry, signal_of
 from clepsydra.program.step_law import StepLaw
 
 
@@ -51,27 +51,19 @@ def check_parameters(law: StepLaw, values: Mapping[str, float], place: str) -> N
     clepsydra.base.errors.InputError: PI, level.integral_time: got 0.0, expected a number from \
 1e-06 to 1e+09 s; give a value in this range.
     """
-    _check_names([parameter.name for parameter in law.parameters], values, place)
+    _check_numbers(law.parameters, values, place)
     for parameter in law.parameters:
-        value = values[parameter.name]
-        _check_finite(f"{place}, {parameter.name}", value)
-        if not parameter.low <= value <= parameter.high:
+        value, low, high = values[parameter.name], parameter.low, parameter.high
+        if not low <= value <= high:
             unit = "" if parameter.unit == "1" else f" {parameter.unit}"
-            raise InputError(
-                f"{place}, {parameter.name}",
-                value,
-                f"a number from {parameter.low:g} to {parameter.high:g}{unit}",
-                "give a value in this range",
-            )
+            expected = f"a number from {low:g} to {high:g}{unit}"
+            name = f"{place}, {parameter.name}"
+            raise InputError(name, value, expected, "give a value in this range")
     for owner in owners(law.parameters, "low_limit"):
-        low, high = path(owner, "low_limit"), path(owner, "high_limit")
-        if not values[low] < values[high]:
-            raise InputError(
-                f"{place}, {low}",
-                values[low],
-                f"a value below {high}",
-                "exchange the limits or widen them",
-            )
+        lowest, highest = path(owner, "low_limit"), path(owner, "high_limit")
+        if not values[lowest] < values[highest]:
+            expected, remedy = f"a value below {highest}", "exchange the limits or widen them"
+            raise InputError(f"{place}, {lowest}", values[lowest], expected, remedy)
 
 
 def remembered_parameters(law: StepLaw, values: Mapping[str, float]) -> dict[str, float]:
@@ -110,22 +102,33 @@ def check_initial_state(law: StepLaw, values: Mapping[str, float], place: str) -
     clepsydra.base.errors.InputError: PI: got ['pump.integral'], expected values for \
 pump.integral, pump.last_output; add pump.last_output.
     """
-    _check_names([state.name for state in law.state], values, place)
-    for name, value in values.items():
-        _check_finite(f"{place}, {name}", value)
+    _check_numbers(law.state, values, place)
 
 
-def _check_names(names: list[str], values: Mapping[str, float], place: str) -> None:
+def _check_numbers(entries: Sequence[Entry], values: Mapping[str, float], place: str) -> None:
+    """Refuse values that are not one finite number for each entry."""
+    names = [entry.name for entry in entries]
     missing = [name for name in names if name not in values]
     unknown = [name for name in values if name not in names]
     if missing or unknown:
         steps = [f"add {', '.join(missing)}"] if missing else []
         steps += [f"remove {', '.join(unknown)}"] if unknown else []
-        raise InputError(
-            place, sorted(values), f"values for {', '.join(names)}", " and ".join(steps)
-        )
+        expected = f"values for {', '.join(names)}"
+        raise InputError(place, sorted(values), expected, " and ".join(steps))
+    for name, value in values.items():
+        check_finite(f"{place}, {name}", value)
 
 
-def _check_finite(place: str, value: float) -> None:
+def check_finite(place: str, value: float) -> None:
+    """Refuse what is no finite number.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> check_finite("PI, gain", 2.0)
+    """
     if not is_finite_number(value):
         raise InputError(place, value, "a finite number", "give a finite number")

@@ -13,6 +13,14 @@ Algorithm = Literal["isa", "series", "parallel", "velocity"]
 DerivativeOn = Literal["measurement", "error"]
 ErrorShape = Literal["linear", "gap", "squared"]
 
+_DERIVATIVE = ("derivative_time", "derivative_filter", "derivative_gain", "filter_time")
+#: Parameters of the shapes of the error.
+_SHAPES = {
+    "linear": ("setpoint_weight",),
+    "gap": ("gap", "gap_gain"),
+    "squared": ("squared_error_scale",),
+}
+
 
 @dataclass(frozen=True)
 class PidForm:
@@ -111,6 +119,43 @@ class PidForm:
     def tracks_back(self) -> bool:
         """Whether there is a tracking time."""
         return self.algorithm != "velocity" and self.winding == "back_calculation"
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names of its parameters, which `pid_keys.PARAMETERS` declares.
+
+        Examples
+        --------
+        >>> PidForm(anti_windup="none").parameters
+        ('proportional_gain', 'integral_time', 'setpoint_weight')
+        """
+        integral, derivative = ("integral_time",), ("derivative_time", "derivative_filter")
+        if self.algorithm == "parallel":
+            integral, derivative = ("integral_gain",), ("derivative_gain", "filter_time")
+        return (
+            "proportional_gain",
+            *(integral if self.has_integral else ()),
+            *(derivative if self.has_derivative else ()),
+            *_SHAPES[self.error],
+            *(("setpoint_ramp",) if self.setpoint_ramp else ()),
+            *(("tracking_time",) if self.tracks_back else ()),
+        )
+
+    @property
+    def remembered(self) -> tuple[str, ...]:
+        """Those whose last value counts where they change, so that nothing jumps.
+
+        The velocity form has no integral that takes a change up: there it is the filter's alone.
+
+        Examples
+        --------
+        >>> PidForm("PI").remembered
+        ('proportional_gain', 'setpoint_weight')
+        """
+        counted: tuple[str, ...] = _DERIVATIVE
+        if self.algorithm != "velocity":
+            counted = ("proportional_gain", *_DERIVATIVE, *_SHAPES[self.error])
+        return tuple(name for name in self.parameters if name in counted)
 
     @property
     def words(self) -> str:

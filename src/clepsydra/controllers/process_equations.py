@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,6 +12,7 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
+from clepsydra.linear.lie_derivatives import InputAffineEquations
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
@@ -107,37 +108,17 @@ class ProcessEquations:
         """Return the signals of the states."""
         return [self.point.process.signal(name) for name in self.states]
 
-    def bounded(self, state: Sequence[ca.SX], floor: float = 0.0) -> list[ca.SX]:
+    def bounded(self, state: ca.SX, floor: float = 0.0) -> ca.SX:
         """Return the state within the ranges of its signals, levels above a share of theirs."""
         found = []
-        for signal, value in zip(self.signals_of_states(), state, strict=True):
+        for signal, value in zip(self.signals_of_states(), ca.vertsplit(state), strict=True):
             low, high = signal.low, signal.high
             if signal.name in self.point.process.levels and np.isfinite(signal.span):
                 low = low + floor * signal.span
             if np.isfinite(low):
                 value = ca.fmax(value, low)
             found.append(ca.fmin(value, high) if np.isfinite(high) else value)
-        return found
-
-    def used_in(self, expressions: Sequence[ca.SX]) -> tuple[Constant, ...]:
-        """Return the constants on which expressions depend."""
-        used = {symbol.name() for symbol in ca.symvar(ca.vertcat(*map(ca.vec, expressions)))}
-        return tuple(each for each in self.constants if each.symbol.name() in used)
-
-    def evaluated(
-        self,
-        expressions: Sequence[ca.SX],
-        state: Sequence[ca.SX],
-        moved: Sequence[ca.SX],
-        symbols: Symbols,
-    ) -> list[ca.SX]:
-        """Return expressions in a state, with the constants as parameters of a law (`model.*`)."""
-        used = self.used_in(expressions)
-        arguments = [self.state, self.moved, ca.vertcat(*(each.symbol for each in used))]
-        function = ca.Function("at", arguments, list(expressions))
-        given = [symbols[model_parameter(each).name] for each in used]
-        found = function(ca.vertcat(*state), ca.vertcat(*moved), ca.vertcat(*given))
-        return list(found) if isinstance(found, (tuple, list)) else [found]
+        return ca.vertcat(*found)
 
     def values(
         self, expressions: Sequence[ca.SX]
@@ -148,12 +129,9 @@ class ProcessEquations:
         function = ca.Function("values", [self.state, self.moved, constants], dense)
         given = [each.value for each in self.constants]
 
-        def at(state: np.ndarray, moved: np.ndarray) -> list[np.ndarray]:
-            found = function(state, moved, given)
-            every = found if isinstance(found, (tuple, list)) else [found]
-            return [np.array(each, float) for each in every]
-
-        return at
+        return lambda state, moved: [
+            np.array(each, float) for each in function.call([state, moved, given])
+        ]
 
 
 def process_equations(model: LinearModel) -> ProcessEquations:
@@ -201,6 +179,88 @@ def process_equations(model: LinearModel) -> ProcessEquations:
         state=ca.vertcat(*(whole[name] for name in names)),
         rates=rates[kept],
     )
+
+
+def used_in(
+    equations: ProcessEquations | InputAffineEquations, expressions: Iterable[ca.SX]
+) -> tuple[Constant, ...]:
+    """Return the constants of a process on which expressions depend.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> equations = process_equations(cl.load("averaging-tank").linear)
+    >>> [each.signal.name for each in used_in(equations, [equations.reading("volume")])]
+    ['tank.area']
+    """
+    used = {symbol.name() for symbol in ca.symvar(ca.vertcat(*map(ca.vec, expressions)))}
+    return tuple(each for each in equations.constants if each.symbol.name() in used)
+
+
+def models_in(
+    equations: ProcessEquations | InputAffineEquations, expressions: Iterable[ca.SX]
+) -> list[Signal]:
+    """Return those constants as parameters of a law (`model_parameter`).
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> equations = process_equations(cl.load("averaging-tank").linear)
+    >>> [each.name for each in models_in(equations, [equations.reading("volume")])]
+    ['model.tank.area']
+    """
+    return [model_parameter(each) for each in used_in(equations, expressions)]
+
+
+def evaluated(
+    equations: ProcessEquations | InputAffineEquations,
+    expressions: Sequence[ca.SX],
+    symbols: Symbols,
+    state: ca.SX | float = 0.0,
+    moved: ca.SX | float = 0.0,
+) -> list[ca.SX]:
+    """Return expressions of a process within a law, each operation that they share written once.
+
+    Parameters
+    ----------
+    equations : ProcessEquations or InputAffineEquations
+    expressions : sequence of casadi.SX
+    symbols : mapping
+        The constants that they depend on, as parameters of the law (`model.*`).
+    state, moved : casadi.SX [n], [m], optional
+        x and u, where they depend on them.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> equations = process_equations(cl.load("quadruple-tank").linear)
+    >>> level = {"model.level_1.gain": ca.SX(50.0)}
+    >>> evaluated(equations, [equations.reading("level_1")], level, ca.SX([0.1, 0, 0, 0]))
+    [SX(5)]
+    """
+    function, constants = function_in(equations, expressions, symbols)
+    return function.call([ca.SX(state), ca.SX(moved), constants])
+
+
+def function_in(
+    equations: ProcessEquations | InputAffineEquations,
+    expressions: Sequence[ca.SX],
+    symbols: Symbols,
+) -> tuple[ca.Function, ca.SX]:
+    """Return expressions as a function of x, u and constants, and the constants within a law.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> equations = process_equations(cl.load("quadruple-tank").linear)
+    >>> gain = {"model.level_1.gain": ca.SX(50.0)}
+    >>> function_in(equations, [equations.reading("level_1")], gain)[1]
+    SX(50)
+    """
+    used = used_in(equations, expressions)
+    arguments = [equations.state, equations.moved, ca.vertcat(*(each.symbol for each in used))]
+    given = (symbols[model_parameter(each).name] for each in used)
+    return ca.Function("at", arguments, list(expressions)), ca.SX(ca.vertcat(*given))
 
 
 def model_parameter(constant: Constant) -> Signal:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
-import casadi as ca
 import numpy as np
 
 from clepsydra.base.errors import InputError
@@ -16,13 +15,12 @@ from clepsydra.base.user_code import line_of, shortened, words_of
 from clepsydra.controllers.blocks.validity import LARGEST_NUMBER
 from clepsydra.controllers.own_signals import OwnSignals
 from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.program.entries import signal_of
 from clepsydra.program.step_law import StepLaw
 
+_Named = dict[str, float]
 #: What a user writes: (state, inputs, parameters, time step) → (next state, outputs), by name.
-Step = Callable[
-    [dict[str, float], dict[str, float], dict[str, float], float],
-    tuple[Mapping[str, float], Mapping[str, float]],
-]
+Step = Callable[[_Named, _Named, _Named, float], tuple[Mapping[str, float], Mapping[str, float]]]
 
 #: Way of a difference quotient, as a share of a signal's size; the cube root of rounding.
 _SHARE = 1e-5
@@ -52,37 +50,21 @@ class PythonLaw(StepLaw):
         The way is 1e-5 of the range of a signal, or of its value or 1 where it has none. What is
         no real number, a mode or a switch, is not moved: its columns are zero.
         """
-        x, u = np.array(state, float), np.array(inputs, float)
-        entries = [x if isinstance(x, Signal) else x.signal for x in self.state]
-        columns = []
-        for signals, vector in ((entries, x), (self.inputs, u)):
-            for place, signal in enumerate(signals):
-                columns.append(self._slope(signal, vector, place, x, u, parameters))
-        following, outputs = (np.column_stack(part) for part in zip(*columns, strict=True))
-        count = len(x)
-        return following[:, :count], following[:, count:], outputs[:, :count], outputs[:, count:]
+        z, n = np.array([*state, *inputs], float), len(state)
 
-    def _slope(
-        self,
-        signal: Signal,
-        vector: np.ndarray,
-        place: int,
-        x: np.ndarray,
-        u: np.ndarray,
-        parameters: Sequence[float],
-    ) -> tuple[np.ndarray, np.ndarray]:
-        if signal.kind != "real":
-            return np.zeros(len(self.state)), np.zeros(len(self.outputs))
-        middle = vector[place]
-        size = signal.span if np.isfinite(signal.span) else max(1.0, abs(middle))
-        ends = []
-        for vector[place] in (middle - _SHARE * size, middle + _SHARE * size):
-            following, outputs, _ = self.function(x, u, parameters)
-            ends.append((vector[place], np.array(following), np.array(outputs)))
-        vector[place] = middle
-        (first, *low), (last, *high) = ends
-        slopes = [(b - a) / (last - first) for a, b in zip(low, high, strict=True)]
-        return slopes[0], slopes[1]
+        def results(at: np.ndarray) -> np.ndarray:
+            following, outputs, _ = self.function(at[:n], at[n:], parameters)
+            return np.concatenate([following, outputs])
+
+        slopes = np.zeros((n + len(self.outputs), len(z)))
+        for place, signal in enumerate(map(signal_of, (*self.state, *self.inputs))):
+            if signal.kind == "real":
+                size = signal.span if np.isfinite(signal.span) else max(1.0, abs(z[place]))
+                low, high = z.copy(), z.copy()
+                low[place] -= _SHARE * size
+                high[place] += _SHARE * size
+                slopes[:, place] = (results(high) - results(low)) / (high[place] - low[place])
+        return slopes[:n, :n], slopes[:n, n:], slopes[n:, :n], slopes[n:, n:]
 
 
 def python_law(
@@ -155,55 +137,40 @@ class _PythonFunction:
 
     def __init__(self, name: str, step: Step, own: OwnSignals, file: Path | None) -> None:
         self.name, self._step, self._own, self._file = name, step, own, file
-        self._inputs = [signal.name for signal in own.whole_inputs]
-        self._parameters = [parameter.name for parameter in own.whole_parameters]
-        self._state = [entry.name for entry in own.state]
-        self._outputs = [signal.name for signal in own.outputs]
         self._end = own.end()
+        groups = own.state, own.whole_inputs, own.whole_parameters, own.outputs, self._end.state
+        self._names = [[entry.name for entry in group] for group in groups]
 
     def __call__(
         self, state: Any, inputs: Any, parameters: Any
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        own = self._own
-        x, u, p = (np.asarray(ca.DM(v) if isinstance(v, ca.DM) else v, float).ravel().tolist()
-                   for v in (state, inputs, parameters))  # fmt: skip
-        count = len(self._state)
-        given = dict(zip(self._inputs, u, strict=True))
-        values = dict(zip(self._parameters, p, strict=True))
-        kept = dict(zip(self._state, x[:count], strict=True))
-        last = {s.name: value for s, value in zip(self._end.state, x[count:], strict=True)}
+        own, end = self._own, self._end
+        kept_names, input_names, parameter_names, output_names, last_names = self._names
+        x, u, p = (np.asarray(v, float).ravel().tolist() for v in (state, inputs, parameters))
+        given = dict(zip(input_names, u, strict=True))
+        values = dict(zip(parameter_names, p, strict=True))
+        states = dict(zip((*kept_names, *last_names), x, strict=True))
+        kept, last = ({name: states[name] for name in group} for group in (kept_names, last_names))
         numbers = all(abs(given[name]) <= LARGEST_NUMBER for name in own.plant)
         sensors = all(given[name] != 0.0 for name in own.sensors)
-        time_step = given["time_step"]
-        usable = numbers and sensors and 0.0 < time_step <= LARGEST_NUMBER
-        following, asked = kept, dict.fromkeys(self._outputs, 0.0)
+        usable = numbers and sensors and 0.0 < given["time_step"] <= LARGEST_NUMBER
+        following, asked = kept, dict.fromkeys(output_names, 0.0)
         if usable:
-            following, asked = self._stepped(kept, given | last, values, time_step)
-        conditions = {"usable": usable, "numbers": numbers, "sensors": sensors}
+            following, asked = self._stepped(kept, given | last, values)
         told = {path(output.owner, "asked"): asked[output.name] for output in own.outputs}
-        told |= {name: float(value) for name, value in conditions.items()} | given
-        ended, outputs, _ = self._end.function(
-            x[count:],
-            [told[signal.name] for signal in self._end.inputs],
-            [values[parameter.name] for parameter in self._end.parameters],
+        told |= {"usable": usable, "numbers": numbers, "sensors": sensors} | given
+        ended, outputs, _ = end.function(
+            [*last.values()],
+            [float(told[signal.name]) for signal in end.inputs],
+            [values[parameter.name] for parameter in end.parameters],
         )
-        moved = np.array(ended).ravel()
-        return (
-            np.concatenate([[following[name] for name in self._state], moved]),
-            np.array(outputs).ravel(),
-            np.zeros(0),
-        )
+        following_state = [*(following[name] for name in kept_names), *np.array(ended).ravel()]
+        return np.array(following_state), np.array(outputs).ravel(), np.zeros(0)
 
-    def _stepped(
-        self,
-        state: dict[str, float],
-        inputs: dict[str, float],
-        parameters: dict[str, float],
-        time_step: float,
-    ) -> tuple[dict[str, float], dict[str, float]]:
+    def _stepped(self, state: _Named, inputs: _Named, parameters: _Named) -> tuple[_Named, _Named]:
         """Call the user's function and check what it returns."""
         try:
-            result = self._step(dict(state), inputs, parameters, time_step)
+            result = self._step(dict(state), inputs, parameters, inputs["time_step"])
         except Exception as error:
             where = self.name if self._file is None else line_of(error, self._file)
             raise InputError(
@@ -216,12 +183,11 @@ class _PythonFunction:
                 "the next state and the outputs, two dictionaries",
                 'write as in return {"integral": integral}, {"pump.out": output}',
             )  # fmt: skip
-        return (
-            self._checked("next state", result[0], self._state),
-            self._checked("outputs", result[1], self._outputs),
-        )
+        outputs = [signal.name for signal in self._own.outputs]
+        following = self._checked("next state", result[0], [*state])
+        return following, self._checked("outputs", result[1], outputs)
 
-    def _checked(self, what: str, values: Mapping[str, Any], names: list[str]) -> dict[str, float]:
+    def _checked(self, what: str, values: Mapping[str, Any], names: list[str]) -> _Named:
         if set(values) != set(names):
             raise InputError(
                 f"{self._place}, {what}", shortened(", ".join(map(str, values))) or "nothing",

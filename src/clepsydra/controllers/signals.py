@@ -7,7 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal, effect, owned, path
+from clepsydra.base.key import Key
+from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.program.delay_ring import DelayRing
@@ -19,6 +20,58 @@ SHORTEST_TIME = 1e-6
 LARGEST_PARAMETER = 1e9
 #: Parts that are a largest rate, of which the largest number is none, whatever its unit.
 LARGEST_RATES = frozenset({"rate_limit", "setpoint_rate", "setpoint_ramp"})
+
+
+#: What every measurement, and every controlled one, has in a law.
+PV = Key("pv", "{measurement}", "measured {measurement}", like="measurement")
+GOOD = Key("good", "1", "sensor of {measurement} is good", 0.0, 1.0, 1.0, kind="boolean")
+SP = Key("sp", "{measurement}", "setpoint of {measurement}", like="measurement")
+#: What every output has.
+MODE = Key(
+    "mode",
+    words="mode of {output}: 0 manual, 1 automatic, 2 tracking",
+    low=float(min(Mode)),
+    high=float(max(Mode)),
+    default=float(Mode.AUTOMATIC),
+    kind="integer",
+)
+MANUAL = Key("manual", "{output}", "value of {output} in manual", like="output")
+TRACKING = Key("tracking", "{output}", "value of {output} in tracking", like="output")
+OUT = Key("out", "{output}", "value of {output}", like="output")
+STATUS = Key(
+    "status",
+    words="sum of 1 automatic, 2 tracking, 4 at low limit, 8 at high limit, 16 sensor fault, "
+    "32 invalid input, 64 invalid time step, 128 at rate limit",
+    low=0.0,
+    high=255.0,
+    kind="integer",
+)
+LAST_OUTPUT = Key("last_output", "{output}", "{output} in the last sample")
+INTEGRAL = Key("integral", "{output}", "integral part of {output}")
+TIME_STEP = Key("time_step", "s", "time since the last sample", 0.0, default=1.0)
+
+
+def signed(name: str, unit: str, words: str, default: float = 0.0) -> Key:
+    """Return the key of a parameter that may have either sign: a gain, a bias, a limit.
+
+    Examples
+    --------
+    >>> signed("bias", "{output}", "{output} at the operating point").low
+    -1000000000.0
+    """
+    return Key(name, unit, words, -LARGEST_PARAMETER, LARGEST_PARAMETER, default)
+
+
+LOW_LIMIT = signed("low_limit", "{output}", "low limit of {output}")
+HIGH_LIMIT = signed("high_limit", "{output}", "high limit of {output}")
+TRACKING_TIME = Key(
+    "tracking_time",
+    "s",
+    "time in which back-calculation takes the integral out of saturation",
+    SHORTEST_TIME,
+    LARGEST_PARAMETER,
+    60.0,
+)
 
 
 def process_signals(given: Sequence[Signal | str], place: str) -> tuple[Signal, ...]:
@@ -87,21 +140,7 @@ def measurement_inputs(measured: Sequence[Signal]) -> list[Signal]:
     >>> [signal.name for signal in measurement_inputs([Signal("level_1", "V")])]
     ['level_1.pv', 'level_1.good']
     """
-    return [
-        each
-        for signal in measured
-        for each in (
-            like(signal, path(signal, "pv"), f"measured {signal.name}"),
-            Signal(
-                path(signal, "good"),
-                low=0.0,
-                high=1.0,
-                initial=1.0,
-                kind="boolean",
-                description=f"sensor of {signal.name} is good",
-            ),
-        )
-    ]
+    return [key.of(signal, measurement=signal) for signal in measured for key in (PV, GOOD)]
 
 
 def setpoint_inputs(controlled: Sequence[Signal]) -> list[Signal]:
@@ -112,18 +151,7 @@ def setpoint_inputs(controlled: Sequence[Signal]) -> list[Signal]:
     >>> setpoint_inputs([Signal("level_1", "V")])[0].name
     'level_1.sp'
     """
-    return [setpoint_input(signal, signal) for signal in controlled]
-
-
-def setpoint_input(owner: Signal | str, controlled: Signal) -> Signal:
-    """Return sp of an owner, for a controlled signal.
-
-    Examples
-    --------
-    >>> setpoint_input("override", Signal("level_1", "V")).name
-    'override.sp'
-    """
-    return like(controlled, path(owner, "sp"), f"setpoint of {controlled.name}")
+    return [SP.of(signal, measurement=signal) for signal in controlled]
 
 
 def output_inputs(manipulated: Sequence[Signal]) -> list[Signal]:
@@ -134,30 +162,8 @@ def output_inputs(manipulated: Sequence[Signal]) -> list[Signal]:
     >>> [signal.name for signal in output_inputs([Signal("pump_1", "V")])]
     ['pump_1.mode', 'pump_1.manual', 'pump_1.tracking', 'time_step']
     """
-    inputs = []
-    for signal in manipulated:
-        inputs += [
-            Signal(
-                path(signal, "mode"),
-                low=float(min(Mode)),
-                high=float(max(Mode)),
-                initial=float(Mode.AUTOMATIC),
-                kind="integer",
-                description=f"mode of {signal.name}: 0 manual, 1 automatic, 2 tracking",
-            ),
-            like(signal, path(signal, "manual"), f"value of {signal.name} in manual"),
-            like(signal, path(signal, "tracking"), f"value of {signal.name} in tracking"),
-        ]
-    return [
-        *inputs,
-        Signal(
-            "time_step",
-            "s",
-            low=0.0,
-            initial=1.0,
-            description="time since the last sample",
-        ),
-    ]
+    inputs = [key.of(u, output=u) for u in manipulated for key in (MODE, MANUAL, TRACKING)]
+    return [*inputs, TIME_STEP.of("")]
 
 
 def limit_parameters(signal: Signal) -> list[Signal]:
@@ -171,21 +177,7 @@ def limit_parameters(signal: Signal) -> list[Signal]:
     """
     low = signal.low if math.isfinite(signal.low) else 0.0
     high = signal.high if math.isfinite(signal.high) else 100.0
-    return [
-        gain(path(signal, "low_limit"), signal, low, f"low limit of {signal.name}"),
-        gain(path(signal, "high_limit"), signal, high, f"high limit of {signal.name}"),
-    ]
-
-
-def tracking_time(owner: Signal | str) -> Signal:
-    """Return tracking_time of back-calculation.
-
-    Examples
-    --------
-    >>> tracking_time("pump_1").name
-    'pump_1.tracking_time'
-    """
-    return owned(owner, [TRACKING_TIME])[0]
+    return [LOW_LIMIT.of(signal, low, output=signal), HIGH_LIMIT.of(signal, high, output=signal)]
 
 
 def output_parameters(signal: Signal, anti_windup: AntiWindup) -> list[Signal]:
@@ -198,19 +190,8 @@ def output_parameters(signal: Signal, anti_windup: AntiWindup) -> list[Signal]:
     """
     parameters = limit_parameters(signal)
     if anti_windup == "back_calculation":
-        parameters.append(tracking_time(signal))
+        parameters.append(TRACKING_TIME.of(signal))
     return parameters
-
-
-def integral_of(signal: Signal) -> Signal:
-    """Return integral.
-
-    Examples
-    --------
-    >>> integral_of(Signal("pump_1", "V")).description
-    'integral part of pump_1'
-    """
-    return Signal("integral", signal.unit, description=f"integral part of {signal.name}")
 
 
 def last_output(signal: Signal) -> Signal:
@@ -221,12 +202,7 @@ def last_output(signal: Signal) -> Signal:
     >>> last_output(Signal("pump_1", "V", initial=3.0)).initial
     3.0
     """
-    return Signal(
-        path(signal, "last_output"),
-        signal.unit,
-        initial=signal.initial,
-        description=f"{signal.name} in the last sample",
-    )
+    return LAST_OUTPUT.of(signal, signal.initial, output=signal)
 
 
 def output_state(signal: Signal) -> list[Signal]:
@@ -237,7 +213,7 @@ def output_state(signal: Signal) -> list[Signal]:
     >>> [state.name for state in output_state(Signal("pump_1", "V"))]
     ['pump_1.integral', 'pump_1.last_output']
     """
-    return [*owned(signal, [integral_of(signal)]), last_output(signal)]
+    return [INTEGRAL.of(signal, output=signal), last_output(signal)]
 
 
 def output_signals(signal: Signal) -> list[Signal]:
@@ -248,19 +224,9 @@ def output_signals(signal: Signal) -> list[Signal]:
     >>> [output.name for output in output_signals(Signal("pump_1", "V"))]
     ['pump_1.out', 'pump_1.status']
     """
-    return [
-        like(signal, path(signal, "out"), signal.description or f"value of {signal.name}"),
-        Signal(
-            path(signal, "status"),
-            low=0.0,
-            high=255.0,
-            kind="integer",
-            description=(
-                "sum of 1 automatic, 2 tracking, 4 at low limit, 8 at high limit, "
-                "16 sensor fault, 32 invalid input, 64 invalid time step, 128 at rate limit"
-            ),
-        ),
-    ]
+    out = OUT.of(signal, output=signal)
+    words = signal.description or out.description
+    return [replace(out, description=words), STATUS.of(signal)]
 
 
 def ratio_of_units(numerator: str, *denominators: str) -> str:
@@ -423,35 +389,6 @@ def duration(name: str, description: str) -> Signal:
     )
 
 
-def like_parameter(parameter: Signal, name: str) -> Signal:
-    """Return a state or parameter with the unit and the range of another parameter.
-
-    Examples
-    --------
-    >>> like_parameter(gain("proportional_gain", "V/m", 1.0, ""), "last_gain").unit
-    'V/m'
-    """
-    return replace(parameter, name=name)
-
-
-def setpoint_source(name: str, measurement: Signal, *, remote: bool = False) -> Signal:
-    """Return the choice of a setpoint: 0 local, 1 remote.
-
-    Examples
-    --------
-    >>> setpoint_source("setpoint_source", Signal("level"), remote=True).initial
-    1.0
-    """
-    return Signal(
-        name,
-        low=0.0,
-        high=1.0,
-        initial=float(remote),
-        kind="integer",
-        description=f"source of the setpoint of {measurement.name}: 0 local, 1 remote",
-    )
-
-
 def like(signal: Signal, name: str, description: str) -> Signal:
     """Return a signal with the units and the range of another.
 
@@ -469,8 +406,3 @@ def like(signal: Signal, name: str, description: str) -> Signal:
         initial=signal.initial,
         description=description,
     )
-
-
-TRACKING_TIME = duration(
-    "tracking_time", "time in which back-calculation takes the integral out of saturation"
-)

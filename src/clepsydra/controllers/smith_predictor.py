@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.ports import as_parts, called, parts_of, truth
-from clepsydra.controllers.blocks.validity import is_number
-from clepsydra.controllers.polynomial_controller import (
+from clepsydra.controllers.blocks.increments import (
     IncrementalLoop,
     PolynomialShape,
-    Read,
-    check_shapes,
-    joined,
-    law_inputs,
-    read,
+    products,
+    row,
+    shifted,
 )
-from clepsydra.program.block import Block
+from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.blocks.validity import is_number
+from clepsydra.controllers.polynomial_controller import law_of_loops, one_for_each
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+from clepsydra.program.entries import Entry
+from clepsydra.program.step_law import StepLaw
 
 FAMILY = "Smith predictor"
 
@@ -64,12 +62,8 @@ class PredictorShape:
     error_feedback: bool = False
 
     def __post_init__(self) -> None:
-        for name, value, least in (
-            ("order", self.order, 1),
-            ("tail", self.tail, 1),
-            ("delay", self.delay, 0),
-        ):
-            if value < least:
+        for name, least in {"order": 1, "tail": 1, "delay": 0}.items():
+            if (value := getattr(self, name)) < least:
                 raise InputError(
                     f"Smith predictor, {name}", value, f"at least {least}", "correct the model"
                 )
@@ -141,205 +135,96 @@ def smith_predictor_law(
     >>> float(outputs[0]), dict(zip([x.name for x in law.state], map(float, state.elements())))
     (3.5, {'level.model.1': 0.05, 'level.delayed_model': 0.0, 'pump.last_output': 3.5})
     """
-    pairs = signals.paired(measured, manipulated, "Smith predictor")
-    check_shapes(shapes, pairs, "Smith predictor")
-    loops = [_PredictedLoop(shape, *pair) for shape, pair in zip(shapes, pairs, strict=True)]
-    return step_law(
-        "smith_predictor",
-        inputs=law_inputs(pairs),
-        parameters=[p for loop in loops for p in loop.parameters()],
-        state=[s for loop in loops for s in loop.states()],
-        outputs=[o for loop in loops for o in loop.controller.outputs()],
-        equations=lambda symbols: joined([loop.step(symbols) for loop in loops]),
-        description=_words(loops),
-    )
-
-
-def _words(loops: Sequence[_PredictedLoop]) -> tuple[str, ...]:
-    found = [
+    loops = [
+        _PredictedLoop(shape.controller, y, u, "prediction", model=shape)
+        for shape, y, u in one_for_each(shapes, measured, manipulated, "Smith predictor")
+    ]
+    delays = ", ".join(f"{loop.model.delay} of {loop.measured.name}" for loop in loops)
+    words = [
         "Model without delay: x⁺ = −Σ a_j x(k−j+1) + B(1) (u − u°); with it ŷ = Σ β_j x(k−d−j+1); "
         "prediction ŷp = y + x − ŷ. B(1) is model_gain, a_j model_feedback, β_j model_share, u° "
         "bias.",
         "u = u(k−1) + r0 (w − ŷp) − Σ g_j ∇ŷp(k−j+1) + Σ s_j ∇w(k−j+1) − Σ p_j ∇u(k−j) within the "
         "limits, ∇ being the difference between two samples: r0 is reference_gain, g_j "
         "measurement_gain, s_j setpoint_gain, p_j increment_gain.",
+        f"Delay d in samples: {delays}.",
     ]
-    delays = ", ".join(f"{loop.shape.delay} of {loop.measured.name}" for loop in loops)
-    found.append(f"Delay d in samples: {delays}.")
-    if any(loop.shape.error_feedback for loop in loops):
-        found.append(
+    if any(shape.error_feedback for shape in shapes):
+        words.append(
             "Where a model integrates, κ e joins its input, e = y − y° − ŷ: κ is error_feedback."
         )
-    return tuple(found)
+    return law_of_loops("smith_predictor", loops, *words)
 
 
 @dataclass(frozen=True)
-class _PredictedLoop:
-    shape: PredictorShape
-    measured: Signal
-    moved: Signal
-
-    @property
-    def controller(self) -> IncrementalLoop:
-        return IncrementalLoop(self.shape.controller, self.measured, self.moved, "prediction")
+class _PredictedLoop(IncrementalLoop):
+    model: PredictorShape = field(kw_only=True)
 
     def parameters(self) -> list[Signal]:
-        y, u, shape = self.measured, self.moved, self.shape
-        gain, coefficient, per = signals.gain, signals.coefficient, signals.per
+        y, u, model = self.measured, self.moved, self.model
+        coefficient, words = signals.coefficient, f"of the model of {y.name}"
+        feedback = coefficient(path(y, "model_feedback"), "1", f"a{{1}} {words}")
+        share = coefficient(path(y, "model_share"), "1", f"b{{1}} / B(1) {words}")
+        gain = f"what {u.name} adds in a sample"
         found = [
-            coefficient(path(y, "model_gain"), per(y, u), f"what {u.name} adds in a sample"),
-            *(
-                coefficient(name, "1", f"a{j} of the model of {y.name}")
-                for j, name in enumerate(elements(path(y, "model_feedback"), shape.order), start=1)
-            ),
-            *(
-                coefficient(name, "1", f"b{j} / B(1) of the model of {y.name}")
-                for j, name in enumerate(elements(path(y, "model_share"), shape.tail), start=1)
-            ),
-            gain(path(u, "bias"), u, 0.0, f"{u.name} at the operating point"),
+            *super().parameters(),
+            coefficient(path(y, "model_gain"), signals.per(y, u), gain),
+            *row(feedback, model.order),
+            *row(share, model.tail),
+            signals.at_rest(u, "bias"),
         ]
-        if shape.error_feedback:
+        if model.error_feedback:
             words = f"what the predicted error of {y.name} adds to the model's input"
-            found += [
-                gain(path(y, "error_feedback"), per(u, y), 0.0, words),
-                gain(path(y, "reference"), y, 0.0, f"{y.name} at the operating point"),
-            ]
-        return self.controller.parameters() + found
+            name, per = path(y, "error_feedback"), signals.per(u, y)
+            found += [signals.gain(name, per, 0.0, words), signals.at_rest(y, "reference")]
+        return found
 
-    def states(self) -> list[Signal | DelayRing]:
-        y, shape = self.measured, self.shape
+    def states(self) -> Sequence[Entry]:
+        y, model = self.measured, self.model
 
-        def of_model(name: str, when: str) -> Signal:
-            return Signal(name, y.unit, description=f"model of {y.name} without delay, {when}")
+        def of_model(part: str, when: str) -> Signal:
+            words = f"model of {y.name} without delay, {when}"
+            return Signal(path(y, part), y.unit, description=words)
 
-        found: list[Signal | DelayRing] = [
-            of_model(name, f"{ago} samples ago" if ago else "now")
-            for ago, name in enumerate(elements(path(y, "model"), shape.order))
+        found: list[Entry] = [
+            of_model("model.1", "now"),
+            *row(of_model("model", "{0} samples ago"), model.order)[1:],
         ]
-        if shape.delay:
-            ring = of_model(path(y, "delayed_model"), f"{shape.delay} samples ago")
-            found.append(DelayRing(ring, shape.delay))
-        found += [
-            of_model(name, f"{shape.delay + j} samples ago")
-            for j, name in enumerate(elements(path(y, "past_model"), shape.tail - 1), start=1)
-        ]
-        if shape.error_feedback:
+        if model.delay:
+            oldest = of_model("delayed_model", f"{model.delay} samples ago")
+            found.append(DelayRing(oldest, model.delay))
+        found += row(of_model("past_model", "{1} samples ago"), model.tail - 1, model.delay + 1)
+        if model.error_feedback:
             words = f"last error of the model of {y.name}"
             found.append(Signal(path(y, "model_error"), y.unit, description=words))
-        return [*found, *self.controller.states()]
+        return [*found, *super().states()]
 
-    def step(self, symbols: Symbols) -> Equations:
+    def step(self, sample: Sample) -> None:
         """Predict, let the primary controller act, and move the model on."""
-        y, u, shape = self.measured, self.moved, self.shape
-        predictor, model = _prediction(shape), _model(shape)
-        plain = read(symbols, self.controller)
-        ports = (*predictor.inputs, *model.inputs, *model.state)
-        now, delayed = symbols[path(y, "model.1")], path(y, "delayed_model")
-        given = {
-            **parts_of(y, symbols, ports),
-            **parts_of(u, symbols, ports),
-            "delayed": symbols[delayed] if shape.delay else now,
-            "measurement": plain.measurement,
-            "known": plain.measurement_known,
-        }
-        first = called(predictor, path(y, "prediction"), given).outputs
-        prediction = first["prediction"]
-        predicted = Read(
-            prediction,
-            plain.setpoint,
-            ca.logic_and(plain.measurement_known, is_number(prediction)),
-            plain.numbers,
-            plain.sensor,
-            {**plain.named, **as_parts(y, first)},
-        )
-        following = self.controller.step(symbols, predicted)
-        given |= {**first, "manipulated": following.outputs[path(u, "out")]}
-        state = as_parts(y, called(model, path(y, "model"), given).next_state)
-        if shape.delay:
-            state[delayed] = now
-        return Equations(
-            {**following.next_state, **state}, following.outputs, following.intermediates
-        )
-
-
-def _row(name: str, count: int) -> list[Signal]:
-    return [Signal(each) for each in elements(name, count)]
-
-
-def _weighted_sum(s: Symbols, weights: str, values: Sequence[ca.SX]) -> ca.SX:
-    names = elements(weights, len(values))
-    first, *others = (s[name] * value for name, value in zip(names, values, strict=True))
-    return sum(others, start=first)
-
-
-@cache
-def _prediction(shape: PredictorShape) -> Block:
-    """Return the block of what the model shows: with the delay, and without it."""
-    tail = shape.tail
-    return Block(
-        f"smith_prediction_{tail}",
-        (
-            Signal("measurement"),
-            Signal("model.1", description="the model without delay"),
-            Signal("delayed", description="the same, a delay ago"),
-            *_row("past_model", tail - 1),
-            *_row("model_share", tail),
-        ),
-        (),
-        (Signal("model_output"), Signal("prediction")),
-        lambda s: _predicted(s, tail),
-        ("The measurement, and what the model does without its delay.",),
-    )
-
-
-def _predicted(s: Symbols, tail: int) -> Equations:
-    past = [s[name] for name in elements("past_model", tail - 1)]
-    output = _weighted_sum(s, "model_share", [s["delayed"], *past])
-    prediction = s["measurement"] + (s["model.1"] - output)
-    return Equations({}, {"model_output": output, "prediction": prediction})
-
-
-@cache
-def _model(shape: PredictorShape) -> Block:
-    """Return the block of the model without delay, moved by what was applied."""
-    corrects = shape.error_feedback
-    errors = ("model_output", "measurement", "error_feedback", "reference")
-    return Block(
-        f"smith_model_{shape.order}_{shape.tail}{'_with_error' if corrects else ''}",
-        (
-            Signal("manipulated", description="what stands at the actuator"),
-            Signal("bias"),
-            Signal("delayed", description="the model, a delay ago"),
-            Signal("model_gain"),
-            *_row("model_feedback", shape.order),
-            *(map(Signal, errors) if corrects else ()),
-            *([truth("known", "the measurement is a number from a sound sensor")] * corrects),
-        ),
-        (
-            *_row("model", shape.order),
-            *_row("past_model", shape.tail - 1),
-            *([Signal("model_error")] * corrects),
-        ),
-        (),
-        lambda s: _model_moved(s, shape),
-        ("x(k+1) = B(1) (u - u0) - a1 x(k) - a2 x(k-1) - ..., and its error where it integrates.",),
-    )
-
-
-def _model_moved(s: Symbols, shape: PredictorShape) -> Equations:
-    names, past_names = elements("model", shape.order), elements("past_model", shape.tail - 1)
-    model, past = [s[name] for name in names], [s["delayed"], *(s[name] for name in past_names)]
-    moved = s["manipulated"] - s["bias"]
-    state = {}
-    if shape.error_feedback:
-        surprise = s["measurement"] - s["reference"] - s["model_output"]
-        known = ca.logic_and(s["known"], is_number(surprise))
-        state["model_error"] = ca.if_else(known, surprise, s["model_error"])
-        moved = moved + s["error_feedback"] * state["model_error"]
-    value = s["model_gain"] * moved - _weighted_sum(s, "model_feedback", model)
-    # In step with the ring, which goes on in every scan.
-    goes_on = is_number(value)
-    memory = dict(zip(names, [value, *model], strict=False))
-    memory |= dict(zip(past_names, past, strict=False))
-    state |= {name: ca.if_else(goes_on, new, s[name]) for name, new in memory.items()}
-    return Equations(state, {})
+        y, u, s, model = self.measured, self.moved, sample.symbols, self.model
+        reading = Reading.of(sample, [y.name], [y.name])
+        measurement, now = reading.measurements[y.name], s[path(y, "model.1")]
+        ring = path(y, "delayed_model")
+        delayed = s[ring] if model.delay else now
+        past = [s[name] for name in elements(path(y, "past_model"), model.tail - 1)]
+        output = sum(products(s, path(y, "model_share"), [delayed, *past]), ca.SX(0))
+        prediction = measurement + (now - output)
+        sample.name(y, {"model_output": output, "prediction": prediction})
+        known = ca.logic_and(reading.known, is_number(prediction))
+        self.act(sample, replace(reading, measurements={y.name: prediction}, known=known))
+        moved = sample.outputs[path(u, "out")] - s[path(u, "bias")]
+        if model.error_feedback:
+            gain, reference, error = sample.of(y, "error_feedback", "reference", "model_error")
+            surprise = measurement - reference - output
+            error = ca.if_else(ca.logic_and(reading.known, is_number(surprise)), surprise, error)
+            sample.next_state[path(y, "model_error")] = error
+            moved = moved + gain * error
+        values = [s[name] for name in elements(path(y, "model"), model.order)]
+        fed_back = sum(products(s, path(y, "model_feedback"), values))
+        following = s[path(y, "model_gain")] * moved - fed_back
+        # In step with the ring, which goes on in every scan.
+        goes_on = is_number(following)
+        sample.next_state |= shifted(s, path(y, "model"), model.order, following, goes_on)
+        sample.next_state |= shifted(s, path(y, "past_model"), model.tail - 1, delayed, goes_on)
+        if model.delay:
+            sample.next_state[ring] = now

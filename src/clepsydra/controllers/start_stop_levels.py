@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
+from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, elements, path
+from clepsydra.base.units import from_si
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.handover import Asked
 from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.mode import Mode
-from clepsydra.controllers.blocks.ports import as_parts
+from clepsydra.controllers.blocks.ports import truth
 from clepsydra.controllers.blocks.pump_order import pump_order
-from clepsydra.controllers.blocks.validity import is_number, is_time_step
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.blocks.validity import is_time_step
+from clepsydra.controllers.control_law import control_law
+from clepsydra.program.step_law import StepLaw
 
 FAMILY = "start/stop levels"
-_OF_A_PUMP = (
-    "mode", "running_value", "stopped_value", "low_limit", "high_limit", "in_service", "rested",
-    "last_output",
-)  # fmt: skip
-
+_DUTY = Key("duty", "1", "number of the pump whose turn it is", 1.0, default=1.0, kind="integer")
+_FAR = signals.LARGEST_PARAMETER
+_REST = Key(
+    "shortest_rest", "s", "least time between a stop and the next start of a pump", 0.0, _FAR
+)
+_RESTED = Key("rested", "s", "time since {pump} stopped", default=_FAR)
 _DESCRIPTION = (
     "Each stage begins at its start level and ends at its stop level; between them it stays.",
     "As many pumps run as there are stages: those that run, then the duty pump and those after it.",
@@ -96,57 +102,43 @@ def start_stop_law(
             "start/stop law, measured", [signal.name for signal in levels], "one level",
             "name the one that starts and stops the pumps",
         )  # fmt: skip
-    level, driven = levels[0], signals.process_signals(manipulated, "start/stop law, manipulated")
-    stages = elements("stage", len(driven))
-    return step_law(
+    level, pumps = levels[0], signals.process_signals(manipulated, "start/stop law, manipulated")
+    stages = elements("stage", len(pumps))
+    parameters = [
+        _value(level, path(stage, what), 0.0, f"{level.name} at which stage {number} {words}")
+        for number, stage in enumerate(stages, start=1)
+        for what, words in (("start_level", "begins"), ("stop_level", "ends"))
+    ]
+    on = [truth(path(stage, "on"), f"stage {j} on") for j, stage in enumerate(stages, start=1)]
+    duty = replace(_DUTY.of(""), high=float(len(pumps)))
+    rested = [_RESTED.of(pump, pump=pump) for pump in pumps]
+    return control_law(
         "start_stop_levels",
-        inputs=[*signals.measurement_inputs([level]), *signals.output_inputs(driven)],
+        lambda sample: _equations(sample, level, pumps, stages),
+        measured=[level],
+        controlled=[],
+        manipulated=pumps,
         parameters=[
-            *(parameter for number, stage in enumerate(stages, 1)
-              for parameter in _stage_parameters(stage, number, level)),
+            *parameters,
             _switch("alternation", "1 where the duty pump changes after each run"),
-            Signal(
-                "shortest_rest",
-                "s",
-                low=0.0,
-                high=signals.LARGEST_PARAMETER,
-                description="least time between a stop and the next start of a pump",
-            ),
-            *(parameter for pump in driven for parameter in _pump_parameters(pump)),
+            _REST.of(""),
+            *(parameter for pump in pumps for parameter in _pump_parameters(pump)),
         ],
-        state=[
-            *(
-                Signal(path(stage, "on"), kind="boolean", low=0.0, high=1.0,
-                       description=f"stage {number} on")
-                for number, stage in enumerate(stages, start=1)
-            ),
-            Signal(
-                "duty", kind="integer", low=1.0, high=float(len(driven)), initial=1.0,
-                description="number of the pump whose turn it is",
-            ),
-            *(
-                Signal(path(pump, "rested"), "s", initial=signals.LARGEST_PARAMETER,
-                       description=f"time since {pump.name} stopped")
-                for pump in driven
-            ),
-            *map(signals.last_output, driven),
-        ],
-        outputs=[signal for pump in driven for signal in signals.output_signals(pump)],
-        equations=lambda symbols: _equations(symbols, level, driven, stages),
+        state=[*on, duty, *rested, *map(signals.last_output, pumps)],
         description=_DESCRIPTION,
-    )  # fmt: skip
+    )
 
 
-def check_levels(values: Mapping[str, float], pumps: int, place: str) -> None:
+def check_levels(law: StepLaw, values: Mapping[str, float], place: str) -> None:
     """Refuse levels that do not follow each other as the pumps need them.
 
     Parameters
     ----------
+    law : StepLaw
     values : mapping
-        start_level and stop_level of each stage.
-    pumps : int
+        start_level and stop_level of each stage [SI].
     place : str
-        The controller's name, for the message.
+        For the message.
 
     Raises
     ------
@@ -156,50 +148,54 @@ def check_levels(values: Mapping[str, float], pumps: int, place: str) -> None:
 
     Examples
     --------
-    >>> check_levels({"stage.1.start_level": 1.0, "stage.1.stop_level": 0.5,
-    ...               "stage.2.start_level": 0.9, "stage.2.stop_level": 0.6}, 2, "wet well")
+    >>> law = start_stop_law([Signal("level", "m", "cm")], ["duty", "standby"])
+    >>> check_levels(law, {"stage.1.start_level": 1.0, "stage.1.stop_level": 0.5,
+    ...                    "stage.2.start_level": 0.9, "stage.2.stop_level": 0.6}, "wet well")
     Traceback (most recent call last):
         ...
-    clepsydra.base.errors.InputError: wet well, stage.2.start_level: got 0.9, expected a level \
-beyond stage.1.start_level, 1; let each stage start after the one before it.
+    clepsydra.base.errors.InputError: wet well, stage.2.start_level: got '90 cm', expected a level \
+beyond stage.1.start_level, 100 cm; let each stage start after the one before it.
     """
-    stages = [(path(s, "start_level"), path(s, "stop_level")) for s in elements("stage", pumps)]
+    shown = {
+        p.name: f"{from_si(values[p.name], p.unit, p.shown_unit):.6g} {p.shown_unit}"
+        for p in law.parameters
+        if p.part in ("start_level", "stop_level")
+    }
+    stages = [
+        (path(s, "start_level"), path(s, "stop_level"))
+        for s in signals.owners(law.parameters, "start_level")
+    ]
     first, end = stages[0]
     sign = 1.0 if values[first] >= values[end] else -1.0
     side = "above" if sign > 0 else "below"
+    both = "give every stage a start and a stop level, on the same side in all stages"
     for (before, _), (start, stop) in zip([("", ""), *stages], stages, strict=False):
-        if not sign * (values[start] - values[stop]) > 0.0:
-            raise InputError(
-                f"{place}, {start}", values[start], f"a level {side} {stop}, {values[stop]:g}",
-                "give every stage a start and a stop level, on the same side in all stages",
-            )  # fmt: skip
-        if before and not sign * (values[start] - values[before]) > 0.0:
-            raise InputError(
-                f"{place}, {start}", values[start],
-                f"a level beyond {before}, {values[before]:g}",
-                "let each stage start after the one before it",
-            )  # fmt: skip
-
-
-def _stage_parameters(stage: str, number: int, level: Signal) -> list[Signal]:
-    words = f"{level.name} at which stage {number}"
-    return [
-        signals.gain(path(stage, what), level, 0.0, f"{words} {end}")
-        for what, end in (("start_level", "begins"), ("stop_level", "ends"))
-    ]
+        for than, beyond, remedy in (
+            (stop, side, both),
+            (before, "beyond", "let each stage start after the one before it"),
+        ):
+            if than and not sign * (values[start] - values[than]) > 0.0:
+                expected = f"a level {beyond} {than}, {shown[than]}"
+                raise InputError(f"{place}, {start}", shown[start], expected, remedy)
 
 
 def _pump_parameters(pump: Signal) -> list[Signal]:
     low, high = signals.limit_parameters(pump)
+    runs, stands = f"{pump.name} while it runs", f"{pump.name} while it stands"
     return [
-        signals.gain(path(pump, "running_value"), pump, high.initial, f"{pump.name} while it runs"),
-        signals.gain(
-            path(pump, "stopped_value"), pump, low.initial, f"{pump.name} while it stands"
-        ),
+        _value(pump, path(pump, "running_value"), high.initial, runs),
+        _value(pump, path(pump, "stopped_value"), low.initial, stands),
         low,
         high,
         _switch(path(pump, "in_service"), f"1 where {pump.name} may be started"),
     ]
+
+
+def _value(signal: Signal, name: str, initial: float, description: str) -> Signal:
+    """Return a parameter that is a value of a signal, beyond whose range it would do nothing."""
+    found = signals.gain(name, signal, initial, description)
+    low, high = max(found.low, signal.low), min(found.high, signal.high)
+    return replace(found, low=low, high=high, initial=min(max(initial, low), high))
 
 
 def _switch(name: str, description: str) -> Signal:
@@ -207,69 +203,43 @@ def _switch(name: str, description: str) -> Signal:
 
 
 def _equations(
-    symbols: Symbols, measured: Signal, driven: Sequence[Signal], stages: Sequence[str]
-) -> Equations:
-    level, sound = symbols[path(measured, "pv")], symbols[path(measured, "good")]
-    valid, time_step_good = is_number(level), is_time_step(symbols["time_step"])
-    usable = ca.logic_and(ca.logic_and(valid, sound), time_step_good)
-    passed = ca.if_else(time_step_good, symbols["time_step"], 0)
-    pumps = [{part: symbols[path(pump, part)] for part in _OF_A_PUMP} for pump in driven]
-    on = {path(stage, "on"): _stage(symbols, stage, level, usable) for stage in stages}
-    demand = _total(on.values())
-    runs = [pump["last_output"] != _stands_at(pump) for pump in pumps]
-    rested = [pump["rested"] >= symbols["shortest_rest"] for pump in pumps]
-    ready = [_ready(*each) for each in zip(pumps, runs, rested, strict=True)]
-    order = pump_order(symbols["duty"], runs, ready, demand)
-    before = _total(symbols[name] for name in on)
-    ends = ca.logic_and(before > 0, demand == 0)
-    rotates = ca.logic_and(ends, symbols["alternation"] == 1)
-    state = {**on, "duty": ca.if_else(rotates, order.next_duty, symbols["duty"])}
-    outputs: dict[str, ca.SX] = {}
-    conditions: dict[str, ca.SX] = {}
-    named: dict[str, ca.SX] = {"demand": demand}
-    for moved, pump, running, is_ready, wanted in zip(
-        driven, pumps, runs, ready, order.wanted, strict=True
-    ):
-        value = ca.if_else(wanted, pump["running_value"], pump["stopped_value"])
-        element = final_element(symbols, moved, Asked(value, usable, valid, sound))
-        manipulated = element.manipulated
-        state |= as_parts(
-            moved, {"rested": _rested(pump, manipulated, passed), "last_output": manipulated}
-        )
-        outputs |= as_parts(moved, {"out": manipulated, "status": element.status})
-        conditions |= element.named
-        named |= as_parts(moved, {"runs": running, "ready": is_ready, "wanted": wanted})
-    return Equations(state, outputs, {**conditions, **named})
+    sample: Sample, level: Signal, pumps: Sequence[Signal], stages: Sequence[str]
+) -> None:
+    reading = Reading.of(sample, [level.name], [])
+    time_step_good = is_time_step(sample["time_step"])
+    usable = ca.logic_and(reading.known, time_step_good)
+    passed = ca.if_else(time_step_good, sample["time_step"], 0)
+    height = reading.measurements[level.name]
+    on = {path(stage, "on"): _stage(sample, stage, height, usable) for stage in stages}
+    demand = sum(on.values(), ca.SX(0))
+    stands, runs, ready = [], [], []
+    for pump in pumps:
+        stands.append(limit(*sample.of(pump, "stopped_value", "low_limit", "high_limit")))
+        mode, in_service, rested = sample.of(pump, "mode", "in_service", "rested")
+        runs.append(sample[path(pump, "last_output")] != stands[-1])
+        has_leave = ca.logic_and(mode == Mode.AUTOMATIC, in_service == 1)
+        has_rested = rested >= sample["shortest_rest"]
+        ready.append(ca.logic_and(has_leave, ca.logic_or(runs[-1], has_rested)))
+    wanted, next_duty = pump_order(sample["duty"], runs, ready, demand)
+    ends = ca.logic_and(sum(sample[name] for name in on) > 0, demand == 0)
+    rotates = ca.logic_and(ends, sample["alternation"] == 1)
+    sample.next_state |= {**on, "duty": ca.if_else(rotates, next_duty, sample["duty"])}
+    sample.named["demand"] = demand
+    for i, pump in enumerate(pumps):
+        running, stopped = sample.of(pump, "running_value", "stopped_value")
+        value = ca.if_else(wanted[i], running, stopped)
+        asked = Asked(value, usable, reading.numbers, reading.sensors)
+        applied = final_element(sample, pump, asked).applied
+        longer = ca.fmin(_FAR, sample[path(pump, "rested")] + passed)
+        sample.next_state[path(pump, "rested")] = ca.if_else(applied != stands[i], 0, longer)
+        sample.name(pump, {"runs": runs[i], "ready": ready[i], "wanted": wanted[i]})
 
 
-def _stage(symbols: Symbols, stage: str, level: ca.SX, usable: ca.SX) -> ca.SX:
+def _stage(sample: Sample, stage: str, level: ca.SX, usable: ca.SX) -> ca.SX:
     """Return whether a stage is on after this sample."""
-    start, stop, now = (symbols[path(stage, part)] for part in ("start_level", "stop_level", "on"))
+    start, stop, now = sample.of(stage, "start_level", "stop_level", "on")
     empties = start > stop
     begins = ca.if_else(empties, level >= start, level <= start)
     ends = ca.if_else(empties, level <= stop, level >= stop)
     on = ca.if_else(ends, 0, ca.if_else(begins, 1, now))
     return ca.if_else(usable, on, now)
-
-
-def _stands_at(pump: Symbols) -> ca.SX:
-    return limit(pump["stopped_value"], pump["low_limit"], pump["high_limit"])
-
-
-def _ready(pump: Symbols, runs: ca.SX, rested: ca.SX) -> ca.SX:
-    """Return whether a pump may run in automatic."""
-    automatic = pump["mode"] == Mode.AUTOMATIC
-    has_leave = ca.logic_and(automatic, pump["in_service"] == 1)
-    return ca.logic_and(has_leave, ca.logic_or(runs, rested))
-
-
-def _rested(pump: Symbols, manipulated: ca.SX, passed: ca.SX) -> ca.SX:
-    longer = ca.fmin(signals.LARGEST_PARAMETER, pump["rested"] + passed)
-    return ca.if_else(manipulated != _stands_at(pump), 0, longer)
-
-
-def _total(truths: Iterable[ca.SX]) -> ca.SX:
-    total = ca.SX(0)
-    for truth in truths:
-        total = total + truth
-    return total

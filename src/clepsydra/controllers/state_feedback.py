@@ -9,11 +9,13 @@ import casadi as ca
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import tracking_share
+from clepsydra.controllers.blocks.matrix import Matrix
 from clepsydra.controllers.blocks.output_stage import output_stage
+from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_time_step
+from clepsydra.controllers.observers.linear_state import LinearState
 from clepsydra.controllers.observers.structure import ObserverStructure
-from clepsydra.controllers.state_reading import StateSignals
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+from clepsydra.program.step_law import StepLaw
 
 FAMILY = "state feedback"
 
@@ -85,29 +87,37 @@ def state_feedback_law(
     >>> float(outputs[0])
     5.0
     """
-    state = StateSignals.of(measured, manipulated, controlled, observer, "state feedback")
-    parameters = state.reference_parameters()
-    for u in state.manipulated:
-        parameters += [
-            *state.feedback_parameters(u),
-            signals.at_rest(u, "bias"),
-            *(_precompensator(u, y) for y in state.followed),
-            fading_time(u),
-            *signals.output_parameters(u, "conditional_integration"),
+    state = LinearState(measured, manipulated, controlled, observer, "state feedback")
+    words = "gain from the setpoint of {by} to {to}"
+    ahead = Matrix("precompensator", state.manipulated, state.controlled, words)
+
+    def equations(sample: Sample) -> None:
+        reading = state.read(sample)
+        known = state.known(sample, reading)
+        wishes = {
+            path(y, "wish"): setpoint - sample[path(y, "reference")]
+            for y, setpoint in reading.setpoints.items()
+        }
+        sample.named |= wishes
+        fed_back = state.feedback.times(sample.symbols, state.deviations(sample, known))
+        fed_forward = ahead.times(sample.symbols, list(wishes.values()))
+        applied = [
+            output_stage(
+                sample,
+                u,
+                reading,
+                proportional=sample[path(u, "bias")] - back + forward,
+                increment=fading(sample, u),
+                anti_windup="conditional_integration",
+            )
+            for u, back, forward in zip(state.manipulated, fed_back, fed_forward, strict=True)
         ]
-    return step_law(
-        "state_feedback",
-        inputs=state.inputs(),
-        parameters=parameters,
-        state=state.states(),
-        outputs=state.outputs(),
-        equations=lambda symbols: _equations(symbols, state),
-    )
+        state.move_on(sample, known, applied)
 
-
-def _precompensator(u: Signal, y: Signal) -> Signal:
-    words = f"gain from the setpoint of {y.name} to {u.name}"
-    return signals.number_of("precompensator", u, y, words)
+    parameters = [*state.parameters(), *state.feedback.signals(), *ahead.signals()]
+    for u in state.manipulated:
+        parameters += [signals.at_rest(u, "bias"), fading_time(u), *signals.limit_parameters(u)]
+    return state.law("state_feedback", equations, parameters)
 
 
 def fading_time(u: Signal) -> Signal:
@@ -122,28 +132,15 @@ def fading_time(u: Signal) -> Signal:
     return signals.duration(path(u, "fading_time"), words)
 
 
-def _equations(symbols: Symbols, state: StateSignals) -> Equations:
-    reading = state.read(symbols)
-    wishes = {
-        path(y, "wish"): setpoint - symbols[path(y, "reference")]
-        for y, setpoint in reading.setpoints.items()
-    }
-    time_step = ca.if_else(is_time_step(symbols["time_step"]), symbols["time_step"], 1)
-    stages, intermediates = [], dict(wishes)
-    for u in state.manipulated:
-        feedback = state.fed_back(symbols, u, reading)
-        ahead = state.of_controlled(symbols, u, "precompensator", list(wishes.values()))
-        intermediates |= {path(u, "feedback"): feedback, path(u, "feedforward"): ahead}
-        share = tracking_share(time_step, symbols[path(u, "fading_time")])
-        stages.append(
-            output_stage(
-                symbols,
-                u,
-                proportional=symbols[path(u, "bias")] - feedback + ahead,
-                increment=-share * symbols[path(u, "integral")],
-                signals_are_numbers=reading.signals_are_numbers,
-                sensors_are_good=reading.sensors_are_good,
-                anti_windup="conditional_integration",
-            )
-        )
-    return state.equations(symbols, reading, stages, intermediates)
+def fading(sample: Sample, u: Signal) -> ca.SX:
+    """Return the increment of an integral that only makes a start bumpless: −min(Δt/Tf, 1) b.
+
+    Examples
+    --------
+    >>> given = {"pump.integral": 5.0, "pump.fading_time": 10.0, "time_step": 2.0}
+    >>> float(fading(Sample({name: ca.DM(value) for name, value in given.items()}), Signal("pump")))
+    -1.0
+    """
+    time_step = ca.if_else(is_time_step(sample["time_step"]), sample["time_step"], 1)
+    integral, time = sample.of(u, "integral", "fading_time")
+    return -tracking_share(time_step, time) * integral

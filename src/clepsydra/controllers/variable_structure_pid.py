@@ -47,6 +47,11 @@ class VariableStructureForm(PidForm):
         return "variable_structure"
 
     @property
+    def parameters(self) -> tuple[str, ...]:
+        """Those of a PID loop, and α."""
+        return (*super().parameters, "saturation_rate")
+
+    @property
     def plain(self) -> PidForm:
         """The form without any anti-windup, which has the same settings."""
         return PidForm(**_without_anti_windup(self))
@@ -66,41 +71,6 @@ def variable_structure_form(form: PidForm) -> VariableStructureForm:
 def _without_anti_windup(form: PidForm) -> dict[str, Any]:
     chosen = {field.name: getattr(form, field.name) for field in fields(PidForm)}
     return chosen | {"anti_windup": "none"}
-
-
-@dataclass(frozen=True)
-class VariableStructureBlock(PidBlock):
-    """A PID loop with saturation_rate, the α of its integral.
-
-    Examples
-    --------
-    >>> form = variable_structure_form(PidForm())
-    >>> block = VariableStructureBlock.of(Signal("level", "m"), form, Signal("pump", "V"))
-    >>> [signal.name for signal in block.parameters()][-1]
-    'level.saturation_rate'
-    """
-
-    def own_parameters(self) -> list[Signal]:
-        """Those of a PID loop, and α."""
-        return [*super().own_parameters(), saturation_rate(self.moved)]
-
-
-def saturation_rate(moved: Signal) -> Signal:
-    """Return saturation_rate [1/s].
-
-    Examples
-    --------
-    >>> saturation_rate(Signal("pump", "V")).unit
-    '1/s'
-    """
-    return Signal(
-        "saturation_rate",
-        "1/s",
-        low=0.0,
-        high=signals.LARGEST_PARAMETER,
-        initial=0.1,
-        description=f"α: rate at which an excess over the limits of {moved.name} dies away",
-    )
 
 
 def variable_structure_pid_law(
@@ -159,7 +129,7 @@ def variable_structure_pid_law(
     """
     chosen = variable_structure_form(form or PidForm())
     pairs = signals.paired(measured, manipulated, "PID law")
-    loops = [VariableStructureBlock.of(y, chosen, output) for y, output in pairs]
+    loops = [PidBlock.of(y, chosen, output) for y, output in pairs]
     followed = {measurement.name: measurement for measurement, _ in pairs}
     return structure_law(
         f"variable_structure_{chosen.actions.lower()}",

@@ -7,22 +7,13 @@ from typing import Literal, get_args
 
 import casadi as ca
 
-from clepsydra.base.errors import InputError
+from clepsydra.base.key import Key
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.anti_windup import (
-    AntiWindup,
-    back_calculation,
-    clamping,
-    conditional_integration,
-    tracking_share,
-)
+from clepsydra.controllers.blocks.anti_windup import AntiWindup, check_name, next_in_force
+from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_number
-from clepsydra.controllers.blocks.variable_structure import (
-    share_of_excess,
-    variable_structure,
-    winds_up,
-)
+from clepsydra.controllers.blocks.variable_structure import winds_up
 from clepsydra.program.step_law import Symbols
 
 VirtualAntiWindup = Literal["variable_structure"] | AntiWindup
@@ -30,6 +21,27 @@ VirtualAntiWindup = Literal["variable_structure"] | AntiWindup
 AlphaOn = Literal["virtual", "input"]
 
 ANTI_WINDUPS: tuple[str, ...] = ("variable_structure", *get_args(AntiWindup))
+
+_LARGEST = signals.LARGEST_PARAMETER
+_GAIN = signals.signed("virtual_gain", "{rate}", "Kp of {measurement}", 1.0)
+_INTEGRAL_GAIN = Key("virtual_integral_gain", "{rate}", "Ki of {measurement}", 0.0, _LARGEST, 1.0)
+_WEIGHT = Key(
+    "setpoint_weight", "1", "share of the setpoint of {measurement} in the proportional part",
+    0.0, 1.0, 1.0,
+)  # fmt: skip
+_DIES_AWAY = "α: rate at which an excess over what {moved} can do dies away"
+_RATE = Key("saturation_rate", "1/s", _DIES_AWAY, 0.0, _LARGEST, 1.0)
+_FEEDBACK = Key(
+    "saturation_feedback", "{quantity}/({moved} s)", f"{_DIES_AWAY}, per unit of {{moved}}",
+    0.0, _LARGEST, 1.0,
+)  # fmt: skip
+_WAS_IN_FORCE = Key(
+    "was_in_force", "1", "{moved} was in automatic in the last sample", 0.0, 1.0, kind="boolean"
+)
+_SMALLEST_EFFECT = signals.signed(
+    "smallest_effect", "{quantity}/{moved}",
+    "smallest effect of {moved} on {measurement} that is divided by", 1.0,
+)  # fmt: skip
 
 
 def check_virtual_anti_windup(anti_windup: str, alpha_on: str) -> None:
@@ -47,12 +59,8 @@ def check_virtual_anti_windup(anti_windup: str, alpha_on: str) -> None:
     clepsydra.base.errors.InputError: alpha_on: got 'volts', expected one of virtual, input; \
 correct the name.
     """
-    for place, name, known in (
-        ("anti_windup", anti_windup, ANTI_WINDUPS),
-        ("alpha_on", alpha_on, get_args(AlphaOn)),
-    ):
-        if name not in known:
-            raise InputError(place, name, f"one of {', '.join(known)}", "correct the name")
+    check_name("anti_windup", anti_windup, ANTI_WINDUPS)
+    check_name("alpha_on", alpha_on, get_args(AlphaOn))
 
 
 def rate_unit(unit: str, order: int) -> str:
@@ -64,40 +72,6 @@ def rate_unit(unit: str, order: int) -> str:
     ('V/s', 'm/s^3', '1/s^2')
     """
     return f"{unit}/s" if order == 1 else f"{unit}/s^{order}"
-
-
-@dataclass(frozen=True)
-class Applied:
-    """What became of a virtual input, as expressions.
-
-    Parameters
-    ----------
-    virtual : casadi.SX
-        L + E u with the inputs that were applied; the virtual input itself where all were.
-    cut : casadi.SX
-        Whether an input that it acts through was not applied as asked, or stands at a limit.
-    middle, low, high : casadi.SX
-        L + E u with the inputs half-way between their limits, and with its own input at the
-        limits that make it lowest and highest.
-    input_excess : casadi.SX
-        What was asked of its own input above what was applied [input unit].
-    in_force : casadi.SX
-        Whether its own input is in automatic.
-
-    Examples
-    --------
-    >>> numbers = [ca.DM(value) for value in (0.1, 1, 0.05, 0.0, 0.1, 2.0, 1)]
-    >>> float(Applied(*numbers).high)
-    0.1
-    """
-
-    virtual: ca.SX
-    cut: ca.SX
-    middle: ca.SX
-    low: ca.SX
-    high: ca.SX
-    input_excess: ca.SX
-    in_force: ca.SX
 
 
 @dataclass(frozen=True)
@@ -131,194 +105,124 @@ class VirtualInput:
     alpha_on: str
     moved: Signal
 
-    def _named(self, what: str) -> str:
-        return path(self.measurement, what)
-
-    @property
-    def _damping(self) -> list[str]:
-        return elements(self._named("virtual_damping"), self.degree - 1)
-
     @property
     def quantity(self) -> Signal:
         """What has the units of ν."""
         y = self.measurement
         return signals.of_units(*(rate_unit(unit, self.degree) for unit in (y.unit, y.shown_unit)))
 
-    def parameters(self) -> list[Signal]:
-        """Return gains, setpoint weight, damping and what the anti-windup needs."""
-        of, name = f"of {self.measurement.name}", self._named
-        found = [
-            signals.gain(name("virtual_gain"), rate_unit("1", self.degree), 1.0, f"Kp {of}"),
-            Signal(
-                name("virtual_integral_gain"),
-                rate_unit("1", self.degree + 1),
-                low=0.0,
-                high=signals.LARGEST_PARAMETER,
-                initial=1.0,
-                description=f"Ki {of}",
-            ),
-            Signal(
-                name("setpoint_weight"),
-                low=0.0,
-                high=1.0,
-                initial=1.0,
-                description=f"share of the setpoint {of} in the proportional part",
-            ),
-        ]
-        for k, damping in enumerate(self._damping, start=1):
-            unit = rate_unit("1", self.degree - k)
-            found.append(signals.gain(damping, unit, 0.0, f"m_{k} {of}"))
-        if self.anti_windup == "back_calculation":
-            found.append(signals.tracking_time(self.measurement))
-        if self.anti_windup == "variable_structure":
-            found.append(self._alpha())
-        return found
-
-    def _alpha(self) -> Signal:
-        words = f"α: rate at which an excess over what {self.moved.name} can do dies away"
-        if self.alpha_on == "virtual":
-            return Signal(
-                self._named("saturation_rate"),
-                "1/s",
-                low=0.0,
-                high=signals.LARGEST_PARAMETER,
-                initial=1.0,
-                description=words,
-            )
-        unit, name = signals.per(self.quantity, self.moved, "s"), self._named("saturation_feedback")
-        words += f", per unit of {self.moved.name}"
-        return replace(signals.gain(name, unit, 1.0, words), low=0.0)
+    @property
+    def smallest_effect(self) -> Signal:
+        """The parameter below which no effect of its input is divided by."""
+        y = self.measurement
+        return _SMALLEST_EFFECT.of(y, measurement=y, moved=self.moved, quantity=self.quantity)
 
     @property
-    def _remembered(self) -> list[str]:
-        return [self._named("virtual_gain"), self._named("setpoint_weight"), *self._damping]
+    def _adjusted(self) -> list[Signal]:
+        """Kp, b and m_k, of which a change makes no bump."""
+        y, degree = self.measurement, self.degree
+        damping = enumerate(elements(path(y, "virtual_damping"), degree - 1), start=1)
+        return [
+            _GAIN.of(y, measurement=y, rate=Signal("", rate_unit("1", degree))),
+            _WEIGHT.of(y, measurement=y),
+            *(
+                signals.gain(name, rate_unit("1", degree - k), 0.0, f"m_{k} of {y.name}")
+                for k, name in damping
+            ),
+        ]
+
+    def parameters(self) -> list[Signal]:
+        """Return gains, setpoint weight, damping and what the anti-windup needs."""
+        y, (gain, *adjusted) = self.measurement, self._adjusted
+        rate = Signal("", rate_unit("1", self.degree + 1))
+        found = [gain, _INTEGRAL_GAIN.of(y, measurement=y, rate=rate), *adjusted]
+        if self.anti_windup == "back_calculation":
+            found.append(signals.TRACKING_TIME.of(y))
+        if self.anti_windup == "variable_structure":
+            alpha = _RATE if self.alpha_on == "virtual" else _FEEDBACK
+            found.append(alpha.of(y, moved=self.moved, quantity=self.quantity))
+        return found
 
     def state(self) -> list[Signal]:
         """Return the integral, whether it was in force, and the gains of the last sample."""
-        known = {parameter.name: parameter for parameter in self.parameters()}
+        y = self.measurement
+        words = f"integral part of what {y.name} shall do"
         return [
-            Signal(
-                self._named("virtual_integral"),
-                self.quantity.unit,
-                description=f"integral part of what {self.measurement.name} shall do",
-            ),
-            Signal(
-                self._named("was_in_force"),
-                low=0.0,
-                high=1.0,
-                initial=0.0,
-                kind="boolean",
-                description=f"{self.moved.name} was in automatic in the last sample",
-            ),
-            *(signals.like_parameter(known[name], _last(name)) for name in self._remembered),
+            Signal(path(y, "virtual_integral"), self.quantity.unit, description=words),
+            _WAS_IN_FORCE.of(y, moved=self.moved),
+            *(replace(each, name=_last(each.name)) for each in self._adjusted),
         ]
 
-    def nonintegral(
-        self, symbols: Symbols, setpoint: ca.SX, derivatives: list[ca.SX], *, former: bool = False
-    ) -> ca.SX:
-        """Return Kp (b r − y) − Σ m_k dᵏy/dtᵏ, with the gains of the last sample if `former`.
+    def asked(
+        self, sample: Sample, setpoint: ca.SX, derivatives: list[ca.SX], standing: ca.SX
+    ) -> tuple[ca.SX, ca.SX]:
+        """Return Kp (b r − y) − Σ m_k dᵏy/dtᵏ, and the integral that makes no bump with it.
 
         Parameters
         ----------
-        symbols : mapping
+        sample : Sample
         setpoint : casadi.SX
         derivatives : list of casadi.SX [r]
             y, dy/dt, …, of the degrees below r.
-        former : bool
-        """
-        gain, weight, *damping = (
-            symbols[_last(name) if former else name] for name in self._remembered
-        )
-        value = gain * (weight * setpoint - derivatives[0])
-        for share, derivative in zip(damping, derivatives[1:], strict=True):
-            value = value - share * derivative
-        return value
-
-    def integral(self, symbols: Symbols, now: ca.SX, former: ca.SX, standing: ca.SX) -> ca.SX:
-        """Return the integral with which this sample goes on without a bump.
-
-        Parameters
-        ----------
-        symbols : mapping
-        now, former : casadi.SX
-            What does not come from it, with the gains of this sample and of the last.
         standing : casadi.SX
             L + E u with the inputs of the last sample: where automatic takes over.
         """
-        taken_up = symbols[self._named("virtual_integral")] + (former - now)
-        return ca.if_else(symbols[self._named("was_in_force")], taken_up, standing - now)
+        names = [signal.name for signal in self._adjusted]
+        now, former = (
+            _nonintegral([sample[name] for name in each], setpoint, derivatives)
+            for each in (names, map(_last, names))
+        )
+        integral, in_force = sample.of(self.measurement, "virtual_integral", "was_in_force")
+        return now, ca.if_else(in_force, integral + (former - now), standing - now)
 
-    def next_state(
-        self,
-        symbols: Symbols,
-        integral: ca.SX,
-        increment: ca.SX,
-        virtual: ca.SX,
-        applied: Applied,
-        time_step: ca.SX,
-    ) -> dict[str, ca.SX]:
-        """Return the state of the next sample.
+    def integrate(self, sample: Sample, told: Symbols) -> None:
+        """Write the state of the next sample.
 
         Parameters
         ----------
-        symbols : mapping
-        integral, increment : casadi.SX
-            As used in this sample, and what it gains by the error.
-        virtual : casadi.SX
-            ν as asked.
-        applied : Applied
-        time_step : casadi.SX
-            Above zero [s].
+        sample : Sample
+        told : mapping
+            As for `next_in_force`: integral_used and proportional, the two parts of ν as asked;
+            low_limit and high_limit, L + E u with its own input at the limits that make it lowest
+            and highest, middle with all of them half-way, and cut; time_step. Also error, r − y;
+            applied, L + E u with the inputs that were applied; in_force, whether its own input is
+            in automatic; and input_excess, what was asked of that above what was applied.
         """
-        name = self._named
-        limited = ca.if_else(applied.cut, applied.virtual, virtual)
-        following = self._under_anti_windup(
-            symbols, integral, increment, virtual, limited, applied, time_step
-        )
-        kept = symbols[name("virtual_integral")]
+        y = self.measurement
+        kept, gain = sample.of(y, "virtual_integral", "virtual_integral_gain")
+        own = {signal.part: sample[signal.name] for signal in self.parameters()}
+        increment = told["time_step"] * gain * told["error"]
+        following = self._in_force({**own, **told, "increment": increment})
         # An increment beyond the range of numbers is not taken.
-        safe = ca.if_else(is_number(following), following, integral)
-        usable = ca.logic_and(applied.in_force, is_number(safe))
-        state = {
-            name("virtual_integral"): ca.if_else(usable, safe, kept),
-            name("was_in_force"): usable,
-        }
-        for parameter in self._remembered:
-            value, last = symbols[parameter], symbols[_last(parameter)]
-            state[_last(parameter)] = ca.if_else(is_number(value), value, last)
-        return state
+        safe = ca.if_else(is_number(following), following, told["integral_used"])
+        usable = ca.logic_and(told["in_force"], is_number(safe))
+        sample.next_state[path(y, "virtual_integral")] = ca.if_else(usable, safe, kept)
+        sample.next_state[path(y, "was_in_force")] = usable
+        for name in (signal.name for signal in self._adjusted):
+            value, last = sample[name], sample[_last(name)]
+            sample.next_state[_last(name)] = ca.if_else(is_number(value), value, last)
 
-    def _under_anti_windup(
-        self,
-        symbols: Symbols,
-        integral: ca.SX,
-        increment: ca.SX,
-        virtual: ca.SX,
-        limited: ca.SX,
-        applied: Applied,
-        time_step: ca.SX,
-    ) -> ca.SX:
-        asked = integral, increment, virtual, limited
-        if self.anti_windup == "none":
-            return integral + increment
-        if self.anti_windup == "clamping":
-            # The integral alone shall not ask for more than the input can do.
-            return clamping(integral, increment, applied.low, applied.high)
-        if self.anti_windup == "conditional_integration":
-            return conditional_integration(*asked)
-        if self.anti_windup == "back_calculation":
-            share = tracking_share(time_step, symbols[self._named("tracking_time")])
-            return back_calculation(*asked, share)
-        if self.alpha_on == "virtual":
-            share = share_of_excess(symbols[self._named("saturation_rate")], time_step)
-            return variable_structure(*asked, applied.cut, applied.middle, share)
+    def _in_force(self, s: Symbols) -> ca.SX:
+        integral, increment, cut = s["integral_used"], s["increment"], s["cut"]
+        virtual = s["proportional"] + integral
+        limited = ca.if_else(cut, s["applied"], virtual)
+        if self.anti_windup != "variable_structure" or self.alpha_on == "virtual":
+            return next_in_force(self.anti_windup, s, limited)
         # α takes back in proportion to the excess of the input, but never more than there is.
         excess = virtual - limited
-        size = ca.fabs(symbols[self._named("saturation_feedback")] * applied.input_excess)
-        taken = ca.fmin(size * time_step, ca.fabs(excess))
+        size = ca.fabs(s["saturation_feedback"] * s["input_excess"])
+        taken = ca.fmin(size * s["time_step"], ca.fabs(excess))
         back = ca.if_else(excess < 0, -taken, taken)
-        winds = winds_up(increment, virtual, applied.cut, applied.middle)
+        winds = winds_up(increment, virtual, cut, s["middle"])
         return ca.if_else(winds, integral - back, integral + increment)
+
+
+def _nonintegral(gains: list[ca.SX], setpoint: ca.SX, derivatives: list[ca.SX]) -> ca.SX:
+    gain, weight, *damping = gains
+    value = gain * (weight * setpoint - derivatives[0])
+    for share, derivative in zip(damping, derivatives[1:], strict=True):
+        value = value - share * derivative
+    return value
 
 
 def _last(parameter: str) -> str:

@@ -6,7 +6,9 @@ from collections.abc import Collection, Sequence
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
+from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.signals import owners
+from clepsydra.process.process import Process
 from clepsydra.program.step_law import StepLaw
 
 
@@ -108,36 +110,62 @@ for each measurement of the law; name them.
         count = sum(path(owner, part) not in free for owner in owners(known, part))
         names_given = isinstance(names, (tuple, list)) and all(isinstance(n, str) for n in names)
         if not names_given or len(names) != count:
-            raise InputError(
-                f"{place}, {what}",
-                list(names) if names_given else names,
-                f"{count} names, one for each {words} of the law",
-                "name them",
-            )
+            got = list(names) if names_given else names
+            expected = f"{count} names, one for each {words} of the law"
+            raise InputError(f"{place}, {what}", got, expected, "name them")
     if len(set(manipulated)) < len(manipulated):
         raise InputError(
             f"{place}, manipulated", list(manipulated), "each name once", "move each input once"
         )
     wired = input_wires(law, measurements, setpoints, manipulated)
     wired |= output_wires(law, manipulated)
-    for name in free:
-        if name not in inputs or name in wired:
-            raise InputError(
-                f"{place}, free inputs", name, "an input of the law that nothing drives",
-                "correct the name",
-            )  # fmt: skip
-    for name in free_outputs:
-        if name not in outputs or name in wired:
-            raise InputError(
-                f"{place}, free outputs", name, "an output of the law that nothing takes",
-                "correct the name",
-            )  # fmt: skip
+    for what, given, own, words in (
+        ("free inputs", free, inputs, "input of the law that nothing drives"),
+        ("free outputs", free_outputs, outputs, "output of the law that nothing takes"),
+    ):
+        for name in given:
+            if name not in own or name in wired:
+                raise InputError(f"{place}, {what}", name, f"an {words}", "correct the name")
     possible = {*wired, *free, *free_outputs, "time_step"}
     for name in (*inputs, *outputs):
         if name not in possible:
-            raise InputError(
-                f"{place}, law {law.name}",
-                name,
-                f"a signal that a loop can wire: one of {', '.join(wired)} or time_step",
-                "rename it, or make it a parameter",
-            )
+            expected = f"a signal that a loop can wire: one of {', '.join(wired)} or time_step"
+            remedy = "rename it, or make it a parameter"
+            raise InputError(f"{place}, law {law.name}", name, expected, remedy)
+
+
+def check_signals(
+    measurements: Sequence[str],
+    setpoints: Sequence[str],
+    manipulated: Sequence[str],
+    place: str,
+    process: Process,
+) -> None:
+    """Refuse names of process signals that a process lacks.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> from clepsydra.process.reader import load_process
+    >>> process = load_process("quadruple-tank")
+    >>> check_signals(["level_1"], ["level_1"], ["pmup_1"], "PI", process)
+    Traceback (most recent call last):
+        ...
+    clepsydra.base.errors.InputError: PI, manipulated: got 'pmup_1', expected an input of \
+quadruple-tank: pump_1, pump_2; perhaps 'pump_1' was meant.
+    """
+    measured, inputs = ([s.name for s in each] for each in (process.measurements, process.inputs))
+    for what, names, kind, known in (
+        ("measurements", measurements, "a measurement", measured),
+        ("setpoints", setpoints, "a controlled measurement", process.controlled),
+        ("manipulated", manipulated, "an input", inputs),
+    ):
+        for name in names:
+            if name not in known:
+                raise InputError(
+                    f"{place}, {what}", name, f"{kind} of {process.name}: {', '.join(known)}",
+                    suggestion(name, known, "correct the name"),
+                )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from clepsydra.base.rounding import rounded
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.plant_shell.edge import at_port, in_shown_units
@@ -17,6 +18,9 @@ from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 from clepsydra.program.defaults import with_defaults
 from clepsydra.program.program import Program
+
+#: Of the value that a setpoint has until it is given: what people write stays as it is.
+_SETPOINT_DIGITS = 9
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +96,7 @@ def exportable(
     program = replace(
         at_edge.program(),
         name=in_si.name,
-        inputs=tuple(map(at_port, in_si.inputs)),
+        inputs=tuple(_as_written(at_port(signal)) for signal in in_si.inputs),
         outputs=tuple(map(at_port, in_si.outputs)),
     )
     sources = _sources(controller, program) | shell_sources(shelled)
@@ -149,7 +153,15 @@ def _at_rest(controller: Controller, point: OperatingPoint) -> Program:
         else signal
         for signal in program.outputs
     )
-    return replace(with_defaults(program, setpoints), outputs=outputs)
+    started = with_defaults(program, setpoints)
+    return replace(started, inputs=tuple(map(_as_written, started.inputs)), outputs=outputs)
+
+
+def _as_written(signal: Signal) -> Signal:
+    """Return a setpoint with digits that people write; unlike a state it is only a default."""
+    if signal.part != "sp":
+        return signal
+    return replace(signal, initial=rounded(signal.initial, _SETPOINT_DIGITS))
 
 
 def _sources(controller: Controller, program: Program) -> dict[str, str]:

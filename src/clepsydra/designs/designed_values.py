@@ -11,7 +11,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.rounding import rounded, rounded_matrix
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.parameters import check_parameters
-from clepsydra.controllers.pid_parameters import GAINS
+from clepsydra.controllers.pid_keys import GAINS
 from clepsydra.controllers.signals import ratio_of_units
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.designs.applicability import NotApplicable

@@ -15,8 +15,7 @@ from clepsydra.base.signal import effect, path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.linear_quadratic_integral import FAMILY
-from clepsydra.controllers.nonlinear_lqi import nonlinear_lqi_law
+from clepsydra.controllers.linear_quadratic_integral import FAMILY, nonlinear_lqi_law
 from clepsydra.controllers.observers.extended_kalman import ExtendedKalman
 from clepsydra.controllers.process_equations import (
     ProcessEquations,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Literal
 
 from clepsydra.base.arguments import require_type
@@ -155,8 +156,15 @@ def gain_from_percent(percent: float, measurement: Signal, manipulated: Signal) 
     >>> level = Signal("level", "m", low=0.0, high=5.0)
     >>> gain_from_percent(2.0, level, Signal("pump", "V", low=0.0, high=10.0))
     4.0
+    >>> gain_from_percent(3.03834, Signal("y", "A", low=0.004, high=0.02), Signal("u", "1", "%"))
+    189.89625
     """
-    return percent * _span(manipulated) / _span(measurement)
+    moved, measured = _span(manipulated), _span(measurement)
+    if not math.isfinite(percent):
+        return percent
+    # As decimals: a gain of few digits has few in other units too.
+    gain, above, below = (Fraction(repr(float(each))) for each in (percent, moved, measured))
+    return float(gain * above / below)
 
 
 def gain_from_band(band: float, action: Action, measurement: Signal, manipulated: Signal) -> float:

@@ -205,7 +205,7 @@ def _controller(model: LinearModel, plant: ShapedPlant, robust: RobustController
         **rest_values(point, shaping.inputs),
         **parts_values("fading_time", shaping.inputs, [fading] * len(moved)),
     }
-    initial = dict.fromkeys(elements("memory", matrices.states), 0.0)
+    initial = dict.fromkeys(elements("memory", len(matrices.transition)), 0.0)
     initial |= output_at_rest(point, shaping.inputs)
     values = designed_values(law, values, point, METHOD)
     return Controller(

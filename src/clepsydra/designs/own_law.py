@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from clepsydra.base.arguments import require_type, sequence_of
-from clepsydra.base.errors import InputError
 from clepsydra.base.signal import path
-from clepsydra.base.suggestion import suggestion
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.controllers.signals import owners
+from clepsydra.controllers.wiring import check_signals
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.program.step_law import StepLaw
@@ -51,7 +50,8 @@ def own_controller(
     Raises
     ------
     InputError
-        The model has no operating point, or a name or a number is wrong.
+        The model has no operating point, the process lacks a signal, or a name or a number is
+        wrong.
 
     Examples
     --------
@@ -74,18 +74,19 @@ def own_controller(
         sequence_of(
             names, str, f"{name}, {key}", "a list of names of signals", 'write as in ["level_1"]'
         )
+    numbers = {"values": values, "initial_state": initial_state, "free_inputs": free_inputs}
+    for key, given in numbers.items():
+        require_type(
+            given or {}, Mapping, f"{name}, {key}", "names with their numbers",
+            'write as in {"gain": 2.0}',
+        )  # fmt: skip
     point = operating_point_of(model)
     process, at = point.process, point.as_dict()
+    check_signals(measurements, setpoints, manipulated, name, process)
     known = {parameter.name: parameter.initial for parameter in law.parameters}
     start = {entry.name: getattr(entry, "initial", 0.0) for entry in law.state}
     inputs = {signal.name: signal for signal in process.inputs}
     for owner, moved in zip(owners(law.outputs, "out"), manipulated, strict=False):
-        if moved not in inputs:
-            raise InputError(
-                f"{name}, manipulated", moved,
-                f"an input of {process.name}: {', '.join(inputs)}",
-                suggestion(moved, inputs, "correct the name"),
-            )  # fmt: skip
         own = {
             path(owner, "low_limit"): inputs[moved].low,
             path(owner, "high_limit"): inputs[moved].high,

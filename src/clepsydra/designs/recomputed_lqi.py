@@ -13,7 +13,7 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.base.words import time_text
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.observers.measured_state import MeasuredState, StateSource
+from clepsydra.controllers.observers.measured_state import MeasuredState, ProcessState
 from clepsydra.controllers.process_equations import ProcessEquations, process_equations
 from clepsydra.controllers.recomputed_lqi import FAMILY, cost_names, recomputed_lqi_law
 from clepsydra.designs.applicability import NotApplicable
@@ -215,7 +215,7 @@ def design_recomputed_lqi(
 
 def recomputed_lqi_controller(
     equations: ProcessEquations,
-    source: StateSource,
+    source: ProcessState,
     found_filter: FoundFilter | None,
     stationary: StationaryLqi,
     input_filter_time: float,
@@ -228,7 +228,7 @@ def recomputed_lqi_controller(
     Parameters
     ----------
     equations : ProcessEquations
-    source : StateSource
+    source : ProcessState
     found_filter : FoundFilter or None
         Where the source is an extended Kalman filter.
     stationary : StationaryLqi
@@ -380,7 +380,7 @@ def _source(
     equations: ProcessEquations,
     measurements: Sequence[str] | None,
     horizon: float,
-) -> tuple[StateSource, FoundFilter | None]:
+) -> tuple[ProcessState, FoundFilter | None]:
     if measurements is None:
         try:
             return MeasuredState(equations), None
@@ -392,7 +392,7 @@ def _source(
 
 def _linear(
     acting: LinearModel,
-    source: StateSource,
+    source: ProcessState,
     found_filter: FoundFilter | None,
     stationary: StationaryLqi,
     horizon: float,

@@ -12,6 +12,7 @@ from clepsydra.base.suggestion import suggestion
 from clepsydra.base.units import from_si
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.controllers.start_stop_levels import FAMILY, check_levels
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.designs.gain_units import has_range, percent_gain
 from clepsydra.interface.quantities import arguments, with_unit
@@ -32,7 +33,6 @@ from clepsydra.studies.file.law_range import check_law_range
 #: What the table calls a key of a study file, where it has a symbol.
 SYMBOLS = {"gain": "K", "integral_time": "Ti", "derivative_time": "Td", "setpoint_weight": "b"}
 _PLACE = "values"
-_REMEDY = "give text with a unit, or a number in the unit of the table"
 
 
 def values_of(controller: Controller, values: Mapping[str, Any]) -> dict[str, float]:
@@ -58,7 +58,7 @@ def values_of(controller: Controller, values: Mapping[str, Any]) -> dict[str, fl
         if name in loops:
             found |= _of_loop(controller, loops[name], name, given)
         elif name in law and not isinstance(given, Mapping):
-            found[name] = _read(controller, _PLACE, name, name, given)
+            found[name] = _read(controller, _PLACE, name, name, given, law[name].unit)
         else:
             known = (*loops, *(law if not loops else ()))
             now = new_name(str(name), law)
@@ -67,6 +67,8 @@ def values_of(controller: Controller, values: Mapping[str, Any]) -> dict[str, fl
                 _PLACE, str(name)[:60], f"{words} ({', '.join(known)})",
                 f"write {now}" if now else suggestion(name, known, "choose one of them"),
             )  # fmt: skip
+    if controller.family == FAMILY:
+        check_levels(controller.law, {**controller.values, **found}, _PLACE)
     return found
 
 
@@ -77,8 +79,8 @@ def _of_loop(controller: Controller, loop: PidBlock, name: str, given: Any) -> d
     for word, value in given.items():
         key = setting_of(loop, word, place)
         parameter = parameter_of(loop, key)
-        text = with_unit(value, unit_of(controller, loop, key))
-        number = _read(controller, place, word, parameter, text)
+        unit = unit_of(controller, loop, key)
+        number = _read(controller, place, word, parameter, with_unit(value, unit), unit)
         if key in GAINS:
             if number < 0.0:
                 raise InputError(
@@ -128,17 +130,20 @@ def table_unit(loop: PidBlock) -> str:
     return f"{above}/{below}"
 
 
-def _read(controller: Controller, place: str, word: str, parameter: str, value: Any) -> float:
+def _read(
+    controller: Controller, place: str, word: str, parameter: str, value: Any, unit: str
+) -> float:
+    """Return a setting, whose unit is this one where it is a bare number."""
     parameters = law_parameters(controller.law)
-    signal = parameters.known[parameter]
-    table = arguments(place, {word: value})
-    # A bare number is one of `Controller.values`.
+    table = arguments(place, {word: with_unit(value, unit)})
+    remedy = "give a number" if unit == "1" else f"give text with a unit, or a number in {unit}"
+    # A bare number is one of `Controller.values`, in every bit and also where no unit has a name.
     found = (
         float(value)
         if is_finite_number(value)
-        else parameters.read(table, word, parameter, "a setting", _REMEDY)
+        else parameters.read(table, word, parameter, "a setting", remedy)
     )
-    check_law_range(table, word, signal, found)
+    check_law_range(table, word, parameters.known[parameter], found)
     return found
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from clepsydra.base.arguments import require_type
-from clepsydra.base.units import to_si
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.interface.plant import Plant
-from clepsydra.interface.quantities import Quantity, known, with_unit
+from clepsydra.interface.quantities import Quantity, arguments, known, with_unit
+from clepsydra.studies.file.gains import read_rate, read_value
 
 #: Signal to a value of its setting.
 Settings = Mapping[str, Quantity] | None
+_REMEDY = "correct it, or leave it out"
 
 
 def plant_shell(
@@ -35,7 +36,7 @@ def plant_shell(
         Measurement to the fastest change of its setpoint, {"level_1": "0.1 V/s"}; none.
     rate_limit : mapping, optional
         Input to its fastest change, {"pump_1": "1 V/s"}; none. Of each, a number is in the display
-        unit of the signal, in s, or in the display unit per s.
+        unit of the signal, in s, or in the display unit per s; percent are of the signal's range.
 
     Raises
     ------
@@ -67,9 +68,13 @@ def plant_shell(
         for key, value in (given or {}).items():
             signal = known(name, key, by_name, "one of these")
             shown = {"value": signal.shown_unit, "time": "s", "rate": _a_second(signal.shown_unit)}
-            unit = {"value": signal.unit, "time": "s", "rate": _a_second(signal.unit)}
-            text = with_unit(value, shown[kind])
-            found[name][key] = to_si(text, unit[kind], f"{name}, {key}")
+            table = arguments(name, {key: with_unit(value, shown[kind])})
+            if kind == "value":
+                found[name][key] = read_value(table, key, signal, "a value", _REMEDY)
+            elif kind == "time":
+                found[name][key] = table.quantity(key, "s", "a time", _REMEDY, at_least=0.0)
+            else:
+                found[name][key] = read_rate(table, key, signal, "a rate", _REMEDY)
     return PlantShell(
         fail_safe=found["fail_safe"],
         sensor_delay=found["sensor_delay"],

@@ -10,6 +10,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
+from clepsydra.controllers.wiring import check_signals
 from clepsydra.loop.inner_setpoints import inner_setpoints
 from clepsydra.loop.motion_block import MotionBlock
 from clepsydra.loop.step_size import check_substeps
@@ -86,7 +87,10 @@ def closed_loop(
     >>> len(program.inputs), [signal.name for signal in program.inputs][:2]
     (17, ['level_1.setpoint', 'level_2.setpoint'])
     """
-    check_signals(controller, process)
+    check_signals(
+        controller.measurements, controller.setpoints, controller.manipulated, controller.name,
+        process,
+    )  # fmt: skip
     check_substeps(substeps, process)
     given = dict(constant or {})
     _check_constant(given, process, controller)
@@ -99,49 +103,6 @@ def closed_loop(
         adjustable,
     )
     return _Join(process, controller, given, motion, scores).program()
-
-
-def check_signals(controller: Controller, process: Process) -> None:
-    """Refuse a controller that is wired to signals which a process lacks.
-
-    Raises
-    ------
-    InputError
-
-    Examples
-    --------
-    >>> from dataclasses import replace
-    >>> from clepsydra.designs.simc import design_simc
-    >>> from clepsydra.linear.analysis import analyse
-    >>> from clepsydra.process.reader import load_process
-    >>> process = load_process("quadruple-tank")
-    >>> analysis = analyse(process)
-    >>> controller = design_simc(analysis.model, analysis.pairing)
-    >>> check_signals(replace(controller, manipulated=("pump_1", "pump_7")), process)
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: PI, SIMC, manipulated: got 'pump_7', expected an input of \
-quadruple-tank: pump_1, pump_2; correct the name.
-    """
-    for what, names, kind, known in (
-        ("measurements", controller.measurements, "a measurement", process.measurements),
-        (
-            "setpoints",
-            controller.setpoints,
-            "a controlled measurement",
-            [process.signal(name) for name in process.controlled],
-        ),
-        ("manipulated", controller.manipulated, "an input", process.inputs),
-    ):
-        available = [signal.name for signal in known]
-        for name in names:
-            if name not in available:
-                raise InputError(
-                    f"{controller.name}, {what}",
-                    name,
-                    f"{kind} of {process.name}: {', '.join(available)}",
-                    "correct the name",
-                )
 
 
 def _check_constant(

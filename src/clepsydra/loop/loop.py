@@ -14,13 +14,13 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.python_law import PythonLaw
+from clepsydra.controllers.wiring import check_signals
 from clepsydra.engine.kernel import Kernel
 from clepsydra.engine.reference import LawEvaluation
 from clepsydra.linear.linear_model import LinearModel
 from clepsydra.linear.linearise import operating_point_of
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.loop.closed_loop import (
-    check_signals,
     closed_loop,
     controller_name,
     free_inputs,
@@ -75,7 +75,10 @@ class Loop:
         require_type(
             self.controller, Controller, "controller", "a Controller", "design one, or make one"
         )
-        check_signals(self.controller, self.process)
+        given = self.controller
+        check_signals(
+            given.measurements, given.setpoints, given.manipulated, given.name, self.process
+        )
         substeps_for(self.model)
 
     @property

@@ -11,7 +11,6 @@ import numpy as np
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.ports import as_parts
 from clepsydra.controllers.blocks.status import STATUS_BITS
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
@@ -87,7 +86,7 @@ def relay_law(measured: Signal, manipulated: Signal) -> StepLaw:
         raised = ca.if_else(error > hysteresis, 1, kept)
         output = symbols["bias"] + symbols["amplitude"] * (2 * raised - 1)
         automatic = ca.SX(STATUS_BITS["automatic"].value)
-        results = as_parts(manipulated, {"out": output, "status": automatic})
+        results = {path(manipulated, "out"): output, path(manipulated, "status"): automatic}
         return Equations({"raised": raised}, results)
 
     return step_law(

@@ -39,6 +39,8 @@ def with_owned_state(program: Program) -> Program:
     >>> (call,) = (s for s in with_owned_state(law).block.statements if isinstance(s, Call))
     >>> [signal.name for signal in call.program.inputs]
     ['u', 'restart', 'start_sum']
+    >>> state_paths(with_owned_state(law))
+    (('flow', 'sum'),)
     """
     if not program.calls:
         return program
@@ -79,13 +81,7 @@ def state_paths(program: Program) -> tuple[tuple[str, ...], ...]:
 
     Examples
     --------
-    >>> from clepsydra.program.program import Block, Operation
-    >>> add = Block(2, (Operation(2, "add", (0, 1)),), (2, 2))
-    >>> total = Program("total", (Signal("sum"),), (Signal("u"),), (), (Signal("y"),), add)
-    >>> calls = Block(2, (Call((2, 3), total, "flow", (0, 1)),), (2, 3))
-    >>> law = Program("law", (Signal("x"),), (Signal("u"),), (), (Signal("y"),), calls)
-    >>> state_paths(with_owned_state(law))
-    (('flow', 'sum'),)
+    See `with_owned_state`.
     """
     paths: list[tuple[str, ...]] = [(signal_of(entry).identifier,) for entry in program.state]
     for call in program.calls:

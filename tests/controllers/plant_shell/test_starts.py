@@ -10,9 +10,9 @@ from scan_rig import at_rest, designed
 from shell_rig import shelled_loop
 
 from clepsydra import Kernel
+from clepsydra.controllers.plant_shell.scan import scan_start
 from clepsydra.controllers.plant_shell.settings import PlantShell
 from clepsydra.controllers.plant_shell.shell import with_plant_shell
-from clepsydra.controllers.plant_shell.start import START
 from clepsydra.controllers.plant_shell.status import read_status
 from clepsydra.program.delay_ring import DelayRing
 
@@ -163,15 +163,13 @@ def test_a_start_that_is_held_acts_once(start):
 
 
 def test_only_a_change_of_start_to_one_or_two_is_a_start():
-    state = {"scans_since_start": 7, "last_start": 0, "last_acknowledge": 0}
+    state = {"scans_since_start": 1, "last_start": 0, "last_acknowledge": 0, "scans_counted": 7}
+    in_time = {"time_step": 1.0, "sampling_period": 1.0, "scan_tolerance": 0.1}
     cases = [(1, "warm"), (1, ""), (2, "cold"), (2, ""), (2, ""), (1, "warm"), (0, ""),
              (2, "cold"), (0, ""), (3, ""), (1, "warm"), (-1, ""), (2, "cold")]  # fmt: skip
     for start, kind in cases:
-        found = START(
-            "start",
-            {"start": ca.DM(start), "longest_delay": ca.DM(1), "acknowledge": ca.DM(0)},
-            state,
-        )
+        inputs = {"start": ca.DM(start), "acknowledge": ca.DM(0), **in_time}
+        found = scan_start(delays=False)("scan", inputs, state)
         told = {name: bool(ca.evalf(value)) for name, value in found.outputs.items()}
         assert (told["warm"], told["cold"]) == (kind == "warm", kind == "cold"), (start, kind)
         state = {name: ca.evalf(value) for name, value in found.next_state.items()}

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal, get_args
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.controllers.blocks.limits import limit
+from clepsydra.controllers.blocks.validity import is_time_step
+from clepsydra.controllers.blocks.variable_structure import (
+    cut_off,
+    share_of_excess,
+    variable_structure,
+)
+from clepsydra.program.step_law import Symbols
 
 AntiWindup = Literal["back_calculation", "conditional_integration", "clamping", "none"]
 
@@ -37,11 +45,63 @@ def check_anti_windup(anti_windup: str) -> None:
     clepsydra.base.errors.InputError: anti_windup: got 'off', expected one of back_calculation, \
 conditional_integration, clamping, none; correct the name.
     """
-    known = get_args(AntiWindup)
-    if anti_windup not in known:
-        raise InputError(
-            "anti_windup", anti_windup, f"one of {', '.join(known)}", "correct the name"
-        )
+    check_name("anti_windup", anti_windup, get_args(AntiWindup))
+
+
+def check_name(place: str, name: str, known: Sequence[str]) -> None:
+    """Refuse a name that is none of those that are known.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> check_name("alpha_on", "virtual", ["virtual", "input"])
+    """
+    if name not in known:
+        raise InputError(place, name, f"one of {', '.join(known)}", "correct the name")
+
+
+def next_in_force(anti_windup: str, s: Symbols, limited: ca.SX) -> ca.SX:
+    """Return the next integral of what had its say, under one way of anti-windup.
+
+    Parameters
+    ----------
+    anti_windup : str
+        One of `IN_WORDS`.
+    s : mapping
+        integral_used in this sample, proportional (the rest of what is asked for) and increment,
+        in the unit of the output; low_limit, high_limit, time_step [s], and tracking_time [s] or
+        saturation_rate [1/s], where the anti-windup needs them. For variable structure also cut,
+        whether something is cut off, and middle, where the limits alone do not tell.
+    limited : casadi.SX
+        What was applied.
+
+    Examples
+    --------
+    Asked for 12 where 10 is the limit, with an error that asks for still more:
+
+    >>> given = dict(integral_used=7, proportional=5, increment=1)
+    >>> s = {name: ca.DM(value) for name, value in given.items()}
+    >>> float(next_in_force("conditional_integration", s, ca.DM(10)))
+    7.0
+    """
+    integral, increment = s["integral_used"], s["increment"]
+    asked = integral, increment, s["proportional"] + integral, limited
+    if anti_windup == "none":
+        return integral + increment
+    if anti_windup == "clamping":
+        return clamping(integral, increment, s["low_limit"], s["high_limit"])
+    if anti_windup == "conditional_integration":
+        return conditional_integration(*asked)
+    time_step = ca.if_else(is_time_step(s["time_step"]), s["time_step"], 1)
+    if anti_windup == "back_calculation":
+        return back_calculation(*asked, tracking_share(time_step, s["tracking_time"]))
+    low, high = s["low_limit"], s["high_limit"]
+    cut = s["cut"] if "cut" in s else cut_off(*asked[2:], low, high)
+    middle = s["middle"] if "middle" in s else 0.5 * (low + high)
+    return variable_structure(*asked, cut, middle, share_of_excess(s["saturation_rate"], time_step))
 
 
 def conditional_integration(

@@ -2,18 +2,38 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, fields, replace
+from typing import Self
 
 import casadi as ca
 
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.ports import truth
+from clepsydra.program.step_law import Symbols
+
 
 @dataclass(frozen=True)
-class Asked:
+class _Handed:
+    """What one block hands to another; each field is a port."""
+
+    @classmethod
+    def read(cls, symbols: Symbols, prefix: str = "") -> Self:
+        """Return what stands at the ports of a block, whose names may begin with a prefix."""
+        return cls(*(symbols[prefix + entry.name] for entry in fields(cls)))
+
+    def ports(self, prefix: str = "") -> dict[str, ca.SX]:
+        """Return the values by the names of the ports."""
+        return {prefix + entry.name: getattr(self, entry.name) for entry in fields(self)}
+
+
+@dataclass(frozen=True)
+class Asked(_Handed):
     """What a block asks of the next one.
 
     Parameters
     ----------
-    value : casadi.SX
+    asked : casadi.SX
         Always a number where `usable` holds.
     usable : casadi.SX
         Whether it may be acted on in this sample.
@@ -22,23 +42,23 @@ class Asked:
 
     Examples
     --------
-    >>> float(Asked(ca.DM(4.0), ca.DM(1), ca.DM(1), ca.DM(1)).value)
-    4.0
+    >>> Asked(ca.SX(4), ca.SX(1), ca.SX(1), ca.SX(1)).ports("remote_")["remote_asked"]
+    SX(4)
     """
 
-    value: ca.SX
+    asked: ca.SX
     usable: ca.SX
     numbers: ca.SX
     sensors: ca.SX
 
 
 @dataclass(frozen=True)
-class Applied:
+class Applied(_Handed):
     """What became of it, told back (the back calculation of a fieldbus block).
 
     Parameters
     ----------
-    value : casadi.SX
+    applied : casadi.SX
         What the block would have had to ask for to get what was applied.
     in_force : casadi.SX
         Whether the block had its say: the way to the actuator is in automatic.
@@ -48,11 +68,12 @@ class Applied:
 
     Examples
     --------
-    >>> bool(Applied(ca.DM(4.0), ca.DM(0), ca.DM(1)).follows)
-    True
+    >>> numbers = {"applied": ca.SX(4), "in_force": ca.SX(0), "follows": ca.SX(1)}
+    >>> Applied.read(numbers).applied
+    SX(4)
     """
 
-    value: ca.SX
+    applied: ca.SX
     in_force: ca.SX
     follows: ca.SX
 
@@ -69,3 +90,28 @@ class Limits:
 
     low: ca.SX
     high: ca.SX
+
+
+#: The ports of `Asked` and of `Applied`.
+ASKED = (
+    Signal("asked", description="in automatic, in the unit of the output"),
+    truth("usable", "what is asked for may be acted on"),
+    truth("numbers", "the signals behind it are numbers"),
+    truth("sensors", "their sensors are sound"),
+)
+APPLIED = (
+    Signal("applied", description="what was applied, as if asked for"),
+    truth("in_force", "what was asked for had its say"),
+    truth("follows", "the actuator moves without it, by hand or tracking"),
+)
+
+
+def prefixed(ports: Iterable[Signal], prefix: str) -> tuple[Signal, ...]:
+    """Return ports of another block under names of their own.
+
+    Examples
+    --------
+    >>> [port.name for port in prefixed(APPLIED, "got_")]
+    ['got_applied', 'got_in_force', 'got_follows']
+    """
+    return tuple(replace(port, name=prefix + port.name) for port in ports)

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import replace
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal, path
+from clepsydra.base.signal import Signal
 from clepsydra.program.block import Block
-from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.step_law import Equations, Symbols
 
 
 def truth(name: str, description: str) -> Signal:
@@ -24,64 +21,6 @@ def truth(name: str, description: str) -> Signal:
     'boolean'
     """
     return Signal(name, low=0.0, high=1.0, kind="boolean", description=description)
-
-
-def port(signal: Signal) -> Signal:
-    """Return a signal as a port: a real one without range and value, which an instance has.
-
-    Examples
-    --------
-    >>> port(Signal("gain", low=0.0, initial=3.0))
-    Signal(name='gain', unit='1', display_unit='', low=-inf, high=inf, initial=0.0, kind='real', \
-description='')
-    """
-    if signal.kind != "real":
-        return replace(signal, initial=0.0)
-    return replace(signal, low=-math.inf, high=math.inf, initial=0.0)
-
-
-def parts_of(
-    owner: Signal | str, symbols: Symbols, ports: Iterable[Signal | DelayRing]
-) -> dict[str, ca.SX]:
-    """Return what a law has for some ports: that part of the owner, or its signal of that name.
-
-    Examples
-    --------
-    >>> law = {"pump_1.mode": ca.SX(1), "pump_2.mode": ca.SX(0), "time_step": ca.SX(5)}
-    >>> parts_of("pump_2", law, [Signal("mode"), Signal("time_step")])
-    {'mode': SX(0), 'time_step': SX(5)}
-    """
-    names = {entry.name: path(owner, entry.name) for entry in ports}
-    return {
-        name: symbols[own] if own in symbols else symbols[name]
-        for name, own in names.items()
-        if own in symbols or name in symbols
-    }
-
-
-def called(block: Block, instance: str, given: Symbols) -> Equations:
-    """Return the results of an instance that takes its state and inputs from a mapping by name.
-
-    Examples
-    --------
-    >>> same = Block("same", (Signal("x"),), (), (Signal("y"),),
-    ...              lambda s: Equations({}, {"y": s["x"]}))
-    >>> called(same, "first", {"x": ca.SX(3), "z": ca.SX(4)}).outputs
-    {'y': SX(3)}
-    """
-    inputs = {signal.name: given[signal.name] for signal in block.inputs}
-    return block(instance, inputs, {entry.name: given[entry.name] for entry in block.state})
-
-
-def as_parts(owner: Signal | str, values: Symbols) -> dict[str, ca.SX]:
-    """Return values of ports by the names that they have as parts of their owner.
-
-    Examples
-    --------
-    >>> as_parts("pump_1", {"mode": ca.SX(1)})
-    {'pump_1.mode': SX(1)}
-    """
-    return {path(owner, name): value for name, value in values.items()}
 
 
 def instance(name: str) -> str:
@@ -100,6 +39,7 @@ def with_used_inputs(block: Block) -> Block:
 
     Examples
     --------
+    >>> from clepsydra.program.step_law import Equations
     >>> same = Block("same", (Signal("x"), Signal("other")), (), (Signal("y"),),
     ...              lambda s: Equations({}, {"y": s["x"]}))
     >>> [signal.name for signal in with_used_inputs(same).inputs]
@@ -116,3 +56,14 @@ def with_used_inputs(block: Block) -> Block:
         inputs=tuple(signal for signal in block.inputs if signal.name in used),
         equations=lambda s: block.equations({**unused, **s}),
     )
+
+
+def words_for(words: Mapping[str, str], *computed: Mapping[str, ca.SX]) -> dict[str, str]:
+    """Return those words that stand above a step of a block in one of its forms.
+
+    Examples
+    --------
+    >>> words_for({"error": "r - y", "rate": "of y"}, {"error": ca.SX(1)})
+    {'error': 'r - y'}
+    """
+    return {name: words[name] for values in computed for name in values if name in words}

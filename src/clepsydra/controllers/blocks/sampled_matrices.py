@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import casadi as ca
 
+from clepsydra.controllers.blocks.validity import all_of
+
 #: Terms of the power series; its argument has a norm of at most 1/4 (`doublings_for`).
 TERMS = 8
 LARGEST_ARGUMENT = 0.25
@@ -127,12 +129,7 @@ def from_upper_triangle(entries: Sequence[ca.SX], size: int) -> ca.SX:
     >>> ca.evalf(from_upper_triangle([ca.SX(1), ca.SX(2), ca.SX(3)], 2)).nonzeros()
     [1.0, 2.0, 2.0, 3.0]
     """
-    matrix = ca.SX(size, size)
-    waiting = iter(entries)
-    for i in range(size):
-        for j in range(i, size):
-            matrix[i, j] = matrix[j, i] = next(waiting)
-    return matrix
+    return ca.tril2symm(ca.SX(ca.Sparsity.lower(size), ca.vertcat(*entries)))
 
 
 class RiccatiStep(NamedTuple):
@@ -203,28 +200,19 @@ def riccati_step(held: ca.SX, moved: ca.SX, cost: ca.SX, to_go: ca.SX) -> Riccat
 
 def _solved(matrix: ca.SX, right: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return S⁻¹ Y of a symmetric S by L D Lᵀ, and whether S is positive definite."""
-    m = matrix.shape[0]
-    lower = [[ca.SX(0)] * m for _ in range(m)]
-    pivots: list[ca.SX] = []
-    definite = ca.SX(1)
-    for j in range(m):
-        pivot = matrix[j, j]
-        for k in range(j):
-            pivot = pivot - lower[j][k] * lower[j][k] * pivots[k]
-        above = pivot > 0
-        definite = above if j == 0 else ca.logic_and(definite, above)
-        pivots.append(ca.if_else(above, pivot, 1))
-        for i in range(j + 1, m):
-            entry = matrix[i, j]
-            for k in range(j):
-                entry = entry - lower[i][k] * lower[j][k] * pivots[k]
-            lower[i][j] = entry / pivots[j]
-    rows = [right[i, :] for i in range(m)]
-    for i in range(m):
-        for k in range(i):
-            rows[i] = rows[i] - lower[i][k] * rows[k]
+    m, pivots, definite = matrix.shape[0], [], []
+    # Below its diagonal the matrix becomes L, and the right side what is divided by D.
+    matrix, rows = ca.SX(matrix), ca.vertsplit(right)
+    for k in range(m):
+        definite.append(matrix[k, k] > 0)
+        pivots.append(ca.if_else(definite[k], matrix[k, k], 1))
+        for i in range(k + 1, m):
+            matrix[i, k] = matrix[i, k] / pivots[k]
+            rows[i] = rows[i] - matrix[i, k] * rows[k]
+            for j in range(k + 1, i + 1):
+                matrix[i, j] = matrix[i, j] - matrix[i, k] * matrix[j, k] * pivots[k]
     rows = [row / pivot for row, pivot in zip(rows, pivots, strict=True)]
     for i in reversed(range(m)):
         for k in range(i + 1, m):
-            rows[i] = rows[i] - lower[k][i] * rows[k]
-    return ca.vertcat(*rows), definite
+            rows[i] = rows[i] - matrix[k, i] * rows[k]
+    return ca.vertcat(*rows), all_of(definite)

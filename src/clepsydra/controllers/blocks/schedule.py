@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, elements, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.ports import called, truth
-from clepsydra.controllers.blocks.validity import is_number, is_time_step
+from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
 #: Fewer points make no table, more make one that nobody checks.
 FEWEST_POINTS, MOST_POINTS = 2, 15
+_VARIABLE, _FILTER_TIME = "schedule.variable", "schedule.filter_time"
 
 
 @dataclass(frozen=True)
@@ -72,17 +74,14 @@ class Schedule:
 
     def parameters(self) -> list[Signal]:
         """Return the points and filter_time of the schedule."""
+        words = "time constant in which the scheduling variable follows"
+        name = self.signal.name
         return [
             *(
-                signals.gain(
-                    name, self.signal, float(k), f"{self.signal.name} at point {k} of the schedule"
-                )
-                for k, name in enumerate(self.places, start=1)
+                signals.gain(place, self.signal, float(k), f"{name} at point {k} of the schedule")
+                for k, place in enumerate(self.places, start=1)
             ),
-            signals.duration(
-                "schedule.filter_time",
-                f"time constant in which the scheduling variable follows {self.shown}",
-            ),
+            signals.duration(_FILTER_TIME, f"{words} {self.shown}"),
         ]
 
     @property
@@ -104,13 +103,13 @@ class Schedule:
         name = self.signal.name
         return f"the setpoint of {name}" if self._input.part == "sp" else name
 
-    def table(self, parameter: Signal) -> list[Signal]:
-        """Return the parameters that stand for one that is scheduled: its values at the points.
+    def tables(self, parameters: Iterable[Signal]) -> list[Signal]:
+        """Return the parameters that stand for those that are scheduled: values at the points.
 
         Examples
         --------
         >>> schedule = Schedule("level_1.sp", Signal("level_1", "V"), 3)
-        >>> [each.name for each in schedule.table(Signal("level_1.gain", "V/V"))]
+        >>> [each.name for each in schedule.tables([Signal("level_1.gain", "V/V")])]
         ['level_1.gain.at.1', 'level_1.gain.at.2', 'level_1.gain.at.3']
         """
         return [
@@ -120,37 +119,44 @@ class Schedule:
                 matrix=parameter.matrix or parameter.part,
                 description=f"{parameter.description}, at point {k} of the schedule",
             )
+            for parameter in parameters
             for k, name in enumerate(self.values(parameter.name), start=1)
         ]
 
+    @property
+    def words(self) -> str:
+        """What a law does by it, for its reader."""
+        return (
+            f"Gain scheduling: parameters by tables of {self.points} points over {self.shown}, "
+            "filtered."
+        )
+
     def state(self) -> list[Signal]:
         """Return the scheduling variable."""
-        return [signals.like(self.signal, "schedule.variable", f"{self.shown}, filtered")]
+        return [signals.like(self.signal, _VARIABLE, f"{self.shown}, filtered")]
 
-    def followed(self, symbols: Symbols) -> Equations:
-        """Return the scheduling variable of this sample as the output followed.
+    def followed(self, sample: Sample) -> ca.SX:
+        """Write the filter of the scheduling variable, and return that of this sample.
 
         Parameters
         ----------
-        symbols : mapping
-            The input, its sensor, variable and filter_time of the schedule, and time_step.
+        sample : Sample
+            With the input, its sensor, variable and filter_time of the schedule, and time_step.
 
         Examples
         --------
         >>> schedule = Schedule("level_1.sp", Signal("level_1", "V"), 2)
         >>> numbers = {"level_1.sp": 8.0, "schedule.variable": 4.0, "schedule.filter_time": 3.0,
         ...            "time_step": 1.0}
-        >>> found = schedule.followed({name: ca.DM(value) for name, value in numbers.items()})
-        >>> float(found.outputs["followed"])
+        >>> float(schedule.followed(Sample({n: ca.DM(value) for n, value in numbers.items()})))
         5.0
         """
-        given = {**symbols, "asked": symbols[self.variable]}
-        sensed = self._input.part == "pv"
-        if sensed:
-            given["sensor"] = symbols[path(self._input.owner, "good")]
-        return called(_schedule_filter(sensed), "schedule_filter", given)
+        given = {"asked": sample[self.variable]}
+        if sensed := self._input.part == "pv":
+            given["sensor"] = sample[path(self._input.owner, "good")]
+        return sample.call(_schedule_filter(sensed), "schedule_filter", **given)["followed"]
 
-    def interpolated(self, symbols: Symbols, at: ca.SX, names: Sequence[str]) -> dict[str, ca.SX]:
+    def interpolated(self, sample: Sample, at: ca.SX, names: Iterable[str]) -> dict[str, ca.SX]:
         """Return the scheduled parameters at a value of the scheduling variable.
 
         At a point of the schedule it is the value of the table in every digit. Points that do
@@ -158,10 +164,10 @@ class Schedule:
 
         Parameters
         ----------
-        symbols : mapping
-            schedule_point_k and the tables.
+        sample : Sample
+            With the points and the tables.
         at : casadi.SX
-        names : sequence of str
+        names : iterable of str
             Of the scheduled parameters.
 
         Examples
@@ -169,15 +175,16 @@ class Schedule:
         >>> schedule = Schedule("level_1.sp", Signal("level_1", "V"), 2)
         >>> numbers = {"schedule.point.1": 2.0, "schedule.point.2": 6.0, "gain.at.1": 10.0,
         ...            "gain.at.2": 20.0}
-        >>> symbols = {name: ca.DM(value) for name, value in numbers.items()}
-        >>> float(schedule.interpolated(symbols, ca.DM(3.0), ["gain"])["gain"])
+        >>> sample = Sample({name: ca.DM(value) for name, value in numbers.items()})
+        >>> float(schedule.interpolated(sample, ca.DM(3.0), ["gain"])["gain"])
         12.5
         """
         block, found = _table(self.points), {}
         for name in names:
-            given = [at, *(symbols[each] for each in (*self.places, *self.values(name)))]
-            ports = {port.name: value for port, value in zip(block.inputs, given, strict=True)}
-            found[name] = called(block, path(name, "table"), ports).outputs["value"]
+            values = [at, *(sample[each] for each in (*self.places, *self.values(name)))]
+            given = {port.name: value for port, value in zip(block.inputs, values, strict=True)}
+            found[name] = sample.call(block, path(name, "table"), **given)["value"]
+            sample.name(name, {"used": found[name]})
         return found
 
 
@@ -186,26 +193,23 @@ def _schedule_filter(sensed: bool) -> Block:
     """Return the block that follows a scheduling variable: one that is measured has a sensor."""
 
     def equations(s: Symbols) -> Equations:
-        raw, last, time_step = s["asked"], s["schedule.variable"], s["time_step"]
-        usable = ca.logic_and(is_number(raw), is_time_step(time_step))
-        if sensed:
-            usable = ca.logic_and(usable, s["sensor"])
+        raw, last, time_step = s["asked"], s[_VARIABLE], s["time_step"]
+        sound = [s["sensor"]] if sensed else []
+        usable = all_of([is_number(raw), is_time_step(time_step), *sound])
         step = ca.if_else(usable, time_step, 1)
-        filter_time = ca.fmax(s["schedule.filter_time"], 0)
-        moved = last + (raw - last) * (step / (filter_time + step))
-        taken = ca.logic_and(usable, is_number(moved))
-        found = ca.if_else(taken, moved, last)
-        return Equations({"schedule.variable": found}, {"followed": found})
+        moved = last + (raw - last) * (step / (ca.fmax(s[_FILTER_TIME], 0) + step))
+        found = ca.if_else(ca.logic_and(usable, is_number(moved)), moved, last)
+        return Equations({_VARIABLE: found}, {"followed": found})
 
     return Block(
         "measured_schedule_filter" if sensed else "schedule_filter",
         (
             Signal("asked", description="what the scheduling variable follows"),
-            *([truth("sensor", "its sensor is sound")] if sensed else []),
-            Signal("schedule.filter_time", "s"),
+            *([truth("sensor", "its sensor is sound")] * sensed),
+            Signal(_FILTER_TIME, "s"),
             Signal("time_step", "s"),
         ),
-        (Signal("schedule.variable"),),
+        (Signal(_VARIABLE),),
         (Signal("followed", description="the scheduling variable of this sample"),),
         equations,
         ("The scheduling variable, filtered; it stays where it is not known.",),
@@ -219,24 +223,18 @@ def _table(count: int) -> Block:
     places, names = elements("point", count), elements("value", count)
 
     def equations(s: Symbols) -> Equations:
-        points, values = ([s[name] for name in each] for each in (places, names))
-        found = values[0]
-        for (low, high), (first, last) in zip(
-            itertools.pairwise(points), itertools.pairwise(values), strict=True
-        ):
+        at, found = s["place"], s[names[0]]
+        for ends in pairwise(zip(places, names, strict=True)):
+            (low, first), (high, last) = ((s[place], s[name]) for place, name in ends)
             rises = high > low
-            share = (s["place"] - low) / ca.if_else(rises, high - low, 1)
-            within = ca.logic_and(rises, s["place"] > low)
-            here = ca.if_else(s["place"] >= high, last, first + share * (last - first))
-            found = ca.if_else(within, here, found)
+            share = (at - low) / ca.if_else(rises, high - low, 1)
+            here = ca.if_else(at >= high, last, first + share * (last - first))
+            found = ca.if_else(ca.logic_and(rises, at > low), here, found)
         return Equations({}, {"value": found})
 
     return Block(
         f"table_of_{count}_points",
-        (
-            Signal("place", description="where it is read"),
-            *map(Signal, (*places, *names)),
-        ),
+        (Signal("place", description="where it is read"), *map(Signal, (*places, *names))),
         (),
         (Signal("value"),),
         equations,

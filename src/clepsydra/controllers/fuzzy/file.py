@@ -10,15 +10,8 @@ from pathlib import Path
 from clepsydra.base.errors import InputError
 from clepsydra.base.input_file import read_input
 from clepsydra.base.units import to_si
-from clepsydra.controllers.fuzzy.membership import (
-    Gaussian,
-    Membership,
-    Trapezoid,
-    left_shoulder,
-    right_shoulder,
-    triangle,
-)
-from clepsydra.controllers.fuzzy.rule import Rule, parse_rule
+from clepsydra.controllers.fuzzy import membership
+from clepsydra.controllers.fuzzy.rule import parse_rule
 from clepsydra.controllers.fuzzy.system import (
     FEWEST_POINTS,
     MOST_POINTS,
@@ -35,12 +28,12 @@ _RULE = 'write as in R1 = "if e is N and de is ZO then u is PS"'
 _SETS = "write as in [inputs.e.sets] and N = { left_shoulder = [-1, 0] }"
 
 #: Shape to its number of points, and what makes it.
-_SHAPES: dict[str, tuple[int, Callable[..., Membership]]] = {
-    "left_shoulder": (2, left_shoulder),
-    "right_shoulder": (2, right_shoulder),
-    "triangle": (3, triangle),
-    "trapezoid": (4, Trapezoid),
-    "gaussian": (2, Gaussian),
+_SHAPES: dict[str, tuple[int, Callable[..., membership.Membership]]] = {
+    "left_shoulder": (2, membership.left_shoulder),
+    "right_shoulder": (2, membership.right_shoulder),
+    "triangle": (3, membership.triangle),
+    "trapezoid": (4, membership.Trapezoid),
+    "gaussian": (2, membership.Gaussian),
 }
 
 
@@ -131,59 +124,57 @@ u (S, L); perhaps 'L' was meant.
     general = TableReader(document, (), _KEYS)
     inputs = _tables(general, "inputs", INPUT_KEYS)
     outputs = _tables(general, "outputs", OUTPUT_KEYS)
+    read = _variables(document, "inputs", inputs, (-1.0, 1.0))
+    moved = _variables(document, "outputs", outputs, None)
     with _placed(document):
-        system = FuzzySystem(
-            tuple(_variable("inputs", name, table, (-1.0, 1.0)) for name, table in inputs.items()),
-            tuple(_variable("outputs", name, table, None) for name, table in outputs.items()),
-            _rules(general),
-            _points(general),
-        )
+        rows = general.table("rules", "a table of rules", _RULE)
+        rules = [parse_rule(name, rows.text(name, "a rule", _RULE)) for name in rows.present]
+        system = FuzzySystem(read, moved, tuple(rules), _points(general))
     title = general.text("title", "one line of text", "leave it out for none", default="")
     return FuzzyFile(title, system, inputs, outputs)
 
 
 @contextmanager
-def _placed(document: Document) -> Iterator[None]:
+def _placed(document: Document, above: str = "") -> Iterator[None]:
     """Give an error whose place is a path in the system its line in the file."""
     try:
         yield
     except InputError as error:
         if error.place.startswith(f"{document.file}, line "):
             raise
-        place = document.place(*error.place.split("."))
+        place = document.place(*f"{above}{error.place}".split("."))
         raise InputError(place, error.value, error.expected, error.remedy) from None
 
 
 def _tables(general: TableReader, kind: str, keys: tuple[str, ...]) -> dict[str, TableReader]:
-    example = "e" if kind == "inputs" else "u"
-    remedy = f"write [{kind}.{example}]"
-    rows = general.table(kind, f"a table for each of the {kind}", remedy)
+    remedy = f"write [{kind}.{'e' if kind == 'inputs' else 'u'}]"
+    expected = f"a table for each of the {kind}"
+    rows = general.table(kind, expected, remedy)
     if not rows.present:
-        raise general.refused(kind, "none", f"a table for each of the {kind}", remedy)
+        raise general.refused(kind, "none", expected, remedy)
     return {
         checked_name(name, rows.place(name)): rows.table(name, "a table", remedy, keys)
         for name in rows.present
     }
 
 
-def _variable(
-    kind: str, name: str, table: TableReader, default: tuple[float, float] | None
-) -> LinguisticVariable:
-    if default is not None and not table.has("range"):
-        low, high = default
-    else:
-        low, high = table.range("range", "1")
-    rows = table.table("sets", "a table of sets", _SETS)
-    sets = {checked_name(label, rows.place(label)): _set(rows, label) for label in rows.present}
-    try:
-        return LinguisticVariable(name, low, high, sets)
-    except InputError as error:
-        raise InputError(
-            f"{kind}.{error.place}", error.value, error.expected, error.remedy
-        ) from None
+def _variables(
+    document: Document,
+    kind: str,
+    tables: dict[str, TableReader],
+    default: tuple[float, float] | None,
+) -> tuple[LinguisticVariable, ...]:
+    found = []
+    for name, table in tables.items():
+        low, high = default if default and not table.has("range") else table.range("range", "1")
+        rows = table.table("sets", "a table of sets", _SETS)
+        sets = {checked_name(label, rows.place(label)): _set(rows, label) for label in rows.present}
+        with _placed(document, f"{kind}."):
+            found.append(LinguisticVariable(name, low, high, sets))
+    return tuple(found)
 
 
-def _set(rows: TableReader, label: str) -> Membership:
+def _set(rows: TableReader, label: str) -> membership.Membership:
     shapes = ", ".join(_SHAPES)
     table = rows.table(label, "a table with one shape", _SETS, tuple(_SHAPES))
     if len(table.present) != 1:
@@ -212,8 +203,3 @@ def _points(general: TableReader) -> int:
             "points", shown, f"a whole number from {FEWEST_POINTS} to {MOST_POINTS}", "101 is usual"
         )
     return written
-
-
-def _rules(general: TableReader) -> tuple[Rule, ...]:
-    rows = general.table("rules", "a table of rules", _RULE)
-    return tuple(parse_rule(name, rows.text(name, "a rule", _RULE)) for name in rows.present)

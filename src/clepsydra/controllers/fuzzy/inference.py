@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from dataclasses import replace
+from functools import reduce
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
 
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.limits import limit
+from clepsydra.controllers.blocks.ports import truth
 from clepsydra.controllers.fuzzy.rule import firing
 from clepsydra.controllers.fuzzy.system import FuzzySystem, LinguisticVariable, concluded_sets
+from clepsydra.program.block import Block
 from clepsydra.program.counted_loop import counted_loop
+from clepsydra.program.step_law import Equations, Symbols
 
 #: Way of a difference quotient, as a share of an input's range; the cube root of rounding.
 _WAY = 1e-5
@@ -36,14 +43,6 @@ class Centroid(NamedTuple):
     fires: ca.SX
 
 
-class _Stretch(NamedTuple):
-    """Neighbouring points at which the same sets are above zero, and those sets' degrees."""
-
-    first: int
-    stop: int
-    degrees: dict[str, np.ndarray]
-
-
 def infer(system: FuzzySystem, values: Mapping[str, ca.SX]) -> dict[str, Centroid]:
     """Return each output's centroid.
 
@@ -51,8 +50,9 @@ def infer(system: FuzzySystem, values: Mapping[str, ca.SX]) -> dict[str, Centroi
     min(w(s), μ_s(y)) and Σ over the points y of the output's range, the centroid is
     Σ y μ(y) / Σ μ(y). The rules of one set are joined first: max min(w, μ_s) = min(max w, μ_s).
 
-    Each stretch of points at which the same sets are above zero is a counted loop over those
-    sets alone, the others add nothing to the largest, so no bit of the sums changes.
+    Outputs whose range and concluded sets are the same share one block. In it each stretch of
+    points at which the same sets are above zero is a counted loop over those sets alone; the
+    others add nothing to the largest, so no bit of the sums changes.
 
     Parameters
     ----------
@@ -83,77 +83,90 @@ def infer(system: FuzzySystem, values: Mapping[str, ca.SX]) -> dict[str, Centroi
         for name, member in variable.sets.items():
             degrees[variable.name, name] = member.expression(clipped)
     strengths = {rule: firing(rule.condition, degrees, ca.fmin, ca.fmax) for rule in system.rules}
-    found = {}
+    found: dict[str, Centroid] = {}
+    blocks: dict[object, Block] = {}
     for output in system.outputs:
-        heights: dict[str, ca.SX] = {}
-        for name, rules in concluded_sets(system.rules, output.name).items():
-            height = strengths[rules[0]]
-            for rule in rules[1:]:
-                height = ca.fmax(height, strengths[rule])
-            heights[name] = height
-        found[output.name] = _centroid(system, output, heights)
+        heights = {
+            path("height", name): reduce(ca.fmax, [strengths[rule] for rule in rules])
+            for name, rules in concluded_sets(system.rules, output.name).items()
+        }
+        members = {n: each for n, each in output.sets.items() if path("height", n) in heights}
+        shape = output.low, output.high, *members.items()
+        if shape not in blocks:
+            named, taken = Signal(output.name), {block.name for block in blocks.values()}
+            short, long = (f"{each}_centroid" for each in (named.part, named.identifier))
+            name = long if short in taken else short
+            blocks[shape] = _centroid(name, replace(output, sets=members), system.points_of(output))
+        results = blocks[shape](path(output.name, "centroid"), heights, {}).outputs
+        found[output.name] = Centroid(results["centroid"], results["fires"])
     return found
 
 
-def _centroid(
-    system: FuzzySystem, output: LinguisticVariable, heights: dict[str, ca.SX]
-) -> Centroid:
-    points = system.points_of(output)
-    sums = ca.SX.zeros(2)
-    for stretch in _stretches(points, output, heights):
-        sums = _summed(output.name, stretch, points, heights, sums)
-    moment, area = sums[0], sums[1]
-    fires = area > 0
-    middle = (output.low + output.high) / 2.0
-    return Centroid(ca.if_else(fires, moment / ca.if_else(fires, area, 1), middle), fires)
+def _centroid(name: str, output: LinguisticVariable, points: np.ndarray) -> Block:
+    """Return the block from the heights of an output's sets to its centroid."""
+    degrees = output.degrees(points)
+
+    def equations(heights: Symbols) -> Equations:
+        sums, named = ca.SX.zeros(2), dict[str, ca.SX]()
+        for first, stop in _stretches(np.array(list(degrees.values())) > 0.0):
+            here = {name: d[first:stop] for name, d in degrees.items() if d[first:stop].any()}
+            if here:
+                sums = _summed(f"from_{first}", points[first:stop], here, heights, sums)
+                # A program goes on with the variables of the first stretch.
+                named = named or dict(zip(("moment", "area"), ca.vertsplit(sums), strict=True))
+        moment, area = ca.vertsplit(sums)
+        fires = area > 0
+        middle = (output.low + output.high) / 2.0
+        value = ca.if_else(fires, moment / ca.if_else(fires, area, 1), middle)
+        return Equations({}, {"centroid": value, "fires": fires}, named)
+
+    return Block(
+        name,
+        tuple(Signal(path("height", n), description=f"how far the output is {n}") for n in degrees),
+        (),
+        (Signal("centroid", description="crisp output"), truth("fires", "some rule fires")),
+        equations,
+        ("The centroid of the largest of the sets, each clipped at its height.",),
+    )
 
 
-def _stretches(
-    points: np.ndarray, output: LinguisticVariable, heights: Mapping[str, ca.SX]
-) -> Iterator[_Stretch]:
-    found = {name: d for name, d in output.degrees(points).items() if name in heights}
-    above = np.array([degrees > 0.0 for degrees in found.values()])
+def _stretches(above: np.ndarray) -> Iterator[tuple[int, int]]:
+    """Yield first and stop of stretches in which the same sets are above zero [sets, points].
+
+    A single point goes with a neighbour that has its sets among others: they are zero there.
+    """
+    count = above.shape[1]
     changes = np.flatnonzero((above[:, 1:] != above[:, :-1]).any(axis=0)) + 1
-    for first, stop in zip([0, *changes], [*changes, len(points)], strict=True):
-        here = {name: d[first:stop] for name, d in found.items() if d[first] > 0.0}
-        if here:
-            yield _Stretch(int(first), int(stop), here)
+    first = 0
+    for start, stop in pairwise([*map(int, changes), count]):
+        before, here = above[:, first:start].any(axis=1), above[:, start]
+        begins = start - first == 1 and bool((before <= here).all())
+        if not (begins or (stop - start == 1 and bool((here <= before).all()))):
+            yield first, start
+            first = start
+    yield first, count
 
 
 def _summed(
-    output: str,
-    stretch: _Stretch,
+    name: str,
     points: np.ndarray,
-    heights: Mapping[str, ca.SX],
+    degrees: Mapping[str, np.ndarray],
+    heights: Symbols,
     sums: ca.SX,
 ) -> ca.SX:
-    """Return Σ y μ(y) and Σ μ(y) with those of a stretch added, by a counted loop."""
-    label = output.replace(".", "_")
-    names = list(stretch.degrees)
-    # A height is at most 1: where a set is 1 all along, the height alone is the smaller.
-    clipping = [name for name in names if np.any(stretch.degrees[name] != 1.0)]
-    tables = [points[stretch.first : stretch.stop], *(stretch.degrees[n] for n in clipping)]
-    row, carried = ca.SX.sym("row", len(tables)), ca.SX.sym("sums", 2)
-    held = ca.SX.sym("heights", len(names))
-    clipped = [
-        ca.fmin(held[place], row[1 + clipping.index(name)]) if name in clipping else held[place]
-        for place, name in enumerate(names)
-    ]
-    largest = clipped[0]
-    for degree in clipped[1:]:
-        largest = ca.fmax(largest, degree)
-    turn = ca.Function(
-        f"point_of_{label}",
-        [row, carried, held],
-        [ca.vertcat(carried[0] + row[0] * largest, carried[1] + largest)],
-    )
+    """Return Σ y μ(y) and Σ μ(y) with those of some points added, by a counted loop."""
+    row, carried = ca.SX.sym("row", 1 + len(degrees)), ca.SX.sym("sums", 2)
+    held = ca.SX.sym("heights", len(degrees))
+    point, *here = ca.vertsplit(row)
+    largest = reduce(ca.fmax, map(ca.fmin, ca.vertsplit(held), here))
+    turn = carried + ca.vertcat(point * largest, largest)
     return counted_loop(
-        f"{label}_from_{stretch.first}",
-        stretch.stop - stretch.first,
-        turn,
+        name,
+        len(points),
+        ca.Function("point", [row, carried, held], [turn]),
         carried=sums,
-        tables=[list(map(float, table)) for table in tables],
-        invariants=ca.vertcat(*[heights[name] for name in names]),
+        tables=[table.tolist() for table in (points, *degrees.values())],
+        invariants=ca.vertcat(*(heights[path("height", name)] for name in degrees)),
     )
 
 
@@ -186,16 +199,13 @@ def surface(system: FuzzySystem) -> ca.Function:
     [-0.673, 0.124]
     """
     x = ca.SX.sym("x", len(system.inputs))
-    values = {variable.name: x[place] for place, variable in enumerate(system.inputs)}
-    found = infer(system, values)
+    found = infer(system, {v.name: x[k] for k, v in enumerate(system.inputs)})
     written = [ca.vertcat(*part) for part in zip(*found.values(), strict=True)]
     plain = ca.Function("surface", [x], written)
-    columns = []
-    for place, variable in enumerate(system.inputs):
-        way = ca.SX.zeros(len(system.inputs))
-        way[place] = _WAY * (variable.high - variable.low)
-        columns.append((plain(x + way)[0] - plain(x - way)[0]) / (2 * way[place]))
-    slopes = ca.densify(ca.horzcat(*columns))
+    ways = np.diag([_WAY * (variable.high - variable.low) for variable in system.inputs])
+    slopes = ca.densify(
+        ca.horzcat(*((plain(x + way)[0] - plain(x - way)[0]) / (2 * sum(way)) for way in ways))
+    )
     given = [x, *(ca.SX.sym(name, len(system.outputs)) for name in ("values", "fires"))]
     jacobian = ca.Function(
         "jac_surface",
@@ -204,16 +214,10 @@ def surface(system: FuzzySystem) -> ca.Function:
         ["x", "out_values", "out_fires"],
         ["jac_values_x", "jac_fires_x"],
     )
-    return ca.Function(
-        "surface",
-        [x],
-        written,
-        ["x"],
-        ["values", "fires"],
-        {
-            "never_inline": True,
-            "custom_jacobian": jacobian,
-            "enable_forward": False,
-            "enable_reverse": False,
-        },
-    )
+    options: dict[str, Any] = {
+        "never_inline": True,
+        "custom_jacobian": jacobian,
+        "enable_forward": False,
+        "enable_reverse": False,
+    }
+    return ca.Function("surface", [x], written, ["x"], ["values", "fires"], options)

@@ -3,38 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal, owned, path
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.anti_windup import tracking_share
 from clepsydra.controllers.blocks.derivative import filtered_derivative
 from clepsydra.controllers.blocks.error_shape import gap_error
-from clepsydra.controllers.blocks.final_element import FinalElement, final_element
+from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.handover import Asked
-from clepsydra.controllers.blocks.integral import applied_ports, integral
-from clepsydra.controllers.blocks.ports import as_parts
+from clepsydra.controllers.blocks.integral import next_integral
+from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step, value_or_zero
-from clepsydra.controllers.fuzzy.inference import Centroid, surface
-from clepsydra.controllers.fuzzy.kinds import FuzzyInput, FuzzyOutput, followed_measurements
+from clepsydra.controllers.control_law import control_law
+from clepsydra.controllers.fuzzy.inference import surface
+from clepsydra.controllers.fuzzy.kinds import FuzzyInput, FuzzyOutput
 from clepsydra.controllers.fuzzy.system import FuzzySystem
-from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
+from clepsydra.program.step_law import StepLaw
 
 FAMILY = "fuzzy"
-
-
-class _Reading(NamedTuple):
-    """A crisp input: its value, whether it may be used, and what is kept of it."""
-
-    value: ca.SX
-    numbers: ca.SX
-    sensor: ca.SX
-    state: dict[str, ca.SX]
-    named: dict[str, ca.SX]
 
 
 def fuzzy_law(
@@ -116,20 +106,42 @@ def fuzzy_law(
     moved = signals.process_signals(manipulated, "fuzzy law, manipulated")
     by_name = {signal.name: signal for signal in known}
     _check(system, inputs, outputs, by_name, moved)
-    writer = _Writer(system, tuple(inputs), tuple(outputs), by_name, moved)
-    followed = [by_name[each] for each in followed_measurements(tuple(by_name), inputs)]
-    return step_law(
+    read = [
+        (each, variable.name, by_name[each.measurement])
+        for each, variable in zip(inputs, system.inputs, strict=True)
+    ]
+    followed = {each.measurement for each in inputs if each.is_of_error}
+    written = list(zip(outputs, moved, strict=True))
+
+    def equations(sample: Sample) -> None:
+        good = is_time_step(sample["time_step"])
+        sample.named["time_step_good"] = good
+        time_step = ca.if_else(good, sample["time_step"], 1)
+        crisp = {name: _crisp(sample, each, name, time_step, good) for each, name, _ in read}
+        values, fires = surface(system)(ca.vertcat(*(found.value for found in crisp.values())))
+        for j, (output, u) in enumerate(written):
+            name = system.outputs[j].name
+            used = [crisp[variable.name] for variable in system.used_by(name)]
+            sample.name(name, {"centroid": values[j]})
+            wish = sample[path(u, "output_gain")] * values[j]
+            _move(sample, output, u, wish, fires[j], used, time_step)
+
+    return control_law(
         name,
-        inputs=[
-            *signals.setpoint_inputs(followed),
-            *signals.measurement_inputs(known),
-            *signals.output_inputs(moved),
+        equations,
+        measured=known,
+        controlled=[y for y in known if y.name in followed],
+        manipulated=moved,
+        parameters=[
+            *(signal for each, name, y in read for signal in each.parameters(name, y)),
+            *(signal for output, u in written for signal in output.parameters(u)),
         ],
-        parameters=writer.parameters(),
-        state=writer.state(),
-        outputs=[signal for u in moved for signal in signals.output_signals(u)],
-        equations=writer.equations,
-        description=[f"{rule.name}: {rule}" for rule in system.rules],
+        state=[
+            *(signal for each, name, y in read for signal in each.state(name, y)),
+            *(signal for output, u in written for signal in output.state(u)),
+            *map(signals.last_output, moved),
+        ],
+        description=tuple(f"{rule.name}: {rule}" for rule in system.rules),
     )
 
 
@@ -141,13 +153,13 @@ def _check(
     manipulated: Sequence[Signal],
 ) -> None:
     for what, given, wanted in (
-        ("inputs", len(inputs), len(system.inputs)),
-        ("outputs", len(outputs), len(system.outputs)),
-        ("manipulated", len(manipulated), len(system.outputs)),
+        ("inputs", inputs, system.inputs),
+        ("outputs", outputs, system.outputs),
+        ("manipulated", manipulated, system.outputs),
     ):
-        if given != wanted:
+        if len(given) != len(wanted):
             raise InputError(
-                f"fuzzy law, {what}", given, f"{wanted}, one for each of the system",
+                f"fuzzy law, {what}", len(given), f"{len(wanted)}, one for each of the system",
                 "give one for each",
             )  # fmt: skip
     for each in inputs:
@@ -158,145 +170,55 @@ def _check(
             )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Writer:
-    system: FuzzySystem
-    inputs: tuple[FuzzyInput, ...]
-    outputs: tuple[FuzzyOutput, ...]
-    measured: Mapping[str, Signal]
-    manipulated: tuple[Signal, ...]
+class _Crisp(NamedTuple):
+    """The value of a linguistic input, and whether it may be used."""
 
-    def parameters(self) -> list[Signal]:
-        found: list[Signal] = []
-        for each, variable in zip(self.inputs, self.system.inputs, strict=True):
-            unit = self._unit(each)
-            name = f"{variable.name}, {each.quantity.replace('_', ' ')} of {each.measurement}"
-            own = [
-                signals.gain("gain", signals.per(Signal(""), unit), 1.0, f"gain of {name}"),
-                _not_negative("dead_zone", unit, f"half width of the dead zone of {name}"),
-            ]
-            if each.is_rate:
-                words = f"time constant of the filter of {name}"
-                own.append(_not_negative("filter_time", "s", words))
-            found += owned(variable.name, own)
-        for output, moved in zip(self.outputs, self.manipulated, strict=True):
-            per = () if output.action == "position" else ("s",)
-            unit = signals.per(moved, *per)
-            name = path(moved, "output_gain")
-            found.append(signals.gain(name, unit, 1.0, f"gain to {moved.name}"))
-            if output.action == "position":
-                words = f"time in which a bumpless start of {moved.name} fades"
-                found.append(signals.duration(path(moved, "fading_time"), words))
-            found += signals.limit_parameters(moved)
-            if output.rate_limited:
-                words = f"largest rate of change of {moved.name}"
-                found.append(signals.largest_rate(path(moved, "rate_limit"), moved, words))
-        return found
-
-    def state(self) -> list[Signal]:
-        filtered = [
-            Signal(
-                path(v.name, "filtered"),
-                self.measured[each.measurement].unit,
-                description=f"filtered {each.quantity.removesuffix('_rate')} behind {v.name}",
-            )
-            for each, v in zip(self.inputs, self.system.inputs, strict=True)
-            if each.is_rate
-        ]
-        offsets = [
-            Signal(path(u, "offset"), u.unit, description=f"what a bumpless start adds to {u.name}")
-            for output, u in zip(self.outputs, self.manipulated, strict=True)
-            if output.action == "position"
-        ]
-        return [*filtered, *offsets, *map(signals.last_output, self.manipulated)]
-
-    def _unit(self, each: FuzzyInput) -> Signal:
-        return signals.per(self.measured[each.measurement], *(["s"] if each.is_rate else []))
-
-    def equations(self, symbols: Symbols) -> Equations:
-        time_step_good = is_time_step(symbols["time_step"])
-        time_step = ca.if_else(time_step_good, symbols["time_step"], 1)
-        readings = {
-            variable.name: _reading(symbols, variable.name, each, time_step, time_step_good)
-            for each, variable in zip(self.inputs, self.system.inputs, strict=True)
-        }
-        values = {name: reading.value for name, reading in readings.items()}
-        state: dict[str, ca.SX] = {}
-        named: dict[str, ca.SX] = {"time_step_good": time_step_good}
-        for name, reading in readings.items():
-            state |= reading.state
-            named |= reading.named | {path(name, "scaled"): reading.value}
-        written: dict[str, ca.SX] = {}
-        crisp, fires = surface(self.system)(ca.vertcat(*values.values()))
-        for j, variable in enumerate(self.system.outputs):
-            centroid, moved = Centroid(crisp[j], fires[j]), self.manipulated[j]
-            read = [readings[v.name] for v in self.system.used_by(variable.name)]
-            numbers = all_of([reading.numbers for reading in read])
-            sensors = all_of([reading.sensor for reading in read])
-            element = self._moved(symbols, j, centroid, numbers, sensors, time_step, state)
-            state[path(moved, "last_output")] = element.manipulated
-            written |= as_parts(moved, {"out": element.manipulated, "status": element.status})
-            named |= element.named | {path(variable.name, "centroid"): centroid.value}
-        return Equations(state, written, named)
-
-    def _moved(
-        self, symbols: Symbols, j: int, centroid: Centroid, numbers: ca.SX, sensors: ca.SX,
-        time_step: ca.SX, state: dict[str, ca.SX],
-    ) -> FinalElement:  # fmt: skip
-        """Return the final element of an output; an offset's next value goes into the state."""
-        output, moved = self.outputs[j], self.manipulated[j]
-        last = symbols[path(moved, "last_output")]
-        usable = all_of([numbers, sensors, centroid.fires])
-        wish = symbols[path(moved, "output_gain")] * centroid.value
-        offset = symbols.get(path(moved, "offset"))
-        asked = last + time_step * wish if offset is None else wish + offset
-        element = final_element(
-            symbols,
-            moved,
-            Asked(asked, usable, numbers, sensors),
-            rate_limited=output.rate_limited,
-        )
-        if offset is not None:
-            share = tracking_share(time_step, symbols[path(moved, "fading_time")])
-            fading = {
-                "integral": offset,
-                "proportional": wish,
-                "increment": -share * offset,
-                "known": usable,
-                "last_applied": last,
-                **applied_ports(element.applied),
-            }
-            name = path(moved, "offset")
-            found = integral("conditional_integration")(name, fading, {})
-            state[path(moved, "offset")] = found.outputs["following"]
-        return element
+    value: ca.SX
+    numbers: ca.SX
+    sensor: ca.SX
 
 
-def _reading(
-    symbols: Symbols, name: str, each: FuzzyInput, time_step: ca.SX, time_step_good: ca.SX
-) -> _Reading:
-    """Return a crisp input: zero, and not to be used, where it is no number."""
-    shown = [symbols[path(each.measurement, "pv")]]
-    if each.is_of_error:
-        shown.append(symbols[path(each.measurement, "sp")])
+def _crisp(
+    sample: Sample, each: FuzzyInput, name: str, time_step: ca.SX, time_step_good: ca.SX
+) -> _Crisp:
+    """Read a linguistic input: zero, and not to be used, where it is no number."""
+    shown = sample.of(each.measurement, "pv", *(["sp"] if each.is_of_error else []))
     valid = all_of([is_number(value) for value in shown])
-    known = [value_or_zero(value, valid) for value in shown]
-    value = known[1] - known[0] if each.is_of_error else known[0]
-    sensor = symbols[path(each.measurement, "good")]
-    state, named = {}, {}
+    value, *setpoint = (value_or_zero(value, valid) for value in shown)
+    if setpoint:
+        value = setpoint[0] - value
+    sensor = sample[path(each.measurement, "good")]
     if each.is_rate:
-        kept = symbols[path(name, "filtered")]
-        found = filtered_derivative(value, kept, symbols[path(name, "filter_time")], time_step)
-        sound = all_of([valid, sensor, time_step_good, is_number(found.filtered)])
-        state[path(name, "filtered")] = ca.if_else(sound, found.filtered, kept)
-        value = found.rate
-        named[path(name, "rate")] = value
-    width = symbols[path(name, "dead_zone")]
-    scaled = symbols[path(name, "gain")] * gap_error(value, width, ca.SX(0))
+        kept, filter_time = sample.of(name, "filtered", "filter_time")
+        value, filtered = filtered_derivative(value, kept, filter_time, time_step)
+        sound = all_of([valid, sensor, time_step_good, is_number(filtered)])
+        sample.next_state[path(name, "filtered")] = ca.if_else(sound, filtered, kept)
+        sample.name(name, {"rate": value})
+    gain, width = sample.of(name, "gain", "dead_zone")
+    scaled = gain * gap_error(value, width, ca.SX(0))
     # Met where a parameter was changed to something unusable at run time, too.
     numbers = ca.logic_and(valid, is_number(scaled))
-    return _Reading(value_or_zero(scaled, numbers), numbers, sensor, state, named)
+    scaled = value_or_zero(scaled, numbers)
+    sample.name(name, {"scaled": scaled})
+    return _Crisp(scaled, numbers, sensor)
 
 
-def _not_negative(name: str, of: Signal | str, description: str) -> Signal:
-    return replace(signals.gain(name, of, 0.0, description), low=0.0)
+def _move(
+    sample: Sample, output: FuzzyOutput, moved: Signal, wish: ca.SX, fires: ca.SX,
+    used: Sequence[_Crisp], time_step: ca.SX,
+) -> None:  # fmt: skip
+    """Write an output, and the next offset of a position."""
+    last = sample[path(moved, "last_output")]
+    offset = sample[path(moved, "offset")] if output.is_position else None
+    asked = last + time_step * wish if offset is None else wish + offset
+    numbers = all_of([crisp.numbers for crisp in used])
+    sensors = all_of([crisp.sensor for crisp in used])
+    usable = all_of([numbers, sensors, fires])
+    wanted = Asked(asked, usable, numbers, sensors)
+    applied = final_element(sample, moved, wanted, rate_limited=output.rate_limited)
+    if offset is not None:
+        share = tracking_share(time_step, sample[path(moved, "fading_time")])
+        fading = {"integral_used": offset, "proportional": wish, "increment": -share * offset}
+        sample.next_state[path(moved, "offset")], _ = next_integral(
+            "conditional_integration", fading, applied, known=usable, last_applied=last
+        )

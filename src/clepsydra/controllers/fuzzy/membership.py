@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
+from functools import reduce
 from itertools import pairwise
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -47,13 +49,12 @@ class Trapezoid:
     end: float
 
     def __post_init__(self) -> None:
-        places = (self.foot, self.top, self.end_of_top, self.end)
-        ordered = all(a <= b for a, b in pairwise(places))
         open_ends = (self.foot == -math.inf) == (self.top == -math.inf)
         open_ends = open_ends and (self.end == math.inf) == (self.end_of_top == math.inf)
         bounded = math.isfinite(self.top) or math.isfinite(self.end_of_top)
-        if not (ordered and open_ends and bounded and self.foot < self.end):
-            shown = ", ".join(f"{place:g}" for place in places if math.isfinite(place))
+        ordered = all(a <= b for a, b in pairwise(astuple(self))) and self.foot < self.end
+        if not (ordered and open_ends and bounded):
+            shown = ", ".join(f"{place:g}" for place in self.corners)
             raise InputError(
                 "fuzzy set", shown, "numbers in rising order that do not all agree",
                 "put them in order, from the left foot to the right one",
@@ -62,37 +63,28 @@ class Trapezoid:
     @property
     def corners(self) -> tuple[float, ...]:
         """The places at which the slope changes."""
-        places = (self.foot, self.top, self.end_of_top, self.end)
-        return tuple(place for place in places if math.isfinite(place))
+        return tuple(place for place in astuple(self) if math.isfinite(place))
 
     def degrees(self, x: object) -> np.ndarray:
         """Return the degrees of membership of numbers [n]."""
         x = np.asarray(x, dtype=float)
-        found = np.ones_like(x)
-        if self.foot < self.top:
-            found = np.minimum(found, (x - self.foot) * (1.0 / (self.top - self.foot)))
-        if self.end_of_top < self.end:
-            found = np.minimum(found, (self.end - x) * (1.0 / (self.end - self.end_of_top)))
-        return np.where((x < self.foot) | (x > self.end), 0.0, np.maximum(found, 0.0))
+        return np.array(ca.evalf(self.expression(ca.SX(x.ravel())))).reshape(x.shape)
 
     def expression(self, x: ca.SX) -> ca.SX:
         """Return the degree as an expression that every target computes to the same bit."""
         edges, upright = [], []
-        if self.foot < self.top:
-            edges.append((x - self.foot) * (1.0 / (self.top - self.foot)))
-        elif math.isfinite(self.foot):
-            upright.append(x >= self.foot)
-        if self.end_of_top < self.end:
-            edges.append((self.end - x) * (1.0 / (self.end - self.end_of_top)))
-        elif math.isfinite(self.end):
-            upright.append(x <= self.end)
+        for inside, width in (
+            (x - self.foot, self.top - self.foot),
+            (self.end - x, self.end - self.end_of_top),
+        ):
+            if width > 0.0:
+                edges.append(inside * (1.0 / width))
+            elif width == 0.0:
+                upright.append(inside >= 0)
         # d · (1/d), rounded twice, is never above 1: where the edges meet they are the limit.
         if len(edges) < 2 or self.top < self.end_of_top:
             edges.append(ca.SX(1))
-        least = edges[0]
-        for edge in edges[1:]:
-            least = ca.fmin(least, edge)
-        degree = ca.fmax(0, least)
+        degree = ca.fmax(0, reduce(ca.fmin, edges))
         for condition in upright:
             degree = ca.if_else(condition, degree, 0)
         return degree
@@ -123,6 +115,8 @@ class Gaussian:
 
     centre: float
     width: float
+    #: None: it is smooth.
+    corners: ClassVar[tuple[float, ...]] = ()
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.centre) and 0.0 < self.width < math.inf):
@@ -130,11 +124,6 @@ class Gaussian:
                 "fuzzy set", f"{self.centre:g}, {self.width:g}", "a centre, and a width above zero",
                 "give the standard deviation as the second number",
             )  # fmt: skip
-
-    @property
-    def corners(self) -> tuple[float, ...]:
-        """None: it is smooth."""
-        return ()
 
     def degrees(self, x: object) -> np.ndarray:
         """Return the degrees of membership of numbers [n]."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
+from itertools import product
 from typing import TypeVar
 
 from clepsydra.base.errors import InputError
@@ -108,11 +110,7 @@ def firing(
     if isinstance(condition, Is):
         return degrees[condition.variable, condition.set]
     joined = least if isinstance(condition, All) else greatest
-    found = [firing(part, degrees, least, greatest) for part in condition.parts]
-    total = found[0]
-    for value in found[1:]:
-        total = joined(total, value)
-    return total
+    return reduce(joined, (firing(part, degrees, least, greatest) for part in condition.parts))
 
 
 @dataclass(frozen=True)
@@ -174,31 +172,31 @@ class _Parser:
         self._expect("if")
         condition = self._some()
         self._expect("then")
-        conclusions = [self._is()]
-        while self._take("and"):
-            conclusions.append(self._is())
+        conclusions = self._listed("and", self._is)
         if self.next < len(self.tokens):
             raise self._error("the end of the rule, or and")
         outputs = [each.variable for each in conclusions]
-        for output in outputs:
-            if outputs.count(output) > 1:
-                raise InputError(
-                    f"rules.{self.name}", f"{output} twice", "each output once in a rule",
-                    "write a rule for each",
-                )  # fmt: skip
+        twice = next((output for output in outputs if outputs.count(output) > 1), None)
+        if twice is not None:
+            raise InputError(
+                f"rules.{self.name}", f"{twice} twice", "each output once in a rule",
+                "write a rule for each",
+            )  # fmt: skip
         return Rule(self.name, condition, tuple(conclusions))
 
     def _some(self) -> Condition:
-        parts = [self._all()]
-        while self._take("or"):
-            parts.append(self._all())
+        parts = self._listed("or", self._all)
         return parts[0] if len(parts) == 1 else Some(tuple(parts))
 
     def _all(self) -> Condition:
-        parts = [self._part()]
-        while self._take("and"):
-            parts.append(self._part())
+        parts = self._listed("and", self._part)
         return parts[0] if len(parts) == 1 else All(tuple(parts))
+
+    def _listed(self, joint: str, read: Callable[[], T]) -> list[T]:
+        found = [read()]
+        while self._take(joint):
+            found.append(read())
+        return found
 
     def _part(self) -> Condition:
         if not self._take("("):
@@ -235,12 +233,8 @@ class _Parser:
     def _error(self, expected: str) -> InputError:
         before = " ".join(self.tokens[max(0, self.next - 3) : self.next])
         shown = self._token[:40] or "the end"
-        return InputError(
-            f"rules.{self.name}",
-            f"{shown} after {before[-40:]}" if before else shown,
-            expected,
-            _FORM,
-        )
+        value = f"{shown} after {before[-40:]}" if before else shown
+        return InputError(f"rules.{self.name}", value, expected, _FORM)
 
 
 def rule_table(
@@ -266,12 +260,9 @@ def rule_table(
     R1 if e is N and de is N then u is S
     R2 if e is P and de is N then u is L
     """
-    pairs = [
-        (All((Is(rows[0], row), Is(columns[0], column))), cells[i][j])
-        for i, row in enumerate(rows[1])
-        for j, column in enumerate(columns[1])
-    ]
+    pairs = product(*([Is(name, each) for each in sets] for name, sets in (rows, columns)))
+    outputs = (tuple(Is(*pair) for pair in cell.items()) for row in cells for cell in row)
     return tuple(
-        Rule(f"{prefix}{number}", condition, tuple(Is(*pair) for pair in cell.items()))
-        for number, (condition, cell) in enumerate(pairs, start=1)
+        Rule(f"{prefix}{number}", All(pair), conclusions)
+        for number, (pair, conclusions) in enumerate(zip(pairs, outputs, strict=True), start=1)
     )

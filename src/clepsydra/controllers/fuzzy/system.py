@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 
@@ -130,12 +130,10 @@ there.
                 f"a whole number from {FEWEST_POINTS} to {MOST_POINTS}", "101 is usual",
             )  # fmt: skip
         names = [variable.name for variable in (*self.inputs, *self.outputs)]
-        for kind, variables in (("inputs", self.inputs), ("outputs", self.outputs)):
-            for variable in variables:
-                if names.count(variable.name) > 1:
-                    raise InputError(
-                        f"{kind}.{variable.name}", variable.name, "a name of its own", "rename one"
-                    )
+        for place, name in enumerate(names):
+            if names.count(name) > 1:
+                kind = "inputs" if place < len(self.inputs) else "outputs"
+                raise InputError(f"{kind}.{name}", name, "a name of its own", "rename one")
         for rule in self.rules:
             self._check_names(rule)
         for output in self.outputs:
@@ -150,7 +148,7 @@ there.
     def rules_for(self, output: str) -> tuple[Rule, ...]:
         """Return the rules that conclude something about an output."""
         return tuple(
-            rule for rule in self.rules if any(c.variable == output for c in rule.conclusions)
+            rule for rule in self.rules if output in (each.variable for each in rule.conclusions)
         )
 
     def points_of(self, output: LinguisticVariable) -> np.ndarray:
@@ -158,15 +156,14 @@ there.
         return np.linspace(output.low, output.high, self.points)
 
     def _check_names(self, rule: Rule) -> None:
-        for kind, variables, named in (
-            ("input", self.inputs, list(atoms(rule.condition))),
-            ("output", self.outputs, list(rule.conclusions)),
+        for what, variables, named in (
+            ("an input", self.inputs, atoms(rule.condition)),
+            ("an output", self.outputs, rule.conclusions),
         ):
-            known = {variable.name: variable for variable in variables}
+            known = {variable.name: variable.sets for variable in variables}
             for each in named:
-                _check_known(rule, each.variable, known, f"an {kind} ({', '.join(known)})")
-                sets = known[each.variable].sets
-                _check_known(rule, each.set, sets, f"a set of {each.variable} ({', '.join(sets)})")
+                _check_known(rule, each.variable, known, what)
+                _check_known(rule, each.set, known[each.variable], f"a set of {each.variable}")
 
     def _check_points(self, output: LinguisticVariable) -> None:
         concluded = concluded_sets(self.rules, output.name)
@@ -194,18 +191,17 @@ there.
                 f"at most {_MOST_COMBINATIONS:,} combinations of their sets, not {combinations:,}",
                 "let the rules for an output read fewer inputs",
             )  # fmt: skip
-        degrees: dict[tuple[str, str], np.ndarray] = {}
-        for number, (variable, axis) in enumerate(zip(used, axes, strict=True)):
-            shape = [-1 if other == number else 1 for other in range(len(used))]
-            for name, found in variable.degrees(axis).items():
-                degrees[variable.name, name] = (found > 0.0).reshape(shape)
-        fires = np.zeros([len(axis) for axis in axes], dtype=bool)
-        for rule in rules:
-            fires |= firing(rule.condition, degrees, np.logical_and, np.logical_or)
-        if fires.all():
+        grid = np.meshgrid(*axes, indexing="ij", sparse=True)
+        degrees = {
+            (variable.name, name): found > 0.0
+            for variable, places in zip(used, grid, strict=True)
+            for name, found in variable.degrees(places).items()
+        }
+        held = (firing(r.condition, degrees, np.logical_and, np.logical_or) for r in rules)
+        gaps = np.argwhere(~reduce(np.logical_or, held))
+        if not len(gaps):
             return
-        gap = np.unravel_index(int(np.argmin(fires)), fires.shape)
-        where = {v.name: float(axis[at]) for v, axis, at in zip(used, axes, gap, strict=True)}
+        where = {v.name: float(axis[at]) for v, axis, at in zip(used, axes, gaps[0], strict=True)}
         shown = ", ".join(f"{name} = {value:g}" for name, value in where.items())
         without = [v for v in used if not any(d.any() for d in v.degrees([where[v.name]]).values())]
         place = f"inputs.{without[0].name}.sets" if without else f"outputs.{output.name}"
@@ -218,11 +214,10 @@ there.
         )
 
 
-def _check_known(rule: Rule, name: str, known: Mapping[str, object], expected: str) -> None:
+def _check_known(rule: Rule, name: str, known: Mapping[str, object], what: str) -> None:
     if name not in known:
-        raise InputError(
-            f"rules.{rule.name}", name[:60], expected, suggestion(name, known, "correct the rule")
-        )
+        expected, remedy = f"{what} ({', '.join(known)})", "correct the rule"
+        raise InputError(f"rules.{rule.name}", name[:60], expected, suggestion(name, known, remedy))
 
 
 def concluded_sets(rules: tuple[Rule, ...], output: str) -> dict[str, list[Rule]]:

@@ -11,20 +11,13 @@ from clepsydra.controllers import signals
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.fuzzy.file import FuzzyFile
-from clepsydra.controllers.fuzzy.kinds import (
-    Action,
-    FuzzyInput,
-    FuzzyOutput,
-    Quantity,
-    followed_measurements,
-)
+from clepsydra.controllers.fuzzy.kinds import Action, FuzzyInput, FuzzyOutput, Quantity
 from clepsydra.controllers.fuzzy.law import FAMILY, fuzzy_law
+from clepsydra.controllers.signals import owners
 from clepsydra.linear.operating_point import OperatingPoint
 from clepsydra.process.process import Process
 from clepsydra.process.table_reader import TableReader
 
-_QUANTITIES = get_args(Quantity)
-_ACTIONS = get_args(Action)
 #: Samples in which the bump that a bumpless start saves has faded to 1/e.
 _FADING_SAMPLES = 10.0
 
@@ -76,50 +69,29 @@ class WiredFuzzy:
 
     def __init__(self, file: FuzzyFile, process: Process) -> None:
         self.file, self.process = file, process
-        sensors = [signal.name for signal in process.measurements]
-        of = {
-            name: _one_of(table, "of", sensors, "a sensor") for name, table in file.inputs.items()
-        }
-        self.measurements = tuple(dict.fromkeys(of.values()))
-        inputs = []
-        for name, table in file.inputs.items():
-            quantity = table.choice("quantity", _QUANTITIES, "error")
-            if quantity.startswith("error") and of[name] not in process.controlled:
-                raise table.refused(
-                    "of", of[name],
-                    f"for an error, a controlled sensor ({', '.join(process.controlled)})",
-                    'it has no setpoint: write quantity = "measurement"',
-                )  # fmt: skip
-            inputs.append(FuzzyInput(cast(Quantity, quantity), of[name]))
-        known = [signal.name for signal in process.inputs]
-        self.manipulated = tuple(
-            _one_of(table, "moves", known, "a manipulated variable")
-            for table in file.outputs.values()
+        inputs = {name: _input(table, process) for name, table in file.inputs.items()}
+        actuators = [signal.name for signal in process.inputs]
+        self._outputs: dict[str, tuple[TableReader, FuzzyOutput]] = {}
+        for table in file.outputs.values():
+            moved = _one_of(table, "moves", actuators, "a manipulated variable")
+            if moved in self._outputs:
+                first, _ = self._outputs[moved]
+                raise first.refused("moves", moved, "each manipulated variable once", "correct it")
+            action = cast(Action, table.choice("action", get_args(Action), "position"))
+            self._outputs[moved] = table, FuzzyOutput(action, table.has("rate_limit"))
+        outputs = [output for _, output in self._outputs.values()]
+        read = dict.fromkeys(each.measurement for each in inputs.values())
+        known, driven = (
+            [process.signal(name) for name in names] for names in (read, self._outputs)
         )
-        for table, moved in zip(file.outputs.values(), self.manipulated, strict=True):
-            if self.manipulated.count(moved) > 1:
-                raise table.refused("moves", moved, "each manipulated variable once", "correct it")
-        outputs = [
-            FuzzyOutput(
-                cast(Action, table.choice("action", _ACTIONS, "position")),
-                table.has("rate_limit"),
-            )
-            for table in file.outputs.values()
-        ]
-        self.setpoints = followed_measurements(self.measurements, inputs)
-        driven = [process.signal(name) for name in self.manipulated]
-        self.law = fuzzy_law(
-            [process.signal(name) for name in self.measurements],
-            driven,
-            file.system,
-            inputs,
-            outputs,
-        )
+        self.law = fuzzy_law(known, driven, file.system, list(inputs.values()), outputs)
+        self.measurements, self.setpoints = (owners(self.law.inputs, part) for part in ("pv", "sp"))
         self.values = {parameter.name: parameter.initial for parameter in self.law.parameters}
-        for (name, table), each in zip(file.inputs.items(), inputs, strict=True):
-            self._read_input(name, table, each)
-        for table, output, signal in zip(file.outputs.values(), outputs, driven, strict=True):
-            self._read_output(table, output, signal)
+        for name, each in inputs.items():
+            table = file.inputs[name]
+            self._set(table, name, self._read_input(name, table, each))
+        for moved, (table, output) in self._outputs.items():
+            self._set(table, moved, self._read_output(table, output, process.signal(moved)))
 
     def controller(self, point: OperatingPoint, name: str) -> Controller:
         """Return the controller, whose outputs start at the operating point.
@@ -132,9 +104,8 @@ class WiredFuzzy:
             What the reader sees.
         """
         at = point.as_dict()
-        inputs = {path(y, "sp"): at[y] for y in self.setpoints}
-        inputs |= {path(y, "pv"): at[y] for y in self.measurements}
-        inputs |= {path(u, "tracking"): at[u] for u in self.manipulated}
+        at_rest = (each for each in self.law.inputs if each.part in ("sp", "pv", "tracking"))
+        inputs = {signal.name: at[signal.owner] for signal in at_rest}
         system = self.file.system
         return Controller(
             name=name,
@@ -148,74 +119,85 @@ class WiredFuzzy:
             initial_state=state_at_rest(self.law, self.values, inputs),
             measurements=self.measurements,
             setpoints=self.setpoints,
-            manipulated=self.manipulated,
+            manipulated=tuple(self._outputs),
             notes=self._notes(),
         )
 
     def _notes(self) -> tuple[str, ...]:
-        positions = [
-            moved
-            for moved, table in zip(self.manipulated, self.file.outputs.values(), strict=True)
-            if table.choice("action", _ACTIONS, "position") == "position"
-        ]
+        positions = [moved for moved, (_, output) in self._outputs.items() if output.is_position]
         if not positions:
             return ()
         moved, have = " and ".join(positions), "has" if len(positions) == 1 else "have"
         return (f"{moved} {have} no integral action: a load leaves an offset.",)
 
-    def _read_input(self, name: str, table: TableReader, each: FuzzyInput) -> None:
+    def _read_input(self, name: str, table: TableReader, each: FuzzyInput) -> dict[str, float]:
         signal = self.process.signal(each.measurement)
-        unit = signals.ratio_of_units(signal.unit, "s") if each.is_rate else signal.unit
-        factor = _factor(table, unit)
+        factor = _factor(table, each.crisp(name, signal).unit)
         gain = table.quantity("gain", "1", "a number", "give the factor to the range", default=1.0)
-        self._set(table, "gain", path(name, "gain"), gain / factor)
-        if table.has("dead_zone"):
-            width = table.quantity(
-                "dead_zone", "1", "a number in the unit of the input", "leave it out for none",
-                at_least=0.0,
-            )  # fmt: skip
-            self._set(table, "dead_zone", path(name, "dead_zone"), width * factor)
-        if not table.has("filter_time"):
-            return
-        if not each.is_rate:
-            raise table.refused(
-                "filter_time", table.written("filter_time"), "a filter of a rate only",
-                "leave it out, or take the rate of the quantity",
-            )  # fmt: skip
-        time = table.quantity("filter_time", "s", "a time", "leave it out for none", at_least=0.0)
-        self._set(table, "filter_time", path(name, "filter_time"), time)
+        width = table.quantity(
+            "dead_zone", "1", "a number in the unit of the input", "leave it out for none",
+            at_least=0.0, default=0.0,
+        )  # fmt: skip
+        found = {"gain": gain / factor, "dead_zone": width * factor}
+        if each.is_rate:
+            found["filter_time"] = table.quantity(
+                "filter_time", "s", "a time", "leave it out for none", at_least=0.0, default=0.0
+            )
+        else:
+            remedy = "leave it out, or take the rate of the quantity"
+            _refuse(table, "filter_time", "a filter of a rate only", remedy)
+        return found
 
-    def _read_output(self, table: TableReader, output: FuzzyOutput, signal: Signal) -> None:
-        rate = signals.ratio_of_units(signal.unit, "s")
-        factor = _factor(table, signal.unit if output.action == "position" else rate)
+    def _read_output(
+        self, table: TableReader, output: FuzzyOutput, signal: Signal
+    ) -> dict[str, float]:
+        factor = _factor(table, output.crisp(signal).unit)
         gain = table.quantity("gain", "1", "a number", "leave it out for 1", default=1.0)
-        self._set(table, "gain", path(signal, "output_gain"), gain * factor)
+        found = {"output_gain": gain * factor}
         if output.rate_limited:
-            limit = table.quantity("rate_limit", rate, "a rate", "leave it out for none", above=0.0)
-            self._set(table, "rate_limit", path(signal, "rate_limit"), limit)
-        if output.action == "position":
-            default = _FADING_SAMPLES * self.process.sampling_period
-            time = table.quantity(
+            rate = signals.per(signal, "s").unit
+            found["rate_limit"] = table.quantity(
+                "rate_limit", rate, "a rate", "leave it out for none", above=0.0
+            )
+        if output.is_position:
+            found["fading_time"] = table.quantity(
                 "fading_time", "s", "a time", "leave it out for ten samples",
-                above=0.0, default=default,
+                above=0.0, default=_FADING_SAMPLES * self.process.sampling_period,
             )  # fmt: skip
-            self._set(table, "fading_time", path(signal, "fading_time"), time)
-        elif table.has("fading_time"):
-            raise table.refused(
-                "fading_time", table.written("fading_time"), "a fading time of a position only",
-                "leave it out: an increment starts without a bump",
-            )  # fmt: skip
+        else:
+            remedy = "leave it out: an increment starts without a bump"
+            _refuse(table, "fading_time", "a fading time of a position only", remedy)
+        return found
 
-    def _set(self, table: TableReader, key: str, name: str, value: float) -> None:
-        """Set a parameter of the law, which must be within what it may be."""
-        (parameter,) = (p for p in self.law.parameters if p.name == name)
-        if not parameter.low <= value <= parameter.high:
-            raise table.refused(
-                key, table.written(key),
-                f"what makes {parameter.low:g} to {parameter.high:g} {parameter.unit}",
-                "check the number and the unit",
-            )  # fmt: skip
-        self.values[name] = value
+    def _set(self, table: TableReader, owner: str, values: dict[str, float]) -> None:
+        """Set parameters of the law, which must be within what they may be."""
+        parameters = {parameter.name: parameter for parameter in self.law.parameters}
+        for part, value in values.items():
+            parameter = parameters[path(owner, part)]
+            if not parameter.low <= value <= parameter.high:
+                key = part.removeprefix("output_")
+                raise table.refused(
+                    key, table.written(key),
+                    f"what makes {parameter.low:g} to {parameter.high:g} {parameter.unit}",
+                    "check the number and the unit",
+                )  # fmt: skip
+            self.values[parameter.name] = value
+
+
+def _input(table: TableReader, process: Process) -> FuzzyInput:
+    of = _one_of(table, "of", [signal.name for signal in process.measurements], "a sensor")
+    found = FuzzyInput(cast(Quantity, table.choice("quantity", get_args(Quantity), "error")), of)
+    if found.is_of_error and of not in process.controlled:
+        raise table.refused(
+            "of", of, f"for an error, a controlled sensor ({', '.join(process.controlled)})",
+            'it has no setpoint: write quantity = "measurement"',
+        )  # fmt: skip
+    return found
+
+
+def _refuse(table: TableReader, key: str, expected: str, remedy: str) -> None:
+    if table.has(key):
+        raise table.refused(key, table.written(key), expected, remedy)
 
 
 def _one_of(table: TableReader, key: str, known: list[str], what: str) -> str:

@@ -3,35 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from itertools import combinations_with_replacement
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, effect, path
 from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.ports import called, port, truth
+from clepsydra.controllers.blocks.matrix import column
+from clepsydra.controllers.blocks.sample import Reading, Sample
 from clepsydra.controllers.blocks.sampled_matrices import (
     from_upper_triangle,
     sampled_expressions,
     upper_triangle,
 )
 from clepsydra.controllers.blocks.validity import all_of, is_number, is_time_step
-from clepsydra.controllers.observers.measured_state import KnownState
-from clepsydra.controllers.process_equations import NEARLY_EMPTY, ProcessEquations, model_parameter
-from clepsydra.engine.runge_kutta import runge_kutta_step
-from clepsydra.linear.process_symbols import Constant
-from clepsydra.program.block import Block
-from clepsydra.program.counted_loop import counted_loop
-from clepsydra.program.step_law import Equations, Symbols
+from clepsydra.controllers.observers.measured_state import ProcessState
+from clepsydra.controllers.observers.observer import ESTIMATE, Observer, Values
+from clepsydra.controllers.process_equations import (
+    NEARLY_EMPTY,
+    ProcessEquations,
+    evaluated,
+    function_in,
+    models_in,
+)
+from clepsydra.engine.runge_kutta import runge_kutta
+from clepsydra.program.step_law import Symbols
 
 #: More states make a law that nobody can read or check on a plant.
 MOST_STATES = 12
+_NOISES = "input_noise", "load_noise"
 
 
-@dataclass(frozen=True, eq=False)
-class ExtendedKalman:
+class ExtendedKalman(ProcessState, Observer):
     """x̂ and its covariance P, corrected by each measurement, and moved on by ẋ = f(x, u).
 
     In a sample, for one measurement after the other, with h_k and its slope H at the estimate
@@ -74,260 +78,140 @@ class ExtendedKalman:
     >>> from clepsydra.controllers.process_equations import process_equations
     >>> equations = process_equations(cl.load("three-tanks").linear)
     >>> observer = ExtendedKalman(equations, ("level_3",), (), 1, 0)
-    >>> [signal.name for signal in observer.memory()][:4]
+    >>> [signal.name for signal in observer.state()][:4]
     ['tank_1.level.estimate', 'tank_2.level.estimate', 'tank_3.level.estimate', \
 'tank_1.level.covariance.tank_1.level']
     """
 
-    equations: ProcessEquations
-    measurements: tuple[str, ...]
-    loads: tuple[str, ...]
-    substeps: int
-    doublings: int
+    _kind = "kalman"
 
-    def __post_init__(self) -> None:
-        if len(self.equations.states) > MOST_STATES:
+    def __init__(
+        self,
+        equations: ProcessEquations,
+        measurements: Sequence[str],
+        loads: Sequence[str],
+        substeps: int,
+        doublings: int,
+    ) -> None:
+        if len(equations.states) > MOST_STATES:
             raise InputError(
                 "extended Kalman filter, states",
-                len(self.equations.states),
+                len(equations.states),
                 f"at most {MOST_STATES}",
                 "use a linear Kalman filter",
             )
-        missing = [name for name in self.equations.outputs if name not in self.measurements]
-        if missing:
+        if missing := [name for name in equations.outputs if name not in measurements]:
             raise InputError(
                 "extended Kalman filter, measurements",
-                list(self.measurements),
+                list(measurements),
                 "the controlled measurements among them",
                 f"add {', '.join(missing)}",
             )
+        self.substeps, self.doublings = substeps, doublings
+        readings = [equations.reading(name) for name in measurements]
+        self._shown_by = [(h, ca.jacobian(h, equations.state)) for h in readings]
+        # A, B and, where loads make noise, E.
+        self._linear = [equations.A, equations.B]
+        self._linear += [equations.by_constant(loads)] if loads else []
+        shown = [each for pair in self._shown_by for each in pair]
+        computed = [equations.rates, *shown, *self._linear]
+        ProcessState.__init__(self, equations, measurements, computed)
+        self._noisy = self.manipulated, [equations.point.process.signal(name) for name in loads]
+        model = [*models_in(equations, computed), *self._noises()]
+        Observer.__init__(self, self.state(), self.measured, self.manipulated, model)
 
-    @cached_property
-    def _readings(self) -> list[ca.SX]:
-        return [self.equations.reading(name) for name in self.measurements]
-
-    @cached_property
-    def _slopes(self) -> list[ca.SX]:
-        return [ca.jacobian(reading, self.equations.state) for reading in self._readings]
-
-    @cached_property
-    def _linear(self) -> list[ca.SX]:
-        """A, B and, where loads make noise, E."""
-        found = [self.equations.A, self.equations.B]
-        return [*found, self.equations.by_constant(self.loads)] if self.loads else found
-
-    @property
-    def constants(self) -> tuple[Constant, ...]:
-        """Of everything that it computes with."""
-        equations = self.equations
-        expressions = [equations.rates, *self._readings, *self._slopes, *self._linear]
-        return equations.used_in(expressions)
-
-    def parameters(self) -> list[Signal]:
-        """Return sensor_noise of measurements, input_noise of inputs and load_noise of loads."""
-        process = self.equations.point.process
-        found = []
-        for name in self.measurements:
-            y, words = process.signal(name), f"standard deviation of {name}"
-            found.append(signals.size(path(name, "sensor_noise"), y, words))
-        for what, names in (("input", self.equations.inputs), ("load", self.loads)):
-            for name in names:
-                unit = process.signal(name).unit
-                unit = "s^0.5" if unit == "1" else f"{unit} s^0.5"
-                words = f"white noise of {name}: what it adds up to in a second, root mean square"
-                found.append(signals.size(path(name, f"{what}_noise"), unit, words))
+    def _noises(self) -> list[Signal]:
+        found = [
+            signals.size(path(y, "sensor_noise"), y, f"standard deviation of {y.name}")
+            for y in self.measured
+        ]
+        words = "what it adds up to in a second, root mean square"
+        for part, of in zip(_NOISES, self._noisy, strict=True):
+            for each in of:
+                unit = "s^0.5" if each.unit == "1" else f"{each.unit} s^0.5"
+                name = path(each, part)
+                found.append(signals.size(name, unit, f"white noise of {each.name}: {words}"))
         return found
 
-    def memory(self) -> list[Signal]:
+    def parameters(self, expressions: Sequence[ca.SX] = ()) -> list[Signal]:
+        """Return model.*, references, sensor_noise, input_noise and load_noise."""
+        return [*super().parameters(expressions), *self._noises()]
+
+    def state(self) -> list[Signal]:
         """Return estimate of each state, and covariance on and above the diagonal."""
-        found = self.equations.signals_of_states()
-        estimates = [
-            signals.like(signal, path(signal, "estimate"), f"expected {signal.name}")
-            for signal in found
-        ]
-        covariances = [
-            Signal(
-                effect(first, "covariance", second),
-                _product(first.unit, second.unit),
-                description=f"covariance of {first.name} and {second.name} as expected",
-            )
-            for j, first in enumerate(found)
-            for second in found[j:]
-        ]
-        return [*estimates, *covariances]
-
-    def known(self, symbols: Symbols, measured: Sequence[ca.SX], usable: ca.SX) -> KnownState:
-        """Return the estimate corrected by the measurements of this sample.
-
-        It is the block kalman_correction, and what is expected in the next sample the block
-        kalman_prediction, on one memory.
-        """
-        process, memory, n = self.equations.point.process, self.memory(), len(self.equations.states)
-        values, surprises = (
-            [replace(process.signal(name), name=path(name, part)) for name in self.measurements]
-            for part in ("measured", "surprise")
-        )
-        corrected = [
-            replace(entry, name=path(entry, "corrected"), description="with the measurements")
-            for entry in memory
-        ]
-        moved = [
-            replace(process.signal(name), name=path(name, "applied"))
-            for name in self.equations.inputs
-        ]
-        noises = self.parameters()
-        correction = Block(
-            "kalman_correction",
-            (
-                *map(port, values),
-                truth("usable", "the measurements are numbers from sound sensors"),
-                *map(port, memory),
-                *self._models([*self._readings, *self._slopes]),
-                *noises[: len(values)],
+        found = self.fed_back
+        return [
+            *(ESTIMATE.of(x, x=x) for x in found),
+            *(
+                Signal(
+                    effect(first, "covariance", second),
+                    _product(first.unit, second.unit),
+                    description=f"covariance of {first.name} and {second.name} as expected",
+                )
+                for first, second in combinations_with_replacement(found, 2)
             ),
-            (),
-            (*map(port, corrected), *map(port, surprises)),
-            self._corrected,
-            ("The estimate corrected by one measurement after the other.",),
-        )
-        prediction = Block(
-            "kalman_prediction",
-            (
-                *map(port, corrected),
-                *map(port, moved),
-                Signal("time_step", "s"),
-                *self._models([self.equations.rates, *self._linear]),
-                *noises[len(values) :],
-            ),
-            tuple(memory),
-            (),
-            self._following,
-            ("The estimate and its covariance expected in the next sample.",),
-        )
-        given = {port.name: value for port, value in zip(values, measured, strict=True)}
-        found = called(correction, "kalman_correction", {**symbols, **given, "usable": usable})
-        x = list(found.outputs.values())[:n]
+        ]
 
-        def following(applied: Sequence[ca.SX]) -> dict[str, ca.SX]:
-            given = {port.name: value for port, value in zip(moved, applied, strict=True)}
-            whole = {**symbols, **found.outputs, **given}
-            return dict(called(prediction, "kalman_prediction", whole).next_state)
+    def known(self, sample: Sample, reading: Reading) -> list[ca.SX]:
+        """Return the estimate corrected by the measurements of this sample, and its covariance."""
+        found = self.correct(sample, reading.measurements.values(), reading.known)
+        for x, estimate in zip(self.fed_back, found, strict=False):
+            sample.name(x, {"state": estimate})
+        return found
 
-        named = {signal.name: found.outputs[signal.name] for signal in surprises}
-        named |= {
-            path(n, "state"): value for n, value in zip(self.equations.states, x, strict=True)
-        }
-        return KnownState(x, following, named)
+    def move_on(self, sample: Sample, known: Sequence[ca.SX], applied: Sequence[ca.SX]) -> None:
+        """Write the estimate and its covariance expected in the next sample."""
+        self.predict(sample, known, applied)
 
-    def _models(self, expressions: Sequence[ca.SX]) -> list[Signal]:
-        return [model_parameter(each) for each in self.equations.used_in(expressions)]
-
-    def _memory_in(self, s: Symbols, names: Sequence[str]) -> tuple[list[ca.SX], ca.SX]:
+    def _split(self, memory: list[ca.SX]) -> tuple[ca.SX, ca.SX]:
         """Return x and P."""
-        n = len(self.equations.states)
-        values = [s[name] for name in names]
-        return values[:n], from_upper_triangle(values[n:], n)
+        n = len(self.fed_back)
+        return ca.vertcat(*memory[:n]), from_upper_triangle(memory[n:], n)
 
-    def _corrected(self, s: Symbols) -> Equations:
-        x, P = self._memory_in(s, [entry.name for entry in self.memory()])
-        n = len(x)
-        nothing = [ca.SX(0)] * len(self.equations.inputs)
-        found = {}
-        for y, *shown in zip(self.measurements, self._readings, self._slopes, strict=True):
-            reading, slope = self.equations.evaluated(shown, x, nothing, s)
+    def _corrected(self, s: Symbols, before: Values, shown: Values) -> tuple[Values, Values]:
+        (x, P), surprises = self._split(before), []
+        for y, value, reads in zip(self.measured, shown, self._shown_by, strict=True):
+            reading, slope = evaluated(self.equations, reads, s, x)
             spread = P @ slope.T
             noise = s[path(y, "sensor_noise")]
             total = (slope @ spread)[0] + noise * noise
-            sure = ca.logic_and(s["usable"], ca.logic_and(total > 0, is_number(total)))
+            sure = all_of([s["known"], total > 0, is_number(total)])
             share = ca.densify(spread) / ca.if_else(sure, total, 1)
-            surprise = ca.if_else(sure, s[path(y, "measured")] - reading, 0)
-            found[path(y, "surprise")] = surprise
-            corrected = [was + share[j] * surprise for j, was in enumerate(x)]
-            x = self.equations.bounded(corrected)
-            less = [
-                P[i, j] - ca.if_else(sure, share[i] * spread[j], 0)
-                for i in range(n)
-                for j in range(i, n)
-            ]
-            P = from_upper_triangle(less, n)
-        values = zip(self.memory(), [*x, *upper_triangle(P)], strict=True)
-        return Equations({}, {path(e, "corrected"): value for e, value in values} | found)
+            surprises.append(ca.if_else(sure, value - reading, 0))
+            x = self.equations.bounded(x + share * surprises[-1])
+            P = ca.triu2symm(ca.triu(P - ca.if_else(sure, share @ spread.T, 0)))
+        return [*ca.vertsplit(x), *upper_triangle(P)], surprises
 
-    def _following(self, s: Symbols) -> Equations:
-        """Return what is expected in the next sample."""
-        x, P = self._memory_in(s, [path(entry, "corrected") for entry in self.memory()])
-        applied = [s[path(name, "applied")] for name in self.equations.inputs]
-        good = is_time_step(s["time_step"])
-        time = ca.if_else(good, s["time_step"], 1)
-        ends = self.equations.bounded(self._moved(s, x, time, applied))
-        following = self._spread(s, x, P, time, applied)
-        n = len(x)
-        diagonal = [following[j, j] for j in range(n)]
-        spans = [signal.span for signal in self.equations.signals_of_states()]
+    def _following(self, s: Symbols, estimate: Values, inputs: Values) -> Values:
+        (x, P), applied = self._split(estimate), ca.vertcat(*inputs)
+        time = ca.if_else(is_time_step(s["time_step"]), s["time_step"], 1)
+        rates, constants = function_in(self.equations, [ca.densify(self.equations.rates)], s)
+        end = runge_kutta(rates, self.substeps)(time, x, applied, constants)
+        spread = self._spread(s, x, P, time, applied)
+        return [*ca.vertsplit(self.equations.bounded(end)), *upper_triangle(spread)]
+
+    def _taken(self, goes_on: ca.SX, ends: Values) -> Values:
+        x, P = self._split(ends)
+        moves = all_of([goes_on, *map(is_number, ca.vertsplit(x))])
         # Never surer than not at all, nor less sure than of a state that may be anything.
-        sound = [
-            ca.logic_and(value >= 0, value <= min(span * span, 1e300))
-            for value, span in zip(diagonal, spans, strict=True)
-        ]
-        entries = upper_triangle(following)
-        moves = ca.logic_and(good, all_of([is_number(end) for end in ends]))
-        spreads = ca.logic_and(moves, all_of([*sound, *map(is_number, entries)]))
-        taken = [(moves, end) for end in ends] + [(spreads, entry) for entry in entries]
-        return Equations(
-            {
-                entry.name: ca.if_else(*each, s[entry.name])
-                for entry, each in zip(self.memory(), taken, strict=True)
-            },
-            {},
-        )
+        spans = ca.DM([min(signal.span**2, 1e300) for signal in self.fed_back])
+        variances = ca.diag(P)
+        inside = ca.vertsplit(ca.logic_and(variances >= 0, variances <= spans))
+        entries = ends[len(inside) :]
+        spreads = all_of([moves, *inside, *map(is_number, entries)])
+        return [moves] * len(inside) + [spreads] * len(entries)
 
-    def _moved(
-        self, symbols: Symbols, x: Sequence[ca.SX], time: ca.SX, applied: Sequence[ca.SX]
-    ) -> list[ca.SX]:
-        """Return the state after a sample, by steps of the classical Runge-Kutta method."""
-        equations, n = self.equations, len(x)
-        used = equations.used_in([equations.rates])
-        given = [symbols[model_parameter(each).name] for each in used]
-        state = ca.SX.sym("state", n)
-        fixed = ca.SX.sym("fixed", len(applied) + len(given) + 1)
-        moved, constants, step = ca.vertsplit(
-            fixed, [0, len(applied), fixed.numel() - 1, fixed.numel()]
-        )
-        arguments = [equations.state, equations.moved, ca.vertcat(*(each.symbol for each in used))]
-        rates = ca.Function("rates", arguments, [ca.densify(equations.rates)])
-        end = runge_kutta_step(rates)(step, state, moved, constants)
-        invariants = ca.vertcat(*applied, *given, time * (1.0 / self.substeps))
-        body = ca.Function("runge_kutta_step", [ca.SX(0, 1), state, fixed], [end])
-        if self.substeps == 1:
-            return ca.vertsplit(body(ca.SX(0, 1), ca.vertcat(*x), invariants))
-        ends = counted_loop(
-            "prediction", self.substeps, body, carried=ca.vertcat(*x), invariants=invariants
-        )
-        return ca.vertsplit(ends)
-
-    def _spread(
-        self,
-        symbols: Symbols,
-        x: Sequence[ca.SX],
-        P: ca.SX,
-        time: ca.SX,
-        applied: Sequence[ca.SX],
-    ) -> ca.SX:
+    def _spread(self, s: Symbols, x: ca.SX, P: ca.SX, time: ca.SX, applied: ca.SX) -> ca.SX:
         """Return P of the next sample."""
         here = self.equations.bounded(x, NEARLY_EMPTY)
-        A, B, *E = self.equations.evaluated(self._linear, here, applied, symbols)
+        A, *acting = evaluated(self.equations, self._linear, s, here, applied)
         held = sampled_expressions(A, ca.SX(A.shape[0], 1), None, time, self.doublings).held
-        intensity = _intensity(symbols, "input_noise", self.equations.inputs, B)
-        if E:
-            intensity = intensity + _intensity(symbols, "load_noise", self.loads, E[0])
+        intensity = ca.SX(0)
+        for acts, part, of in zip(acting, _NOISES, self._noisy, strict=False):
+            scaled = acts @ ca.diag(column(s, part, of))
+            intensity = intensity + scaled @ scaled.T
         noise = (0.5 * time) * (intensity + held @ intensity @ held.T)
         return held @ P @ held.T + noise
-
-
-def _intensity(symbols: Symbols, part: str, of: Sequence[str], acts: ca.SX) -> ca.SX:
-    size = [symbols[path(name, part)] for name in of]
-    scaled = acts @ ca.diag(ca.vertcat(*size))
-    return scaled @ scaled.T
 
 
 def _product(first: str, second: str) -> str:

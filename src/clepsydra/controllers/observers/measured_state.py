@@ -2,90 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from typing import NamedTuple, Protocol
+from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal
-from clepsydra.controllers.process_equations import ProcessEquations
+from clepsydra.controllers import signals
+from clepsydra.controllers.blocks.sample import Reading, Sample
+from clepsydra.controllers.observers.state_source import StateSource
+from clepsydra.controllers.process_equations import ProcessEquations, evaluated, models_in
 from clepsydra.linear.lie_derivatives import InputAffineEquations
-from clepsydra.linear.process_symbols import Constant
 from clepsydra.program.step_law import Symbols
 
 
-class KnownState(NamedTuple):
-    """The state in a sample, and how its observer goes on.
+class ProcessState(StateSource):
+    """The state x of the `ProcessEquations`.
 
     Parameters
     ----------
-    state : list of casadi.SX [n]
-        x of the `ProcessEquations`, always numbers.
-    following : callable
-        Takes the inputs that were applied and returns the next state of the observer.
-    named : dict
-        Names for values on the way.
-
-    Examples
-    --------
-    >>> KnownState([ca.SX(2)], lambda applied: {}, {}).state
-    [SX(2)]
-    """
-
-    state: list[ca.SX]
-    following: Callable[[Sequence[ca.SX]], dict[str, ca.SX]]
-    named: dict[str, ca.SX]
-
-
-class StateSource(Protocol):
-    """What tells a law the state of the process: sensors, or an observer.
+    equations : ProcessEquations
+    measurements : sequence of str
+        What the law reads.
+    expressions : sequence of casadi.SX
+        What it computes with.
 
     Examples
     --------
     >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
-    >>> source: StateSource = MeasuredState(process_equations(cl.load("averaging-tank").linear))
+    >>> source: ProcessState = MeasuredState(process_equations(cl.load("averaging-tank").linear))
     >>> source.measurements
     ('concentration', 'volume')
     """
 
-    @property
-    def equations(self) -> ProcessEquations:
-        """Of the process."""
+    def __init__(
+        self, equations: ProcessEquations, measurements: Sequence[str], expressions: Sequence[ca.SX]
+    ) -> None:
+        self.equations, self.measurements = equations, tuple(measurements)
+        self.expressions = expressions
+        of = measurements, equations.outputs, equations.inputs, equations.states
+        signal = equations.point.process.signal
+        super().__init__(*([signal(name) for name in names] for names in of))
 
-    @property
-    def measurements(self) -> tuple[str, ...]:
-        """What the law reads."""
-
-    @property
-    def constants(self) -> tuple[Constant, ...]:
-        """The constants of the process that it computes with."""
-
-    def parameters(self) -> list[Signal]:
-        """Its parameters beside the constants."""
-
-    def memory(self) -> list[Signal]:
-        """What it keeps from sample to sample."""
-
-    def known(
-        self,
-        symbols: Symbols,
-        measured: Sequence[ca.SX],
-        usable: ca.SX,
-    ) -> KnownState:
-        """Return the state in this sample.
-
-        Parameters
-        ----------
-        symbols : mapping
-        measured : sequence of casadi.SX
-            In the order of `measurements`, as numbers.
-        usable : casadi.SX
-            Whether they are numbers from sound sensors.
-        """
+    def parameters(self, expressions: Sequence[ca.SX] = ()) -> list[Signal]:
+        """Return model.* of what it and some expressions depend on, and reference of each state."""
+        references = [signals.at_rest(x, "reference") for x in self.fed_back]
+        return [*models_in(self.equations, [*self.expressions, *expressions]), *references]
 
 
 def sensors_of_states(equations: ProcessEquations | InputAffineEquations) -> dict[str, str]:
@@ -103,9 +66,8 @@ def sensors_of_states(equations: ProcessEquations | InputAffineEquations) -> dic
         if state not in equations.states:
             continue
         slope = ca.jacobian(equations.reading(name), equations.state)
-        others = [k for k, each in enumerate(equations.states) if each != state]
-        bent = ca.depends_on(slope, equations.state)
-        if bent or (others and slope[others].nnz()):
+        others = set(slope.sparsity().get_col()) - {equations.states.index(state)}
+        if others or ca.depends_on(slope, equations.state):
             continue
         # Where two sensors show a state, the one that is controlled is meant.
         if state not in found or name in equations.outputs:
@@ -113,10 +75,10 @@ def sensors_of_states(equations: ProcessEquations | InputAffineEquations) -> dic
     return found
 
 
-def zero_and_slope(
-    equations: ProcessEquations | InputAffineEquations, state: str, sensor: str
-) -> tuple[ca.SX, ca.SX]:
-    """Return what a sensor of `sensors_of_states` shows at a state of zero, and its slope.
+def zeros_and_slopes(
+    equations: ProcessEquations | InputAffineEquations, sensors: Mapping[str, str]
+) -> list[ca.SX]:
+    """Return what each sensor of `sensors_of_states` shows at a state of zero, and its slope.
 
     Examples
     --------
@@ -125,18 +87,52 @@ def zero_and_slope(
     >>> import clepsydra as cl
     >>> from clepsydra.controllers.process_equations import process_equations
     >>> equations = process_equations(cl.load("quadruple-tank").linear)
-    >>> _, slope = zero_and_slope(equations, "tank_1.level", "level_1")
-    >>> [equations.used_in([slope])[0].value, slope.numel()]
+    >>> _, slope = zeros_and_slopes(equations, {"tank_1.level": "level_1"})
+    >>> [models_in(equations, [slope])[0].initial, slope.numel()]
     [50.0, 1]
     """
-    reading = equations.reading(sensor)
-    zero = ca.SX.zeros(len(equations.states))
-    slope = ca.jacobian(reading, equations.state[equations.states.index(state)])
-    return ca.substitute(reading, equations.state, zero), slope
+    found, zero = [], ca.SX.zeros(len(equations.states))
+    for state, sensor in sensors.items():
+        reading = equations.reading(sensor)
+        place = equations.states.index(state)
+        found.append(ca.substitute(reading, equations.state, zero))
+        found.append(ca.jacobian(reading, equations.state[place]))
+    return found
 
 
-@dataclass(frozen=True, eq=False)
-class MeasuredState:
+def shown_states(
+    equations: ProcessEquations | InputAffineEquations,
+    sensors: Mapping[str, str],
+    symbols: Symbols,
+    measured: Mapping[str, ca.SX],
+) -> list[ca.SX]:
+    """Return the states that sensors show.
+
+    Parameters
+    ----------
+    equations : ProcessEquations or InputAffineEquations
+    sensors : mapping
+        State to its sensor, as in `sensors_of_states`.
+    symbols, measured : mapping
+        model.* of the sensors, and what they show.
+
+    Examples
+    --------
+    >>> import clepsydra as cl
+    >>> from clepsydra.controllers.process_equations import process_equations
+    >>> equations = process_equations(cl.load("quadruple-tank").linear)
+    >>> gain = {"model.level_1.gain": ca.SX(50.0)}
+    >>> shown_states(equations, {"tank_1.level": "level_1"}, gain, {"level_1": ca.SX(5.0)})
+    [SX(0.1)]
+    """
+    at = evaluated(equations, zeros_and_slopes(equations, sensors), symbols)
+    return [
+        (measured[sensor] - zero) / ca.if_else(slope == 0, 1, slope)
+        for sensor, zero, slope in zip(sensors.values(), at[::2], at[1::2], strict=True)
+    ]
+
+
+class MeasuredState(ProcessState):
     """Each state by the measurement that shows it alone and in proportion.
 
     Parameters
@@ -156,54 +152,21 @@ class MeasuredState:
     ('level_1', 'level_2', 'level_3', 'level_4')
     """
 
-    equations: ProcessEquations
-
-    def __post_init__(self) -> None:
-        missing = [name for name in self.equations.states if name not in self._sensors]
-        if missing:
+    def __init__(self, equations: ProcessEquations) -> None:
+        found = sensors_of_states(equations)
+        if missing := [name for name in equations.states if name not in found]:
             raise InputError(
                 "state",
                 ", ".join(missing),
                 "a measurement that shows the state alone and in proportion",
                 "add a sensor, or an observer",
             )
+        self._sensors = {name: found[name] for name in equations.states}
+        # The controlled outputs come first, then what shows the other states.
+        measurements = dict.fromkeys((*equations.outputs, *self._sensors.values()))
+        super().__init__(equations, [*measurements], zeros_and_slopes(equations, self._sensors))
 
-    @property
-    def measurements(self) -> tuple[str, ...]:
-        """The controlled outputs, then what shows the other states."""
-        shown = (self._sensors[name] for name in self.equations.states)
-        return tuple(dict.fromkeys((*self.equations.outputs, *shown)))
-
-    @cached_property
-    def _sensors(self) -> dict[str, str]:
-        return sensors_of_states(self.equations)
-
-    def _shown(self) -> list[ca.SX]:
-        """Return for each state the reading at zero, and its slope."""
-        names = self.equations.states
-        return [x for n in names for x in zero_and_slope(self.equations, n, self._sensors[n])]
-
-    @property
-    def constants(self) -> tuple[Constant, ...]:
-        """Offsets and slopes of the sensors."""
-        return self.equations.used_in(self._shown())
-
-    def parameters(self) -> list[Signal]:
-        """None."""
-        return []
-
-    def memory(self) -> list[Signal]:
-        """None."""
-        return []
-
-    def known(self, symbols: Symbols, measured: Sequence[ca.SX], usable: ca.SX) -> KnownState:
+    def known(self, sample: Sample, reading: Reading) -> list[ca.SX]:
         """Return what the sensors show."""
-        equations = self.equations
-        nothing = [ca.SX(0)] * len(equations.states), [ca.SX(0)] * len(equations.inputs)
-        shown = equations.evaluated(self._shown(), *nothing, symbols)
-        state = []
-        for k, name in enumerate(equations.states):
-            value = measured[self.measurements.index(self._sensors[name])]
-            slope = shown[2 * k + 1]
-            state.append((value - shown[2 * k]) / ca.if_else(slope == 0, 1, slope))
-        return KnownState(state, lambda applied: {}, {})
+        shown = reading.measurements
+        return shown_states(self.equations, self._sensors, sample.symbols, shown)

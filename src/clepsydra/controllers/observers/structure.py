@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -62,15 +62,12 @@ class ObserverStructure:
             )
         N, m, p = self.size, self.inputs, self.measurements
         shapes = {"transition": (N, N), "moved": (N, m), "shown": (p, N), "corrected": (N, p)}
-        for field in fields(self)[1:]:
-            found = np.shape(getattr(self, field.name))
-            if found != shapes[field.name]:
+        for name, shape in shapes.items():
+            if (found := np.shape(getattr(self, name))) != shape:
                 raise InputError(
-                    f"observer, {field.name}",
-                    found,
-                    f"a matrix of {shapes[field.name]}",
+                    f"observer, {name}", found, f"a matrix of {shape}",
                     "give one row and one column for each quantity",
-                )
+                )  # fmt: skip
 
     @property
     def size(self) -> int:

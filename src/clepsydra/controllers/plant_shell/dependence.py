@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.signals import owners
 from clepsydra.program.step_law import StepLaw
 
@@ -33,44 +34,29 @@ def needed_by_outputs(law: StepLaw, parts: Iterable[str]) -> dict[str, tuple[str
     >>> needed_by_outputs(lqi_law(levels, pumps, levels), ["pv", "good"])["pump_1"]
     ('level_1', 'level_2')
     """
-    columns: dict[str, list[int]] = {}
-    for place, signal in enumerate(law.inputs):
-        if signal.part in parts:
-            columns.setdefault(signal.owner, []).append(place)
-    outputs = owners(law.outputs, "out")
-    rows = [
-        [k for k, signal in enumerate(law.outputs) if signal.owner == output] for output in outputs
-    ]
-    direct = _structure(law, 1, 1)
-    found = [
-        {j for j, places in columns.items() if direct[np.ix_(own, places)].any()} for own in rows
-    ]
-    reached = _through_state(law, direct)
-    for j, places in columns.items():
-        if not any(j in needed for needed in found):
-            for needed, own in zip(found, rows, strict=True):
-                if reached[np.ix_(own, places)].any():
-                    needed.add(j)
+    columns = _places(s if s.part in parts else None for s in law.inputs)
+    rows = {u: _places(law.outputs)[u] for u in owners(law.outputs, "out")}
+    direct, moved, kept = (_structure(law, *each) for each in ((1, 1), (0, 1), (0, 0)))
+    while not np.array_equal(wider := moved | kept @ moved, moved):
+        moved = wider
+    ever = direct | _structure(law, 1, 0) @ moved
+
+    def needs(output: str, owner: str, where: np.ndarray) -> bool:
+        return bool(where[np.ix_(rows[output], columns[owner])].any())
+
+    at_once = {y for y in columns if any(needs(u, y, direct) for u in rows)}
     return {
-        output: tuple(owner for owner in columns if owner in needed)
-        for output, needed in zip(outputs, found, strict=True)
+        u: tuple(y for y in columns if needs(u, y, direct if y in at_once else ever)) for u in rows
     }
 
 
-def _through_state(law: StepLaw, direct: np.ndarray) -> np.ndarray:
-    """Return which outputs an input reaches in any sample."""
-    moved, kept = _structure(law, 0, 1), _structure(law, 0, 0)
-    shown = _structure(law, 1, 0)
-    for _ in range(len(law.state)):
-        wider = moved | _product(kept, moved)
-        if np.array_equal(wider, moved):
-            break
-        moved = wider
-    return direct | _product(shown, moved)
-
-
-def _product(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    return (first.astype(int) @ second.astype(int)) > 0
+def _places(signals: Iterable[Signal | None]) -> dict[str, list[int]]:
+    """Return where the signals of each owner stand."""
+    found: dict[str, list[int]] = {}
+    for place, signal in enumerate(signals):
+        if signal is not None:
+            found.setdefault(signal.owner, []).append(place)
+    return found
 
 
 def _structure(law: StepLaw, result: int, argument: int) -> np.ndarray:

@@ -1,31 +1,185 @@
-"""One scan of the shell while it is written: what it goes on from, and what it calls."""
+"""One scan of the shell while it is written: how it begins, and whether it comes in time."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.plant_shell.scan_watch import SCAN_WATCH
-from clepsydra.controllers.plant_shell.start import START
+from clepsydra.base.key import Key
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.blocks.validity import is_time_step
+from clepsydra.controllers.signals import LARGEST_PARAMETER, SHORTEST_TIME
 from clepsydra.program.block import Block
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.step_law import Symbols
+from clepsydra.program.step_law import Equations, Symbols
+
+#: Scans are counted no further; single precision holds every whole number up to it.
+_LARGEST_COUNT = 1e7
+#: The largest signed whole number of 16 bits; 0 comes next.
+_LARGEST_WATCHDOG = 32767.0
 
 
-class Scan:
-    """The signals of a scan, how it begins, whether it comes in time, and the next state so far.
+def count(name: str, high: float, description: str, *, low: float = 0.0) -> Signal:
+    """Return a port that is a whole number.
 
-    In a cold start every state counts as its initial value. A ring cannot be overwritten in one
-    scan: what is read of it counts as the initial value until it was written after the start.
+    Examples
+    --------
+    >>> count("mode", 2.0, "0 manual, 1 automatic, 2 tracking").high
+    2.0
+    """
+    return Signal(name, low=low, high=high, kind="integer", description=description)
+
+
+SAMPLING_PERIOD = Key(
+    "sampling_period", "s", "time between two scans that the law was designed for",
+    SHORTEST_TIME, LARGEST_PARAMETER,
+)  # fmt: skip
+SCAN_TOLERANCE = Key(
+    "scan_tolerance", "1", "share of the sampling period by which a scan may be early or late",
+    0.0, 1.0,
+)  # fmt: skip
+#: What the shell asks for beside the inputs of the law, and tells beside its outputs.
+ASKED = (
+    count(
+        "start", 2.0,
+        "0 runs on; where it changes to 1 a warm start with the state as it was kept, "
+        "to 2 a cold start; held it acts once",
+    ),
+    truth(
+        "acknowledge",
+        "where it becomes true, takes back what a sensor fault latched, if its sensors are good",
+    ),
+)  # fmt: skip
+WATCHDOG = count("watchdog", _LARGEST_WATCHDOG, "counts the scans from 0 to 32767 and over again")
+ELAPSED = Signal("elapsed", "s", description="time since the last scan; 0 where it is none")
+ANEW = truth("anew", "this scan is a start of either kind")
+WARM = truth("warm", "this scan is a warm start")
+FIRST = truth("first", "nothing was remembered before this scan")
+ACKNOWLEDGED = truth("acknowledged", "a fault is acknowledged in this scan")
+
+
+@cache
+def scan_start(*, delays: bool) -> Block:
+    """Return the block that tells how a scan begins, and whether it comes in time.
+
+    A start is asked for as by a button: where the input changes to 1 or 2. Held for ever it acts
+    once, so that sensors are judged and outputs move behind it; for that the last input outlives
+    a cold start. Nor does an acknowledgement act twice: held down, or stuck, it would take back
+    every later fault by itself.
+
+    Parameters
+    ----------
+    delays : bool
+        Whether the law remembers past values: then scans are counted until all are overwritten.
+
+    Examples
+    --------
+    A cold start that comes in time:
+
+    >>> given = dict(start=2, acknowledge=0, time_step=1, sampling_period=1, scan_tolerance=0.1,
+    ...              scans_since_start=1, last_start=0, last_acknowledge=0, scans_counted=7)
+    >>> symbols = {name: ca.DM(value) for name, value in given.items()}
+    >>> found = scan_start(delays=False).equations(symbols)
+    >>> float(found.outputs["cold"]), float(found.outputs["watchdog"])
+    (1.0, 1.0)
+    """
+    longest = count("longest_delay", _LARGEST_COUNT, "scans until every delay is overwritten")
+    before = count("scans_before", 1e9, "scans since the cold start, before this one")
+    return Block(
+        f"scan_start{'_with_delays' if delays else ''}",
+        (
+            *ASKED,
+            Signal("time_step", "s", description="time since the last scan"),
+            SAMPLING_PERIOD.port,
+            SCAN_TOLERANCE.port,
+            *([longest] if delays else []),
+        ),
+        (
+            count(
+                "scans_since_start", 1e9,
+                "scans since the cold start, counted until every delay is overwritten",
+            ),
+            count("last_start", 2.0, "start in the last scan, so that held it acts once"),
+            truth("last_acknowledge", "acknowledge in the last scan, so that held it acts once"),
+            count("scans_counted", _LARGEST_WATCHDOG, "value of the watchdog in the last scan"),
+        ),
+        (
+            truth("cold", "this scan is a cold start: every state counts as its initial value"),
+            WARM,
+            ANEW,
+            FIRST,
+            ACKNOWLEDGED,
+            ELAPSED,
+            truth("time_off", "the time step differs from the sampling period by more than "
+                  "its tolerance"),
+            WATCHDOG,
+            *([before] if delays else []),
+        ),
+        lambda s: _begun(s, delays=delays),
+        (
+            "Cold start, warm start and acknowledgement, each at the change of its input; whether "
+            "the scans come in time, and how many have come.",
+        ),
+    )  # fmt: skip
+
+
+def _begun(s: Symbols, *, delays: bool) -> Equations:
+    asked, last, step, period = s["start"], s["last_start"], s["time_step"], s["sampling_period"]
+    cold = ca.logic_and(asked == 2, last != 2)
+    warm = ca.logic_and(asked == 1, last != 1)
+    anew = ca.logic_or(cold, warm)
+    scans = ca.if_else(cold, 0, s["scans_since_start"])
+    held = ca.logic_and(s["last_acknowledge"], ca.logic_not(cold))
+    good = is_time_step(step)
+    off = ca.fabs(step - period) > s["scan_tolerance"] * period
+    # A time step that is no number above zero has a bit of its own, and before the first scan
+    # after a start nothing ran.
+    off = ca.logic_and(ca.logic_and(good, off), ca.logic_not(anew))
+    told = ca.if_else(cold, 0, s["scans_counted"])
+    watchdog = ca.fmin(_LARGEST_WATCHDOG - 1, ca.fmax(0, told)) + 1
+    watchdog = ca.if_else(told < _LARGEST_WATCHDOG, watchdog, 0)
+    counted, before = ca.SX(1), {}
+    if delays:
+        counted = ca.fmin(_LARGEST_COUNT - 1, ca.fmax(0, scans)) + 1
+        counted, before = ca.fmax(1, ca.fmin(s["longest_delay"], counted)), {"scans_before": scans}
+    return Equations(
+        {
+            "scans_since_start": counted,
+            # What stands for no start is none.
+            "last_start": ca.if_else(asked == 1, 1, 0) + ca.if_else(asked == 2, 2, 0),
+            "last_acknowledge": s["acknowledge"],
+            "scans_counted": watchdog,
+        },
+        {
+            "cold": cold,
+            "warm": warm,
+            "anew": anew,
+            "first": scans < 1,
+            "acknowledged": ca.logic_and(s["acknowledge"], ca.logic_not(held)),
+            "elapsed": ca.if_else(good, step, 0),
+            "time_off": off,
+            "watchdog": watchdog,
+            **before,
+        },
+        {"step_good": good},
+    )
+
+
+class Scan(Sample):
+    """A sample whose states begin anew in a cold start; it has what `scan_start` tells.
+
+    A ring cannot be overwritten in one scan: what is read of it counts as the initial value until
+    it was written after the start.
 
     Parameters
     ----------
     symbols : mapping
         The shell's signals by name.
     state : sequence of Signal or DelayRing
-        All but those of the start.
     initial : mapping
         State name to its initial value.
 
@@ -33,15 +187,13 @@ class Scan:
     --------
     A cold start, with a delay of two scans:
 
-    >>> ring = DelayRing(Signal("delayed"), 2)
-    >>> given = {"start": 2, "scans_since_start": 7, "last_start": 0, "acknowledge": 0,
-    ...          "last_acknowledge": 0, "delayed": 9.0,
-    ...          "integral": 9.0, "scans_counted": 7, "time_step": 1.0, "sampling_period": 1.0,
-    ...          "scan_tolerance": 0.1}
+    >>> given = dict(start=2, scans_since_start=7, last_start=0, acknowledge=0, integral=9,
+    ...              last_acknowledge=0, delayed=9, scans_counted=7, time_step=1,
+    ...              sampling_period=1, scan_tolerance=0.1)
     >>> scan = Scan({name: ca.DM(value) for name, value in given.items()},
-    ...             [Signal("integral"), ring], {"integral": 3.0, "delayed": 4.0,
-    ...             "scans_counted": 0.0})
-    >>> [float(ca.evalf(scan.used(name))) for name in ("integral", "delayed")]
+    ...             [Signal("integral"), DelayRing(Signal("delayed"), 2)],
+    ...             {"integral": 3.0, "delayed": 4.0})
+    >>> [float(ca.evalf(scan.state(name))) for name in ("integral", "delayed")]
     [3.0, 4.0]
     """
 
@@ -51,57 +203,19 @@ class Scan:
         state: Sequence[Signal | DelayRing],
         initial: Mapping[str, float],
     ) -> None:
-        self.symbols, self.initial = symbols, initial
+        super().__init__(symbols)
+        self.initial = initial
         self.delays = {entry.name: entry.length for entry in state if isinstance(entry, DelayRing)}
-        longest = max(self.delays.values(), default=1)
-        begun = START(
-            "scan_start",
-            {
-                "start": symbols["start"],
-                "acknowledge": symbols["acknowledge"],
-                "longest_delay": ca.SX(longest),
-            },
-            {entry.name: symbols[entry.name] for entry in START.state},
-        )
-        self.next_state: dict[str, ca.SX] = dict(begun.next_state)
-        self._known: dict[str, ca.SX] = {**symbols, **begun.outputs}
-        self._known |= self.call(SCAN_WATCH, "scan_watch")
+        block = scan_start(delays=bool(self.delays))
+        given = {**symbols, "longest_delay": ca.SX(max(self.delays.values(), default=1))}
+        kept = {entry.name: symbols[entry.name] for entry in block.state}
+        begun = block("scan", given, kept)
+        self.next_state |= begun.next_state
+        self.symbols = {**symbols, **begun.outputs}
 
-    def __getitem__(self, name: str) -> ca.SX:
-        """Return what the start or the watch tells of the scan, or a signal of the shell."""
-        return self._known[name]
-
-    def used(self, name: str) -> ca.SX:
+    def state(self, name: str) -> ca.SX:
         """Return the value of a state that the scan goes on from."""
         anew = self["cold"]
         if name in self.delays:
             anew = self["scans_before"] < self.delays[name]
         return ca.if_else(anew, self.initial[name], self.symbols[name])
-
-    def call(
-        self, block: Block, instance: str, owner: Signal | None = None, /, **inputs: ca.SX
-    ) -> dict[str, ca.SX]:
-        """Call a block that begins anew in a cold start, and return its outputs.
-
-        What is not given is that part of the owner, or the signal of the port's name.
-
-        Parameters
-        ----------
-        block : Block
-        instance : str
-        owner : Signal, optional
-            The process signal that it belongs to.
-        inputs
-            By the names of the ports.
-        """
-        for port in block.inputs:
-            if port.name not in inputs:
-                inputs[port.name] = self[self._named(port.name, owner)]
-        names = {entry.name: self._named(entry.name, owner) for entry in block.state}
-        found = block(instance, inputs, {own: self.used(name) for own, name in names.items()})
-        self.next_state |= {name: found.next_state[own] for own, name in names.items()}
-        return dict(found.outputs)
-
-    def _named(self, name: str, owner: Signal | None) -> str:
-        own = name if owner is None else path(owner, name)
-        return own if own in self.symbols else name

@@ -2,47 +2,54 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
 
-from clepsydra.base.signal import Signal, path
-from clepsydra.controllers import signals
+from clepsydra.base.key import Key
+from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.limits import limit
 from clepsydra.controllers.blocks.ports import truth
-from clepsydra.controllers.blocks.validity import LARGEST_NUMBER, is_number
-from clepsydra.controllers.plant_shell.ports import largest_rate, of_process
-from clepsydra.controllers.plant_shell.scan import Scan
-from clepsydra.controllers.plant_shell.scan_watch import STEP_GOOD, TIME_STEP
-from clepsydra.controllers.plant_shell.sensor_diagnosis import GOOD, MEASURED
-from clepsydra.controllers.plant_shell.start import FIRST
+from clepsydra.controllers.blocks.validity import is_number
+from clepsydra.controllers.plant_shell.scan import ELAPSED, FIRST
+from clepsydra.controllers.plant_shell.signal_check import GOOD, PV
+from clepsydra.controllers.signals import LARGEST_PARAMETER
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
+SETPOINT_RATE = Key(
+    "setpoint_rate", "{measurement}/s", f"{{measurement}}: largest rate, {LARGEST_PARAMETER:g} for "
+    "none", 0.0, LARGEST_PARAMETER, LARGEST_PARAMETER,
+)  # fmt: skip
 
-def _ramped(symbols: Symbols) -> Equations:
-    raw, last, rate = symbols["setpoint"], symbols["ramped_setpoint"], symbols["setpoint_rate"]
-    good, measured, in_force = symbols["good"], symbols["measured"], symbols["in_force"]
+
+def _ramped(s: Symbols) -> Equations:
+    raw, last, rate = s["asked"], s["ramped_setpoint"], s["setpoint_rate"]
+    good, measured, in_force = s["good"], s["pv"], s["in_force"]
     number = is_number(raw)
     # A transmitter may be scaled the other way round.
-    ends = symbols["range_low"], symbols["range_high"]
-    asked = limit(raw, ca.fmin(*ends), ca.fmax(*ends))
-    begin = ca.if_else(good, measured, ca.if_else(number, asked, last))
-    before = ca.if_else(symbols["first"], begin, last)
-    target = ca.if_else(number, asked, before)
-    way = rate * ca.if_else(symbols["step_good"], symbols["time_step"], 0)
-    on_its_way = ca.if_else(symbols["held"], before, limit(target, before - way, before + way))
+    ends = s["range_low"], s["range_high"]
+    bounded = limit(raw, ca.fmin(*ends), ca.fmax(*ends))
+    begin = ca.if_else(good, measured, ca.if_else(number, bounded, last))
+    before = ca.if_else(s["first"], begin, last)
+    target = ca.if_else(number, bounded, before)
+    way = rate * s["elapsed"]
+    on_its_way = ca.if_else(s["held"], before, limit(target, before - way, before + way))
     on_its_way = ca.if_else(in_force, on_its_way, ca.if_else(good, measured, before))
-    value = ca.if_else(rate < signals.LARGEST_PARAMETER, on_its_way, target)
+    value = ca.if_else(rate < LARGEST_PARAMETER, on_its_way, target)
     return Equations(
         {"ramped_setpoint": value},
         {
-            "setpoint_used": value,
-            "given": number,
-            "limited": ca.logic_and(number, asked != raw),
+            "sp": value,
+            "invalid": ca.logic_not(number),
+            "limited": ca.logic_and(number, bounded != raw),
             "ramps": ca.logic_and(in_force, value != target),
         },
-        {"asked": asked, "before": before, "target": target, "way": way, "on_its_way": on_its_way},
+        {
+            "bounded": bounded,
+            "before": before,
+            "target": target,
+            "way": way,
+            "on_its_way": on_its_way,
+        },
     )
 
 
@@ -54,13 +61,12 @@ def _ramped(symbols: Symbols) -> Equations:
 RAMP = Block(
     "setpoint_ramp",
     (
-        Signal("setpoint", description="what is asked for, in the unit of the measurement"),
+        Signal("asked", description="what is asked for, in the unit of the measurement"),
         Signal("range_low", description="one end of the range"),
         Signal("range_high", description="the other end"),
-        Signal("setpoint_rate", description="largest rate, in its unit a second; 1e9 for none"),
-        TIME_STEP,
-        STEP_GOOD,
-        MEASURED,
+        SETPOINT_RATE.port,
+        ELAPSED,
+        PV,
         GOOD,
         truth("in_force", "an output that needs the setpoint is in automatic"),
         truth("held", "a sensor is bad that such an output needs"),
@@ -68,82 +74,11 @@ RAMP = Block(
     ),
     (Signal("ramped_setpoint", description="the setpoint that was followed in the last scan"),),
     (
-        Signal("setpoint_used", description="the setpoint that the law gets"),
-        truth("given", "what is asked for is a number"),
+        Signal("sp", description="the setpoint that the law gets"),
+        truth("invalid", "what is asked for is not a number"),
         truth("limited", "what is asked for is a number outside the range"),
         truth("ramps", "the setpoint is still on its way"),
     ),
     _ramped,
     ("A setpoint within its range: ramped in automatic, at the measurement otherwise.",),
 )
-
-
-@dataclass(frozen=True)
-class RampedSetpoint:
-    """A setpoint of the law behind the shell.
-
-    Parameters
-    ----------
-    signal : Signal
-        What it is the setpoint of, by the law's name.
-    measurement : str or None
-        The measurement that it is the setpoint of, if the law has it.
-    ranged : bool
-        Whether that measurement has range_low and range_high, within which it is held; else it is
-        held within the range of its signal.
-    rate : float
-        [unit/s]; the largest parameter is none.
-
-    Examples
-    --------
-    >>> ramp = RampedSetpoint(Signal("level_1", "V"), "level_1", True, 0.5)
-    >>> [parameter.unit for parameter in ramp.parameters()]
-    ['V/s']
-    """
-
-    signal: Signal
-    measurement: str | None
-    ranged: bool
-    rate: float
-
-    def parameters(self) -> list[Signal]:
-        """The largest rate."""
-        return [largest_rate("setpoint_rate", self.signal, self.rate)]
-
-    def state(self) -> list[Signal]:
-        """The setpoint of the last scan."""
-        return [of_process(port, self.signal) for port in RAMP.state]
-
-    def ramped(
-        self, scan: Scan, measured: Symbols | None, in_force: ca.SX, held: ca.SX
-    ) -> dict[str, ca.SX]:
-        """Return the setpoint of this scan, as the outputs of `RAMP`.
-
-        Parameters
-        ----------
-        scan : Scan
-        measured : mapping or None
-            Outputs of the check of the measurement that it belongs to; the ramp of a setpoint
-            without one counts as always in force.
-        in_force, held : casadi.SX
-            As the inputs of `RAMP`.
-        """
-        low, high = self._range(scan)
-        return scan.call(
-            RAMP, path(self.signal, "ramp"), self.signal,
-            setpoint=scan.symbols[path(self.signal, "sp")],
-            range_low=low,
-            range_high=high,
-            measured=measured["measured"] if measured else ca.SX(0),
-            good=measured["good"] if measured else ca.SX(0),
-            in_force=in_force if measured else ca.SX(1),
-            held=held,
-        )  # fmt: skip
-
-    def _range(self, scan: Scan) -> tuple[ca.SX, ca.SX]:
-        """Return the range; an end that the signal does not have is no limit."""
-        if self.measurement and self.ranged:
-            y = self.measurement
-            return scan[path(y, "range_low")], scan[path(y, "range_high")]
-        low = max(self.signal.low, -LARGEST_NUMBER)
-        return ca.SX(low), ca.SX(min(self.signal.high, LARGEST_NUMBER))

@@ -2,16 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from clepsydra.base.errors import InputError
 from clepsydra.base.suggestion import suggestion
+from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
 from clepsydra.controllers.signals import LARGEST_PARAMETER
 
 #: Share of the sampling period by which a measured time step may differ from it.
 SCAN_TOLERANCE = 0.1
+
+
+def _is_range(pair: Any) -> bool:
+    proper = isinstance(pair, (tuple, list)) and len(pair) == 2
+    proper = proper and all(map(is_finite_number, pair))
+    return proper and -LARGEST_PARAMETER <= pair[0] < pair[1] <= LARGEST_PARAMETER
+
+
+def _is_rate(value: Any) -> bool:
+    return is_finite_number(value) and 0.0 < value <= LARGEST_PARAMETER
+
+
+_RANGE = "the values at 4 mA and at 20 mA, the first below the second, as in (0.0, 10.0)"
+_LARGEST = f"0 and at most {LARGEST_PARAMETER:g}"
+#: Of which signals of a controller a setting is, what it may be, and how that is told.
+_SETTINGS: dict[str, tuple[str, Callable[[Any], bool], str]] = {
+    "ranges": ("measurements", _is_range, _RANGE),
+    "sensor_delay": (
+        "measurements",
+        lambda value: is_finite_number(value) and 0.0 <= value <= LARGEST_PARAMETER,
+        f"a number at or above {_LARGEST}",
+    ),
+    "setpoint_rate": ("setpoints", _is_rate, f"a number above {_LARGEST}"),
+    "rate_limit": ("manipulated", _is_rate, f"a number above {_LARGEST}"),
+    "fail_safe": ("manipulated", is_finite_number, "a finite number"),
+}  # fmt: skip
+_KINDS = {
+    "measurements": "measurement",
+    "setpoints": "controlled measurement",
+    "manipulated": "manipulated variable",
+}
 
 
 @dataclass(frozen=True)
@@ -59,90 +92,47 @@ number above 0 and at most 1e+09; correct it, or leave it out.
     scan_tolerance: float = SCAN_TOLERANCE
 
     def __post_init__(self) -> None:
-        for what in ("ranges", "sensor_delay", "setpoint_rate", "rate_limit", "fail_safe"):
+        for what, (_, holds, expected) in _SETTINGS.items():
             given = getattr(self, what)
             if not isinstance(given, Mapping):
                 raise InputError(
                     f"plant shell, {what}", given, "values by the names of signals",
                     'write as in {"level_1": 2.0}',
                 )  # fmt: skip
-        for name, pair in self.ranges.items():
-            _check_range(f"plant shell, ranges, {name}", pair)
-        for name, delay in self.sensor_delay.items():
-            _check(f"plant shell, sensor_delay, {name}", delay, _or_nan(delay) >= 0.0, "at or")
-        for what in ("setpoint_rate", "rate_limit"):
-            for name, rate in getattr(self, what).items():
-                _check(f"plant shell, {what}, {name}", rate, _or_nan(rate) > 0.0, "")
-        for name, value in self.fail_safe.items():
-            if not is_finite_number(value):
-                raise InputError(
-                    f"plant shell, fail_safe, {name}", value, "a finite number", "correct it"
-                )
+            for name, value in given.items():
+                if not holds(value):
+                    place = f"plant shell, {what}, {name}"
+                    raise InputError(place, value, expected, "correct it, or leave it out")
         share = self.scan_tolerance
-        if not 0.0 < _or_nan(share) <= 1.0:
+        if not (_is_rate(share) and share <= 1.0):
             raise InputError(
                 "plant shell, scan_tolerance", share, "a share above 0 and at most 1",
                 "write 0.1 for a tenth of the sampling period",
             )  # fmt: skip
 
+    def check_names(self, controller: Controller) -> None:
+        """Refuse settings for a signal that a controller does not have.
 
-def check_names(
-    what: str, given: Iterable[str], known: Iterable[str], place: str, kind: str
-) -> None:
-    """Refuse settings for a signal that a controller does not have.
+        Raises
+        ------
+        InputError
 
-    Parameters
-    ----------
-    what : str
-        The setting.
-    given, known : iterable of str
-        Names of signals.
-    place : str
-        The controller's name, for the message.
-    kind : str
-        What the names stand for: "measurement".
-
-    Raises
-    ------
-    InputError
-
-    Examples
-    --------
-    >>> check_names("ranges", ["level_7"], ["level_1"], "PI", "measurement")
-    Traceback (most recent call last):
-        ...
-    clepsydra.base.errors.InputError: PI, plant shell, ranges: got 'level_7', expected a \
-measurement of the controller: level_1; perhaps 'level_1' was meant.
-    """
-    names = list(dict.fromkeys(known))
-    for name in given:
-        if name not in names:
-            raise InputError(
-                f"{place}, plant shell, {what}", name,
-                f"a {kind} of the controller: {', '.join(names) or 'it has none'}",
-                suggestion(name, names, "correct the name or leave it out"),
-            )  # fmt: skip
-
-
-def _or_nan(value: object) -> float:
-    return float(value) if is_finite_number(value) else float("nan")  # type: ignore[arg-type]
-
-
-def _check(place: str, value: object, holds: bool, beside: str) -> None:
-    if not (holds and _or_nan(value) <= LARGEST_PARAMETER):
-        bound = f"{beside} above".strip()
-        raise InputError(
-            place, value, f"a number {bound} 0 and at most {LARGEST_PARAMETER:g}",
-            "correct it, or leave it out",
-        )  # fmt: skip
-
-
-def _check_range(place: str, pair: object) -> None:
-    proper = isinstance(pair, (tuple, list)) and len(pair) == 2
-    ends = [_or_nan(end) for end in pair] if isinstance(pair, (tuple, list)) else []
-    largest = LARGEST_PARAMETER
-    if not proper or not -largest <= ends[0] < ends[1] <= largest:
-        raise InputError(
-            place, pair, "the values at 4 mA and at 20 mA, the first below the second",
-            "write as in (0.0, 10.0)",
-        )  # fmt: skip
+        Examples
+        --------
+        >>> import clepsydra as cl
+        >>> controller = cl.design.simc(cl.load("quadruple-tank"))
+        >>> PlantShell(sensor_delay={"level_7": 2.0}).check_names(controller)
+        Traceback (most recent call last):
+            ...
+        clepsydra.base.errors.InputError: PI, SIMC, plant shell, sensor_delay: got 'level_7', \
+expected a measurement of the controller: level_1, level_2; perhaps 'level_2' was meant.
+        """
+        for what, (of, _, _) in _SETTINGS.items():
+            names = list(dict.fromkeys(getattr(controller, of)))
+            for name in getattr(self, what):
+                if name not in names:
+                    raise InputError(
+                        f"{controller.name}, plant shell, {what}", name,
+                        f"a {_KINDS[of]} of the controller: {', '.join(names) or 'it has none'}",
+                        suggestion(name, names, "correct the name or leave it out"),
+                    )  # fmt: skip

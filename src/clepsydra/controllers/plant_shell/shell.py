@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 from clepsydra.base.arguments import require_type
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal, path
+from clepsydra.base.signal import Signal, owned, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.controller import Controller
 from clepsydra.controllers.parameters import is_finite_number
-from clepsydra.controllers.plant_shell.fail_safe import TAKE_UP_SCANS, SafeOutput
-from clepsydra.controllers.plant_shell.members import Members, members_of
-from clepsydra.controllers.plant_shell.ports import largest_rate
-from clepsydra.controllers.plant_shell.scan_watch import (
-    SAMPLING_PERIOD,
-    SCAN_TOLERANCE,
-    SCAN_WATCH,
-)
-from clepsydra.controllers.plant_shell.sensor_diagnosis import MonitoredSensor
-from clepsydra.controllers.plant_shell.setpoint_ramp import RampedSetpoint
+from clepsydra.controllers.plant_shell.members import Members
+from clepsydra.controllers.plant_shell.output_command import STATE as COMMAND_STATE
+from clepsydra.controllers.plant_shell.scan import ASKED, WATCHDOG, scan_start
+from clepsydra.controllers.plant_shell.setpoint_ramp import RAMP
 from clepsydra.controllers.plant_shell.settings import PlantShell
-from clepsydra.controllers.plant_shell.start import START
-from clepsydra.controllers.plant_shell.status import status_signal
-from clepsydra.controllers.plant_shell.step import ShellStep
+from clepsydra.controllers.plant_shell.signal_check import signal_check
+from clepsydra.controllers.plant_shell.status import CONDITIONS, STATUS
+from clepsydra.controllers.plant_shell.step import ShellScan
 from clepsydra.controllers.python_law import PythonLaw
 from clepsydra.controllers.signals import owners
+from clepsydra.program.delay_ring import DelayRing
 from clepsydra.program.entries import signal_of
 from clepsydra.program.step_law import StepLaw, step_law
 
@@ -115,8 +111,8 @@ def with_plant_shell(
     --------
     >>> import clepsydra as cl
     >>> shelled = with_plant_shell(cl.design.simc(cl.load("quadruple-tank")), 1.0)
-    >>> shelled.law.name, shelled.free_inputs, shelled.free_outputs
-    ('multiloop_pi_with_shell', {'start': 0.0, 'acknowledge': 0.0}, ('watchdog',))
+    >>> shelled.law.name, shelled.free_inputs, shelled.free_outputs[-1]
+    ('multiloop_pi_with_shell', {'start': 0.0, 'acknowledge': 0.0}, 'watchdog')
     """
     require_type(controller, Controller, "controller", "a Controller", "design one, or make one")
     place = f"{controller.name}, plant shell"
@@ -131,8 +127,7 @@ def with_plant_shell(
     chosen = settings or PlantShell()
     require_type(chosen, PlantShell, "settings", "a PlantShell", "write as in PlantShell()")
     _check_law(controller.law, place)
-    members = members_of(controller, chosen, float(sampling_period))
-    return _shelled(controller, float(sampling_period), chosen, members)
+    return _shelled(controller, Members(controller, chosen, float(sampling_period)))
 
 
 def _check_law(law: StepLaw, place: str) -> None:
@@ -157,76 +152,57 @@ def _check_law(law: StepLaw, place: str) -> None:
             )  # fmt: skip
 
 
-def _shelled(
-    bare: Controller, period: float, settings: PlantShell, members: Members
-) -> ShelledController:
+def _shelled(bare: Controller, members: Members) -> ShelledController:
     """Return the controller behind the shell that its members make."""
     law = bare.law
-    asked, watchdog = START.inputs[:2], SCAN_WATCH.outputs[-1]
-    *begun, acknowledge = map(signal_of, START.state)
-    every: list[MonitoredSensor | RampedSetpoint | SafeOutput] = [
-        *members.sensors,
-        *members.setpoints,
-        *members.outputs,
+    states = [
+        *((port, y) for y in members.sensors for port in signal_check(ranged=True).state),
+        *((port, signal) for signal, _ in members.setpoints for port in RAMP.state),
+        *((port, u) for u in members.outputs for port in COMMAND_STATE),
     ]
-    parameters = [p for member in every for p in member.parameters()]
-    parameters += [
-        largest_rate("rate_limit", output.signal, members.rates[output.signal.name])
-        for output in members.outputs
-        if output.signal.name in members.rates
-    ]
-    chosen = (
-        (SAMPLING_PERIOD, period),
-        (SCAN_TOLERANCE, settings.scan_tolerance),
-        (TAKE_UP_SCANS, float(members.take_up_scans)),
-    )
-    parameters += [replace(parameter, initial=value) for parameter, value in chosen]
     kept = {entry.name for entry in law.state}
     # A law that does not remember what was applied leaves that to the shell.
-    last = [signals.last_output(output.signal) for output in members.outputs]
-    state = [s for member in every for s in member.state()]
-    state += [
-        *(s for s in last if s.name not in kept),
-        acknowledge,
-        *map(signal_of, SCAN_WATCH.state),
-    ]
-    _check_clashes(bare, [*asked, *parameters, *state, *begun, watchdog])
-    initial = {**bare.initial_state, **{signal.name: signal.initial for signal in state}}
-    # An input that nobody wires is to be seen: no sensor, manual, and no time between two scans.
-    unwired = {"time_step": 0.0}
-    for sensor in members.sensors:
-        unwired |= sensor.unwired()
-    for output in members.outputs:
-        unwired |= output.unwired()
-    inputs = [replace(s, initial=unwired.get(s.name, s.initial)) for s in law.inputs]
-    step = ShellStep(law, members, [*law.state, *state], initial)
+    last = [signals.last_output(output) for output in members.outputs]
+    begun = map(signal_of, scan_start(delays=False).state)
+    added = [*(_of_process(*each) for each in states), *(s for s in last if s.name not in kept)]
+    added += begun
+    _check_clashes(bare, [*ASKED, *members.parameters, *added, WATCHDOG])
+    state = [*law.state, *added]
+    initial = {**bare.initial_state, **{signal.name: signal.initial for signal in added}}
+    conditions = [told for u in members.outputs for told in owned(u, CONDITIONS)]
     shelled = step_law(
         f"{law.name}_with_shell",
-        inputs=[*inputs, *asked],
-        parameters=[*law.parameters, *parameters],
-        state=[*law.state, *state, *begun],
-        outputs=[*map(_with_shell_status, law.outputs), watchdog],
-        equations=step.equations,
+        inputs=[
+            *(replace(s, initial=members.unwired.get(s.name, s.initial)) for s in law.inputs),
+            *ASKED,
+        ],
+        parameters=[*law.parameters, *members.parameters],
+        state=state,
+        outputs=[*map(_with_shell_status, law.outputs), *conditions, WATCHDOG],
+        equations=lambda symbols: ShellScan(members, symbols, state, initial).equations(),
         description=(*law.description, *_DESCRIPTION),
         blocks=law.blocks,
     )
-    return ShelledController(
-        name=bare.name,
-        family=bare.family,
-        design=bare.design,
-        law=shelled,
-        values={**bare.values, **members.own_rates, **{p.name: p.initial for p in parameters}},
-        initial_state={**initial, **{s.name: 0.0 for s in begun}},
-        measurements=bare.measurements,
-        setpoints=bare.setpoints,
-        manipulated=bare.manipulated,
-        notes=(*bare.notes, *members.notes),
-        free_inputs={**bare.free_inputs, "start": 0.0, "acknowledge": 0.0},
-        free_outputs=(*bare.free_outputs, watchdog.name),
-        slowed=bare.slowed,
-        bare=bare,
-        sources=members.sources,
-    )
+    whole = {entry.name: getattr(bare, entry.name) for entry in fields(Controller)}
+    whole |= {
+        "law": shelled,
+        "values": bare.values | members.own_rates | {p.name: p.initial for p in members.parameters},
+        "initial_state": initial,
+        "notes": (*bare.notes, *members.notes),
+        "free_inputs": {**bare.free_inputs, **{signal.name: 0.0 for signal in ASKED}},
+        "free_outputs": (*bare.free_outputs, *(s.name for s in (*conditions, WATCHDOG))),
+    }
+    return ShelledController(**whole, bare=bare, sources=members.sources)
+
+
+def _of_process(entry: Signal | DelayRing, signal: Signal) -> Signal:
+    """Return the state of a block that belongs to a process signal, as a state of the law."""
+    port = signal_of(entry)
+    name, words = path(signal, port.name), f"{signal.name}: {port.description}"
+    if port.kind != "real":
+        return replace(port, name=name, description=words)
+    initial = signal.initial if math.isfinite(signal.initial) else 0.0
+    return replace(signal, name=name, initial=initial, description=words)
 
 
 def _check_clashes(bare: Controller, added: Iterable[Signal]) -> None:
@@ -242,4 +218,4 @@ def _check_clashes(bare: Controller, added: Iterable[Signal]) -> None:
 
 
 def _with_shell_status(signal: Signal) -> Signal:
-    return status_signal(signal) if signal.part == "status" else signal
+    return replace(STATUS, name=signal.name) if signal.part == "status" else signal

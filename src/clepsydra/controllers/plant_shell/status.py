@@ -1,17 +1,27 @@
-"""The status word of an output behind the plant shell: 16 bits, 15 of them in use."""
+"""The end of an output: what stands at the actuator, and its status word of 15 bits."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal
+from clepsydra.base.signal import Signal, path
+from clepsydra.controllers.blocks.mode import Mode
 from clepsydra.controllers.blocks.ports import truth
 from clepsydra.controllers.blocks.status import STATUS_BITS, StatusBit, status_word
-from clepsydra.controllers.plant_shell.ports import count
+from clepsydra.controllers.blocks.validity import is_number
+from clepsydra.controllers.plant_shell.output_command import (
+    LIMITS,
+    MODE,
+    REACH,
+    TOLD,
+    moved_by_hand,
+)
+from clepsydra.controllers.plant_shell.scan import ELAPSED, count
 from clepsydra.program.block import Block
-from clepsydra.program.step_law import Equations
+from clepsydra.program.step_law import Equations, Symbols
 
 #: Name to bit. The first eight mean what they mean without the shell (`blocks.status`); the
 #: limits are those of the actuator, also while a rate limit holds the output within tighter ones.
@@ -40,46 +50,96 @@ SHELL_STATUS_BITS: dict[str, StatusBit] = {
         16384, "a setpoint lies outside its range and is held at the end of it"
     ),
 }
-_LARGEST_WORD = float(sum(bit.value for bit in SHELL_STATUS_BITS.values()))
-
-
-def status_signal(signal: Signal) -> Signal:
-    """Return the status of an output as the shell gives it.
-
-    Examples
-    --------
-    >>> status_signal(Signal("status_1", kind="integer")).high
-    32767.0
-    """
-    bits = ", ".join(
-        f"{bit.value} {name.replace('_', ' ')}" for name, bit in SHELL_STATUS_BITS.items()
-    )
-    return replace(
-        signal, low=0.0, high=_LARGEST_WORD, kind="integer", description=f"sum of {bits}"
-    )
-
-
-def bit_of(word: ca.SX, name: str) -> ca.SX:
-    """Return whether a bit of a law's own status word is set.
-
-    Examples
-    --------
-    >>> [bool(ca.evalf(bit_of(ca.SX(41), name))) for name in ("at_high_limit", "sensor_fault")]
-    [True, False]
-    """
-    value = float(STATUS_BITS[name].value)
-    return ca.floor(word / value) - 2.0 * ca.floor(word / (2.0 * value)) == 1.0
-
-
-#: The status word of an output, from its conditions.
-STATUS_WORD = Block(
-    "plant_status",
-    tuple(truth(name, bit.meaning) for name, bit in SHELL_STATUS_BITS.items()),
-    (),
-    (count("status", _LARGEST_WORD, "the sum of the bits whose condition holds"),),
-    lambda symbols: Equations({}, {"status": status_word(symbols, SHELL_STATUS_BITS)}),
-    ("The status word of an output: one bit a condition.",),
+#: The same as a structure of truth values.
+CONDITIONS = tuple(
+    replace(truth(path("conditions", name), bit.meaning), record="output_conditions")
+    for name, bit in SHELL_STATUS_BITS.items()
 )
+#: The status of an output as the shell gives it.
+STATUS = count(
+    "status",
+    float(sum(bit.value for bit in SHELL_STATUS_BITS.values())),
+    "sum of "
+    + ", ".join(f"{bit.value} {name.replace('_', ' ')}" for name, bit in SHELL_STATUS_BITS.items()),
+)
+#: Bits that only the law knows; of an output without limits also whether it stands at one.
+OF_LAW = ("sensor_fault", "invalid_input")
+OF_LIMITS = ("at_low_limit", "at_high_limit")
+
+
+@cache
+def output_end(told: tuple[str, ...], *, rated: bool) -> Block:
+    """Return the block of what stands at the actuator.
+
+    Parameters
+    ----------
+    told : tuple of str
+        The bits that the law tells; without `OF_LIMITS` the output has limits.
+    rated : bool
+        Whether the shell limits its rate.
+
+    Examples
+    --------
+    >>> output_end(OF_LAW, rated=True).outputs[0].name
+    'out'
+    """
+    limited, slowed = "at_low_limit" not in told, "at_rate_limit" in told
+    return Block(
+        f"output_end{'' if limited else '_without_limits'}{'' if rated else '_without_rate'}"
+        f"{'_of_own_rate' if slowed else ''}",
+        (
+            Signal("asked", description="what the law asks for"),
+            MODE,
+            ELAPSED,
+            *TOLD,
+            *(LIMITS if limited else ()),
+            *(REACH if rated else ()),
+            *(truth(bit, STATUS_BITS[bit].meaning) for bit in told),
+            truth("uncertain", SHELL_STATUS_BITS["sensor_uncertain"].meaning),
+            truth("ramps", SHELL_STATUS_BITS["setpoint_ramps"].meaning),
+            truth("limited", SHELL_STATUS_BITS["setpoint_limited"].meaning),
+            truth("invalid", "a measurement or a setpoint that it needs is not a number"),
+            truth("time_off", SHELL_STATUS_BITS["scan_time_off"].meaning),
+        ),
+        (),
+        (Signal("out", description="what stands at the actuator"), STATUS, *CONDITIONS),
+        lambda s: _ended(s, told, rated),
+        ("What stands at the actuator, and the status word: one bit a condition.",),
+    )
+
+
+def _ended(s: Symbols, told: tuple[str, ...], rated: bool) -> Equations:
+    # But for manual and tracking it stands at its fail-safe value.
+    safe = ca.logic_and(s["latched"], ca.logic_not(moved_by_hand(s["mode"])))
+    out = ca.if_else(ca.logic_and(safe, is_number(s["tracked"])), s["tracked"], s["asked"])
+    automatic, slowed = s["mode"] == Mode.AUTOMATIC, s.get("at_rate_limit", ca.SX(0))
+    conditions = {
+        "automatic": automatic,
+        "tracking": s["mode"] == Mode.TRACKING,
+        **{bit: s[bit] for bit in told},
+        "invalid_input": ca.logic_or(s["invalid"], s["invalid_input"]),
+        "invalid_time_step": ca.logic_not(s["elapsed"] > 0),
+        "sensor_uncertain": s["uncertain"],
+        "rides_through": s["waits"],
+        "failed_safe": s["latched"],
+        "scan_time_off": s["time_off"],
+        "following": s["follows"],
+        "setpoint_limited": s["limited"],
+    }
+    if "low_limit" in s:
+        at_low, at_high = out <= s["low_limit"], out >= s["high_limit"]
+        conditions |= {"at_low_limit": at_low, "at_high_limit": at_high}
+    if rated:
+        # At a limit of the actuator it is that which holds it.
+        inside = ca.logic_and(out > s["low_limit"], out < s["high_limit"])
+        at_end = ca.logic_or(out <= s["lowest"], out >= s["highest"])
+        slowed = ca.logic_or(slowed, ca.logic_and(inside, at_end))
+    in_force = ca.logic_and(automatic, ca.logic_not(ca.logic_or(safe, s["follows"])))
+    ramps = ca.logic_and(s["ramps"], in_force)
+    conditions |= {"at_rate_limit": slowed, "setpoint_ramps": ramps}
+    results = {signal.name: conditions[signal.part] for signal in CONDITIONS}
+    results |= {"out": out, "status": status_word(conditions, SHELL_STATUS_BITS)}
+    return Equations({}, results, {"safe": safe})
 
 
 def read_status(word: int) -> tuple[str, ...]:

@@ -3,109 +3,199 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import casadi as ca
 
 from clepsydra.base.signal import Signal, path
-from clepsydra.controllers.blocks.ports import as_parts
-from clepsydra.controllers.blocks.validity import any_of
-from clepsydra.controllers.plant_shell.dependence import needed_by_outputs
-from clepsydra.controllers.plant_shell.law_block import LawBlock
+from clepsydra.controllers.blocks.ports import truth
+from clepsydra.controllers.blocks.status import STATUS_BITS
+from clepsydra.controllers.blocks.validity import LARGEST_NUMBER, all_of, any_of
 from clepsydra.controllers.plant_shell.members import Members
-from clepsydra.controllers.plant_shell.output_end import OutputEnd
+from clepsydra.controllers.plant_shell.output_command import Rate, output_command
 from clepsydra.controllers.plant_shell.scan import Scan
+from clepsydra.controllers.plant_shell.setpoint_ramp import RAMP
+from clepsydra.controllers.plant_shell.signal_check import signal_check
+from clepsydra.controllers.plant_shell.status import OF_LAW, OF_LIMITS, output_end
+from clepsydra.program.block import Block
 from clepsydra.program.delay_ring import DelayRing
-from clepsydra.program.step_law import Equations, StepLaw, Symbols
+from clepsydra.program.step_law import Equations, Symbols
+
+#: What the law gets in the place of parts of an output, by the port of its command.
+_OF_COMMAND = {
+    "mode_used": "mode",
+    "tracked": "tracking",
+    "rate_used": "rate_limit",
+    "lowest": "low_limit",
+    "highest": "high_limit",
+}
 
 
-class ShellStep:
-    """The equations of the shell of a law.
+class ShellScan(Scan):
+    """One scan: judge, command, limit, let the law compute, and tell.
+
+    The law is a block whose parameters are inputs, and which tells its status bits one by one:
+    what it names told_sensor_fault and the like of an output, on the way to its status word, or
+    else the bits of the word. A law that only joins blocks needs none around them.
 
     Parameters
     ----------
-    law : StepLaw
-        Without the shell.
     members : Members
+    symbols : mapping
     state : sequence of Signal or DelayRing
-        Of the law, and what the shell adds but for those of `START`.
+        Of the law, and what the shell adds.
     initial : mapping
         State name to initial value.
 
     Examples
     --------
-    >>> from clepsydra.controllers.multiloop_pid import multiloop_pid_law
-    >>> law = multiloop_pid_law(["level_1", "level_2"], ["pump_1", "pump_2"])
-    >>> ShellStep(law, Members((), (), (), {}, {}, 1, {}, ()), [], {}).sensors
-    {'pump_1': ('level_1',), 'pump_2': ('level_2',)}
+    See `with_plant_shell`.
     """
 
     def __init__(
         self,
-        law: StepLaw,
         members: Members,
+        symbols: Symbols,
         state: Sequence[Signal | DelayRing],
         initial: Mapping[str, float],
     ) -> None:
-        self.members, self.state, self.initial = members, state, initial
-        self.remembered = {entry.name for entry in law.state}
-        self.law = LawBlock(law, initial)
-        self.sensors = needed_by_outputs(law, ("pv", "good"))
-        # A setpoint that stands fixed in the law is no business of the shell.
-        ramped = {setpoint.signal.name for setpoint in members.setpoints}
-        self.setpoints = {
-            output: tuple(name for name in needed if name in ramped)
-            for output, needed in needed_by_outputs(law, ("sp",)).items()
-        }
-
-    def equations(self, symbols: Symbols) -> Equations:
-        """Write one scan: judge, command, limit, let the law compute, and tell."""
-        scan = Scan(symbols, self.state, self.initial)
-        sensors = {sensor.signal.name: sensor.checked(scan) for sensor in self.members.sensors}
-        needed = {u: [sensors[name] for name in names] for u, names in self.sensors.items()}
-        commands = {
-            output.signal.name: output.commanded(scan, needed[output.signal.name])
-            for output in self.members.outputs
-        }
-        setpoints = self._ramped(scan, sensors, commands)
-        ends = {
-            u: OutputEnd(scan, output, commands[u], rated=u in self.members.rates)
-            for output in self.members.outputs
-            for u in [output.signal.name]
-        }
+        super().__init__(symbols, state, initial)
+        self.members, self.law = members, members.controller.law
         given = dict(symbols)
-        for name, sensor in sensors.items():
-            given |= as_parts(name, {"pv": sensor["measured"], "good": sensor["good"]})
-        for name, setpoint in setpoints.items():
-            given[path(name, "sp")] = setpoint["setpoint_used"]
-        for end in ends.values():
-            given |= end.given
-        found = self.law.computed(scan, given)
-        told: dict[str, ca.SX] = {}
-        named = dict(found.intermediates)
-        for u, end in ends.items():
-            output = end.stands(found.outputs[path(u, "out")])
-            followed = [setpoints[name] for name in self.setpoints[u]]
-            bits = self.law.bits(found.outputs, u)
-            status = end.status(output, bits, needed[u], followed)
-            told |= as_parts(u, {"out": output, "status": status})
-            if (last := path(u, "last_output")) not in self.remembered:
-                scan.next_state[last] = output
-            named |= end.named
-        told["watchdog"] = scan["watchdog"]
-        return Equations(scan.next_state, told, named)
+        self.checks = {y.name: self._checked(y) for y in members.sensors}
+        for y, check in self.checks.items():
+            given |= {path(y, port): check[port] for port in ("pv", "good")}
+        self.commands = {u.name: self._commanded(u) for u in members.outputs}
+        self.ramps = {signal.name: self._ramped(signal, y) for signal, y in members.setpoints}
+        given |= {path(name, "sp"): ramp["sp"] for name, ramp in self.ramps.items()}
+        for name, command in self.commands.items():
+            given |= {path(name, _OF_COMMAND[p]): command[p] for p in command if p in _OF_COMMAND}
+        self.told = {u.name: self._bits(u) for u in members.outputs}
+        block = self._law_block()
+        if self.law.blocks:
+            found = block.equations(given | {e.name: self.state(e.name) for e in block.state})
+            self.next_state |= found.next_state
+            self.named |= found.intermediates
+            results = found.outputs
+        else:
+            results = self.call(block, "law", **{s.name: given[s.name] for s in block.inputs})
+        for u in members.outputs:
+            self._end(u, results)
+        self.outputs["watchdog"] = self["watchdog"]
 
-    def _ramped(
-        self, scan: Scan, sensors: Mapping[str, Symbols], commands: Mapping[str, Symbols]
-    ) -> dict[str, dict[str, ca.SX]]:
-        found = {}
-        for setpoint in self.members.setpoints:
-            name = setpoint.signal.name
-            users = [commands[u] for u, needed in self.setpoints.items() if name in needed]
-            users = users or [*commands.values()]
-            in_force = any_of([user["in_force"] for user in users])
-            held = any_of(
-                [ca.logic_and(user["in_force"], ca.logic_not(user["good"])) for user in users]
-            )
-            measured = None if setpoint.measurement is None else sensors[setpoint.measurement]
-            found[name] = setpoint.ramped(scan, measured, in_force, held)
-        return found
+    def _checked(self, y: Signal) -> dict[str, ca.SX]:
+        block = signal_check(ranged=path(y, "range_low") in self.symbols)
+        measurement, sensor = self.of(y, "pv", "good")
+        name = path(y, "check")
+        return self.call(block, name, y, measurement=measurement, sensor=sensor)
+
+    def _commanded(self, u: Signal) -> dict[str, ca.SX]:
+        """Return who moves an output, as the outputs of `output_command`."""
+        rate: Rate = "none"
+        if (limit := path(u, "rate_limit")) in self.symbols:
+            rate = "law" if limit in self.members.own else "shell"
+        sensors = [self.checks[name] for name in self.members.needed[u.name]]
+        return self.call(
+            output_command(limited=self.members.limited(u), rate=rate),
+            path(u, "command"),
+            u,
+            good=all_of([ca.SX(1), *(sensor["good"] for sensor in sensors)]),
+            failed=_any(sensors, "failed"),
+            last_output=self.state(path(u, "last_output")),
+        )
+
+    def _ramped(self, signal: Signal, measurement: str | None) -> dict[str, ca.SX]:
+        """Return a setpoint as the outputs of `RAMP`.
+
+        One without a measurement counts as always in force. An end of the range that is not known
+        is no limit.
+        """
+        ends = {
+            "range_low": ca.SX(max(signal.low, -LARGEST_NUMBER)),
+            "range_high": ca.SX(min(signal.high, LARGEST_NUMBER)),
+        }
+        if measurement and path(measurement, "range_low") in self.symbols:
+            ends = {end: self[path(measurement, end)] for end in ends}
+        followed = self.members.followed
+        users = [command for u, command in self.commands.items() if signal.name in followed[u]]
+        users = users or [*self.commands.values()]
+        given = {"pv": ca.SX(0), "good": ca.SX(0), "in_force": ca.SX(1)}
+        if measurement:
+            given = {port: self.checks[measurement][port] for port in ("pv", "good")}
+            given["in_force"] = _any(users, "in_force")
+        given |= ends | {"asked": self[path(signal, "sp")], "held": _any(users, "held")}
+        return self.call(RAMP, path(signal, "ramp"), signal, **given)
+
+    def _bits(self, u: Signal) -> tuple[str, ...]:
+        """Return the status bits of an output that the law tells."""
+        named = {signal.name for signal in self.law.intermediates}
+        # A law that names its bits and has no rate limit is never at one.
+        free = path(u, "told_at_rate_limit") in named
+        free = free and path(u, "rate_limit") not in self.members.own
+        limits = () if self.members.limited(u) else OF_LIMITS
+        return (*OF_LAW, *(() if free else ("at_rate_limit",)), *limits)
+
+    def _law_block(self) -> Block:
+        law = self.law
+        outputs = [signal for signal in law.outputs if signal.part != "status"]
+        told = {path(u, f"told_{bit}"): (u, bit) for u, bits in self.told.items() for bit in bits}
+        unread = {path(u, f"told_{bit}") for u in self.told for bit in STATUS_BITS}
+
+        def equations(symbols: Symbols) -> Equations:
+            assert law.equations is not None
+            found = law.equations(symbols)
+            results = {signal.name: found.outputs[signal.name] for signal in outputs}
+            for name, (u, bit) in told.items():
+                read = found.intermediates.get(name)
+                word = found.outputs[path(u, "status")]
+                results[name] = _bit_of(word, bit) if read is None else read
+            named = {name: x for name, x in found.intermediates.items() if name not in unread}
+            return Equations(found.next_state, results, named)
+
+        entries = [
+            entry
+            if isinstance(entry, DelayRing)
+            else replace(entry, initial=self.initial[entry.name])
+            for entry in law.state
+        ]
+        bits = (truth(name, STATUS_BITS[bit].meaning) for name, (_, bit) in told.items())
+        return Block(
+            law.name,
+            (*law.inputs, *law.parameters),
+            tuple(entries),
+            (*outputs, *bits),
+            equations,
+            law.description,
+        )
+
+    def _end(self, u: Signal, law: Symbols) -> None:
+        """Give an output and its status word."""
+        sensors = [self.checks[name] for name in self.members.needed[u.name]]
+        setpoints = [self.ramps[name] for name in self.members.followed[u.name]]
+        told = {bit: law[path(u, f"told_{bit}")] for bit in self.told[u.name]}
+        command = self.commands[u.name]
+        ended = self.call(
+            output_end(self.told[u.name], rated="lowest" in command),
+            path(u, "end"),
+            u,
+            **command,
+            **told,
+            asked=law[path(u, "out")],
+            invalid=_any([*sensors, *setpoints], "invalid"),
+            uncertain=_any(sensors, "uncertain"),
+            ramps=_any(setpoints, "ramps"),
+            limited=_any(setpoints, "limited"),
+        )
+        self.outputs |= {path(u, part): value for part, value in ended.items()}
+        # A law that does not remember what was applied leaves that to the shell.
+        self.next_state.setdefault(path(u, "last_output"), ended["out"])
+
+
+def _bit_of(word: ca.SX, name: str) -> ca.SX:
+    """Return whether a bit of a law's own status word is set."""
+    value = float(STATUS_BITS[name].value)
+    return ca.floor(word / value) - 2.0 * ca.floor(word / (2.0 * value)) == 1.0
+
+
+def _any(parts: Sequence[Symbols], port: str) -> ca.SX:
+    return any_of([ca.SX(0), *(part[port] for part in parts)])

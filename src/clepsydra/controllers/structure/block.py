@@ -1,45 +1,16 @@
-"""What the blocks of a loop structure tell each other, forward and backward."""
+"""What the blocks of a control scheme tell each other, forward and backward."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Protocol
-
-import casadi as ca
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, Protocol
 
 from clepsydra.base.signal import Signal
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
-from clepsydra.program.step_law import Symbols
+from clepsydra.controllers.blocks.sample import Sample
 
 
-@dataclass(frozen=True)
-class Closed:
-    """A block after its sample: its next state, its results, and what it tells back.
-
-    Parameters
-    ----------
-    next_state, outputs : mapping
-        Names of the law's signals to expressions.
-    applied : tuple of Applied
-        One for each source of the block.
-    named : mapping
-        Names for values on the way.
-
-    Examples
-    --------
-    >>> Closed({"level.integral": ca.SX(3)}).applied
-    ()
-    """
-
-    next_state: Mapping[str, ca.SX]
-    outputs: Mapping[str, ca.SX] = field(default_factory=dict)
-    applied: tuple[Applied, ...] = ()
-    named: Mapping[str, ca.SX] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Opened:
+class Opened(NamedTuple):
     """A block on the way forward: what it asks for, and how its sample ends.
 
     Parameters
@@ -47,16 +18,16 @@ class Opened:
     asked : tuple of Asked
         One for each of its ports.
     close : callable
-        Takes what was applied at each port and returns the `Closed` block.
+        Takes what was applied at each port and returns what it tells back, one for each source.
 
     Examples
     --------
-    >>> Opened((), lambda applied: Closed({})).close([]).outputs
-    {}
+    >>> Opened((), lambda applied: ()).close([])
+    ()
     """
 
     asked: tuple[Asked, ...]
-    close: Callable[[Sequence[Applied]], Closed]
+    close: Callable[[Sequence[Applied]], tuple[Applied, ...]]
 
 
 class Block(Protocol):
@@ -97,10 +68,10 @@ class Block(Protocol):
     def outputs(self) -> list[Signal]:
         """What it gives to the plant."""
 
-    def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
+    def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Between which values it takes each source, from the limits after each port."""
 
-    def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
+    def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Run forward from what the sources ask for; `limits` are those after each port."""
 
 

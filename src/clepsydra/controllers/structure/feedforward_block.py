@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal, owned, path
-from clepsydra.controllers import signals
+from clepsydra.base.key import Key
+from clepsydra.base.signal import Signal, path
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
 from clepsydra.controllers.blocks.lead_lag import lead_lag
-from clepsydra.controllers.blocks.ports import as_parts, called, instance, parts_of, truth
+from clepsydra.controllers.blocks.ports import instance, truth
+from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_number, is_time_step, value_or_zero
-from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
+from clepsydra.controllers.signals import LARGEST_PARAMETER, signed
+from clepsydra.controllers.structure.block import Opened, WithoutSignals
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -51,30 +53,24 @@ class FeedforwardTerm:
 
     def parameters(self) -> list[Signal]:
         """Gain and reference; lead and lag where dynamic."""
-        name, moved = self.signal.name, self.moved
-        unit = signals.per(moved, self.signal)
-        found = [
-            signals.gain("gain", unit, 0.0, f"gain from {name} to {moved.name}"),
-            signals.gain(
-                "reference", self.signal, self.signal.initial, f"{name} at which it adds nothing"
-            ),
+        roles = {"output": self.moved, "signal": self.signal}
+        return [
+            _GAIN.of(self.owner, **roles),
+            _REFERENCE.of(self.owner, self.signal.initial, **roles),
+            *(key.of(self.owner, **roles) for key in _DYNAMICS if self.dynamic),
         ]
-        if self.dynamic:
-            found += [
-                Signal(
-                    what,
-                    "s",
-                    low=0.0,
-                    high=signals.LARGEST_PARAMETER,
-                    description=f"{what} time from {name} to {moved.name}",
-                )
-                for what in ("lead", "lag")
-            ]
-        return owned(self.owner, found)
 
     def state(self) -> list[Signal]:
         """The signal it went to at last, lagged where dynamic."""
         return [Signal(path(self.owner, "lagged_signal"), self.signal.unit)]
+
+
+_WAY = "from {signal} to {output}"
+_GAIN = signed("gain", "{output}/{signal}", f"gain {_WAY}")
+_REFERENCE = signed("reference", "{signal}", "{signal} at which it adds nothing")
+_DYNAMICS = tuple(
+    Key(what, "s", f"{what} time {_WAY}", 0.0, LARGEST_PARAMETER) for what in ("lead", "lag")
+)
 
 
 @dataclass(frozen=True)
@@ -126,35 +122,31 @@ class FeedforwardBlock(WithoutSignals):
         """Those of all terms."""
         return [state for term in self.terms for state in term.state()]
 
-    def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
+    def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Those after it: they bound the loop's part loosely."""
         return (after[0],)
 
-    def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
+    def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Add the terms."""
         (source,) = asked
-        added, following = ca.SX(0), dict[str, ca.SX]()
-        sensors = source.sensors
+        added, sensors = ca.SX(0), source.sensors
         for term in self.terms:
-            block = _feedforward(term.dynamic, term.measured)
-            given = parts_of(term.owner, symbols, [*block.inputs, *block.state])
-            given["signal"] = symbols[path(term.signal, "pv" if term.measured else "last_output")]
+            block, name = _feedforward(term.dynamic, term.measured), instance(term.owner)
+            parts = ("pv", "good") if term.measured else ("last_output",)
+            given = dict(zip(("signal", "sensor"), sample.of(term.signal, *parts), strict=False))
             if term.measured:
-                given["sensor"] = symbols[path(term.signal, "good")]
                 sensors = ca.logic_and(sensors, given["sensor"])
-            found = called(block, instance(term.owner), given)
-            following |= as_parts(term.owner, found.next_state)
-            added = added + found.outputs["added"]
-        value = source.value + added
+            added = added + sample.call(block, name, term.owner, **given)["added"]
+        value = source.asked + added
 
-        def close(applied: Sequence[Applied]) -> Closed:
+        def close(applied: Sequence[Applied]) -> tuple[Applied, ...]:
             (result,) = applied
             # What was applied as asked is told to the last bit: no rounding looks like a limit.
-            got = ca.if_else(result.value == value, source.value, result.value - added)
-            told = Applied(got, result.in_force, result.follows)
-            return Closed(following, {}, (told,))
+            applied_here = result.applied
+            got = ca.if_else(applied_here == value, source.asked, applied_here - added)
+            return (replace(result, applied=got),)
 
-        return Opened((Asked(value, source.usable, source.numbers, sensors),), close)
+        return Opened((replace(source, asked=value, sensors=sensors),), close)
 
 
 @cache
@@ -177,15 +169,14 @@ def _feedforward(dynamic: bool, sensed: bool) -> Block:
         lagged = ca.if_else(kept, filtered.lagged, s["lagged_signal"])
         return Equations({"lagged_signal": lagged}, {"added": s["gain"] * filtered.value})
 
-    dynamics = (Signal("lead", "s"), Signal("lag", "s"), Signal("time_step", "s"))
     return Block(
         f"{'dynamic' if dynamic else 'static'}_feedforward{'' if sensed else '_of_output'}",
         (
             Signal("signal", description="what acts on the output"),
             *([truth("sensor", "its sensor is sound")] if sensed else []),
-            Signal("gain"),
-            Signal("reference", description="the signal at which nothing is added"),
-            *(dynamics if dynamic else ()),
+            _GAIN.port,
+            _REFERENCE.port,
+            *((*(key.port for key in _DYNAMICS), Signal("time_step", "s")) if dynamic else ()),
         ),
         (Signal("lagged_signal", description="the signal less its reference, lagged"),),
         (Signal("added", description="what is added, in the unit of the output"),),

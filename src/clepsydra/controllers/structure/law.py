@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from clepsydra.base.errors import InputError
-from clepsydra.base.signal import Signal, path
+from clepsydra.base.signal import Signal
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
-from clepsydra.controllers.structure.block import Block, Closed, Opened
+from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.structure.block import Block, Opened
 from clepsydra.controllers.structure.output_block import OutputBlock
 from clepsydra.controllers.structure.pid_block import PidBlock
-from clepsydra.controllers.structure.plain_loop import closed, is_plain
 from clepsydra.controllers.structure.selector_block import SelectorBlock
 from clepsydra.program.step_law import Equations, StepLaw, Symbols, step_law
 
@@ -57,21 +57,19 @@ def structure_law(
     ordered = _in_order(name, blocks)
     outputs = [block.signal for block in blocks if isinstance(block, OutputBlock)]
     loops = _plain_loops(blocks)
-    joined = [block for block in ordered if not any(block in pair for pair in loops.values())]
+    joined = [block for block in ordered if not any(block in pair for pair in loops)]
 
     def equations(symbols: Symbols) -> Equations:
-        found = [closed(symbols, name, *pair) for name, pair in loops.items()]
-        found += _joined(symbols, joined)
-        return Equations(
-            {name: value for each in found for name, value in each.next_state.items()},
-            {name: value for each in found for name, value in each.outputs.items()},
-            {name: value for each in found for name, value in each.named.items()},
-        )
+        sample = Sample(symbols)
+        for loop, output in loops:
+            loop.closed(sample, output.signal, rate_limited=output.rate_limited)
+        _join(sample, joined)
+        return sample.equations()
 
     return step_law(
         name,
         inputs=[
-            *(signals.setpoint_input(owner, signal) for owner, signal in setpoints.items()),
+            *(signals.SP.of(owner, measurement=signal) for owner, signal in setpoints.items()),
             *signals.measurement_inputs(measured),
             *(signal for block in blocks for signal in block.inputs()),
             *signals.output_inputs(outputs),
@@ -144,7 +142,7 @@ def _check_selectors(name: str, blocks: Sequence[Block]) -> None:
                 form = block.form
                 if form.has_integral and not (form.tracks_back or form.algorithm == "velocity"):
                     raise InputError(
-                        f"control scheme {name}, {block.name}", form.winding,
+                        f"control scheme {name}, {block.name}, anti_windup", form.winding,
                         f"back_calculation: {selector.name} selects among several loops, and "
                         "the integral of those that wait has to follow what is applied",
                         'write anti_windup = "back_calculation"',
@@ -153,37 +151,33 @@ def _check_selectors(name: str, blocks: Sequence[Block]) -> None:
                 waiting += block.sources
 
 
-def _plain_loops(blocks: Sequence[Block]) -> dict[str, tuple[PidBlock, OutputBlock]]:
-    """Return the loops that are one block with their outputs, by the name of the instance."""
-    pairs = [
+def _plain_loops(blocks: Sequence[Block]) -> list[tuple[PidBlock, OutputBlock]]:
+    """Return the loops that move an output with nothing between, with their outputs."""
+    return [
         (loop, output)
         for loop in blocks
         for output in blocks
-        if isinstance(loop, PidBlock) and isinstance(output, OutputBlock) and is_plain(loop, output)
+        if isinstance(loop, PidBlock) and isinstance(output, OutputBlock)
+        if output.source == loop.name and loop.direct and not loop.inner
     ]
-    return {path(output.signal, "loop"): (loop, output) for loop, output in pairs}
 
 
-def _joined(symbols: Symbols, ordered: Sequence[Block]) -> list[Closed]:
+def _join(sample: Sample, ordered: Sequence[Block]) -> None:
     """Run forward from setpoints to outputs, and back with what was applied."""
     after: dict[str, Limits] = {}
     for block in reversed(ordered):
-        found = block.limits(symbols, [after[port] for port in block.ports])
+        found = block.limits(sample, [after[port] for port in block.ports])
         after |= dict(zip(block.sources, found, strict=True))
     asked: dict[str, Asked] = {}
     opened: dict[str, Opened] = {}
     for block in ordered:
-        step = block.open(
-            symbols,
+        step = opened[block.name] = block.open(
+            sample,
             [asked[source] for source in block.sources],
             [after[port] for port in block.ports],
         )
-        opened[block.name] = step
         asked |= dict(zip(block.ports, step.asked, strict=True))
     applied: dict[str, Applied] = {}
-    ended: dict[str, Closed] = {}
     for block in reversed(ordered):
-        result = opened[block.name].close([applied[port] for port in block.ports])
-        ended[block.name] = result
-        applied |= dict(zip(block.sources, result.applied, strict=True))
-    return [ended[block.name] for block in ordered]
+        told = opened[block.name].close([applied[port] for port in block.ports])
+        applied |= dict(zip(block.sources, told, strict=True))

@@ -9,9 +9,8 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.controllers import signals
 from clepsydra.controllers.blocks.final_element import final_element
 from clepsydra.controllers.blocks.handover import Asked, Limits
-from clepsydra.controllers.blocks.ports import as_parts
-from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
-from clepsydra.program.step_law import Symbols
+from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.structure.block import Opened, WithoutSignals
 
 
 @dataclass(frozen=True)
@@ -69,18 +68,11 @@ class OutputBlock(WithoutSignals):
         """Manipulated variable and status word."""
         return signals.output_signals(self.signal)
 
-    def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
+    def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Its own."""
-        ends = (symbols[path(self.signal, f"{end}_limit")] for end in ("low", "high"))
-        return (Limits(*ends),)
+        return (Limits(*sample.of(self.signal, "low_limit", "high_limit")),)
 
-    def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
+    def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Move the actuator."""
-        element = final_element(symbols, self.signal, asked[0], rate_limited=self.rate_limited)
-        closed = Closed(
-            {path(self.signal, "last_output"): element.manipulated},
-            as_parts(self.signal, {"out": element.manipulated, "status": element.status}),
-            (element.applied,),
-            element.named,
-        )
-        return Opened((), lambda applied: closed)
+        applied = final_element(sample, self.signal, asked[0], rate_limited=self.rate_limited)
+        return Opened((), lambda _: (applied,))

@@ -3,48 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import casadi as ca
 
 from clepsydra.controllers.blocks.derivative import FilteredDerivative, filtered_derivative
 from clepsydra.controllers.blocks.error_shape import gap_error, squared_error
 from clepsydra.controllers.blocks.handover import Applied
-from clepsydra.controllers.blocks.integral import applied_ports, integral
-from clepsydra.controllers.blocks.ports import called
-from clepsydra.controllers.blocks.validity import is_number, is_time_step
+from clepsydra.controllers.blocks.integral import next_integral
+from clepsydra.controllers.blocks.validity import any_of, is_number, is_time_step
 from clepsydra.controllers.pid_form import PidForm
-from clepsydra.controllers.pid_parameters import remembered
 from clepsydra.program.step_law import Symbols
 
-
-@dataclass(frozen=True)
-class LoopSignals:
-    """What a loop computes with; all but the truth values are numbers.
-
-    Parameters
-    ----------
-    setpoint, measurement : casadi.SX
-        r and y [measurement unit].
-    known : casadi.SX
-        Whether they may be used.
-    switched : casadi.SX
-        Whether the setpoint comes from another source than in the last sample.
-    last_applied : casadi.SX
-        What the loop moves, in the last sample.
-
-    Examples
-    --------
-    >>> values = [ca.DM(value) for value in (5, 4, 1, 0, 3)]
-    >>> float(LoopSignals(*values).setpoint)
-    5.0
-    """
-
-    setpoint: ca.SX
-    measurement: ca.SX
-    known: ca.SX
-    switched: ca.SX
-    last_applied: ca.SX
+#: What a reader is told above the steps of a loop, in any form.
+PID_WORDS = {
+    "measurement_used": "what is no number counts as zero, and moves nothing",
+    "error": "control error",
+    "proportional": "what does not come from the integral",
+    "increment": "what the integral gains in this sample",
+    "filtered": "signal behind the filter of the derivative",
+    "change": "change of the output in this sample",
+    "unlimited": "what the loop asks for",
+    "signals_known": "setpoint and measurement are numbers, and the sensor is sound",
+    "last_proportional_gain": "settings are remembered, so that a change of them makes no jump",
+    "last_derivative_time": "settings are remembered, so that a change of them makes no jump",
+}
+#: How a parameter is read: as it is, or as it was in the last sample.
+_Read = Callable[[str], ca.SX]
 
 
 def time_step_of(s: Symbols) -> tuple[ca.SX, ca.SX]:
@@ -59,7 +43,7 @@ def time_step_of(s: Symbols) -> tuple[ca.SX, ca.SX]:
     return ca.if_else(good, s["time_step"], 1), good
 
 
-def pid_terms(form: PidForm, s: Symbols, loop: LoopSignals) -> dict[str, ca.SX]:
+def pid_terms(form: PidForm, s: Symbols) -> dict[str, ca.SX]:
     """Return the terms of a loop; the equations of each form stand in `PidForm`.
 
     An integral time at or below zero switches integral action off: nothing is divided by it.
@@ -72,8 +56,9 @@ def pid_terms(form: PidForm, s: Symbols, loop: LoopSignals) -> dict[str, ca.SX]:
     ----------
     form : PidForm
     s : mapping
-        Parameters and state of the loop by name, and the time step.
-    loop : LoopSignals
+        Parameters and state of the loop by name, and the time step; setpoint_used and
+        measurement_used, always numbers, and signals_known, whether they may be used; switched,
+        whether the setpoint comes from another source than in the last sample; last_applied.
 
     Returns
     -------
@@ -86,25 +71,28 @@ def pid_terms(form: PidForm, s: Symbols, loop: LoopSignals) -> dict[str, ca.SX]:
     One sample of PI control at an error of 1 with K = 2, Ti = 10 s and I = 5:
 
     >>> given = dict(proportional_gain=2, integral_time=10, setpoint_weight=1, integral=5,
-    ...              last_proportional_gain=2, last_setpoint_weight=1, time_step=1)
+    ...              last_proportional_gain=2, last_setpoint_weight=1, time_step=1,
+    ...              setpoint_used=1, measurement_used=0, signals_known=1, switched=0,
+    ...              last_applied=5)
     >>> s = {name: ca.DM(value) for name, value in given.items()}
-    >>> loop = LoopSignals(*(ca.DM(value) for value in (1, 0, 1, 0, 5)))
-    >>> float(pid_terms(PidForm(anti_windup="none"), s, loop)["unlimited"])
+    >>> float(pid_terms(PidForm(anti_windup="none"), s)["unlimited"])
     7.0
     """
-    writer = _Writer(form, s, loop)
-    return writer.velocity() if form.algorithm == "velocity" else writer.positional()
+    error = s["setpoint_used"] - s["measurement_used"]
+    written = _velocity if form.algorithm == "velocity" else _positional
+    return {"error": error, **written(form, {**s, "error": error})}
 
 
-def pid_state(form: PidForm, s: Symbols, applied: Applied) -> dict[str, ca.SX]:
-    """Return the next state of a loop.
+def pid_state(
+    form: PidForm, s: Symbols, applied: Applied
+) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
+    """Return the next state of a loop, and names for values on the way there.
 
     Parameters
     ----------
     form : PidForm
     s : mapping
-        Parameters and state of the loop, its terms, and setpoint_used, measurement_used and
-        signals_known of its `LoopSignals`; last_applied.
+        As for `pid_terms`, with the terms.
     applied : Applied
 
     Examples
@@ -116,7 +104,8 @@ def pid_state(form: PidForm, s: Symbols, applied: Applied) -> dict[str, ca.SX]:
     ...              last_setpoint_weight=1, signals_known=1, time_step=1)
     >>> s = {name: ca.DM(value) for name, value in given.items()}
     >>> by_hand = Applied(ca.DM(9), ca.DM(0), ca.DM(1))
-    >>> float(pid_state(PidForm(anti_windup="none"), s, by_hand)["integral"])
+    >>> state, _ = pid_state(PidForm(anti_windup="none"), s, by_hand)
+    >>> float(state["integral"])
     7.0
     """
     known, good = s["signals_known"], is_time_step(s["time_step"])
@@ -126,6 +115,7 @@ def pid_state(form: PidForm, s: Symbols, applied: Applied) -> dict[str, ca.SX]:
         return ca.if_else(ca.logic_and(usable, is_number(value)), value, s[last])
 
     state: dict[str, ca.SX] = {}
+    named: dict[str, ca.SX] = {}
     if form.has_derivative:
         state["filtered_signal"] = kept(s["filtered"], "filtered_signal")
     if form.algorithm == "velocity":
@@ -137,126 +127,113 @@ def pid_state(form: PidForm, s: Symbols, applied: Applied) -> dict[str, ca.SX]:
     else:
         if form.has_derivative:  # there is none without a time step
             known = usable
-        block = integral(form.winding)
-        given = {**s, **applied_ports(applied), "integral": s["integral_used"], "known": known}
-        found = called(block, "integral_action", given)
-        following = found.outputs["following"]
+        following, named = next_integral(
+            form.winding, s, applied, known=known, last_applied=s["last_applied"]
+        )
         # After nonsense at run time the integral is still the one before it.
         state["integral"] = ca.if_else(is_number(following), following, s["integral"])
         heard = ca.logic_or(applied.in_force, ca.logic_and(applied.follows, known))
-    for parameter in remembered(form):
+    for parameter in form.remembered:
         taken = ca.logic_and(heard, is_number(s[parameter]))
         state[f"last_{parameter}"] = ca.if_else(taken, s[parameter], s[f"last_{parameter}"])
-    return state
+    return state, named
 
 
-class _Writer:
-    def __init__(self, form: PidForm, s: Symbols, loop: LoopSignals) -> None:
-        self.form, self.s, self.loop = form, s, loop
-        self.time_step, self.time_step_good = time_step_of(s)
-        self.error = loop.setpoint - loop.measurement
-        self.gain = s["proportional_gain"]
+def _former(form: PidForm, s: Symbols) -> _Read:
+    """Return what reads a parameter as it was in the last sample, if a change of it matters."""
+    return lambda name: s[f"last_{name}" if name in form.remembered else name]
 
-    def positional(self) -> dict[str, ca.SX]:
-        form, loop = self.form, self.loop
-        derivative = self._derivative(self._now) if form.has_derivative else None
-        proportional, acting = self._nonintegral(derivative, self._now)
-        integral_gain = self._integral_gain() if form.has_integral else ca.SX(0)
-        increment = (self.time_step * integral_gain) * acting
-        known = loop.known
-        if derivative is not None:  # there is none without a time step
-            known = ca.logic_and(known, self.time_step_good)
-        integral_used = self._integral(proportional, known)
-        return {
-            "error": self.error,
-            "integral_gain_used": integral_gain,
-            "proportional": proportional,
-            "increment": increment,
-            "integral_used": integral_used,
-            "unlimited": proportional + integral_used,
-            **({} if derivative is None else {"filtered": derivative.filtered}),
-        }
 
-    def velocity(self) -> dict[str, ca.SX]:
-        form, loop, s = self.form, self.loop, self.s
-        # A setpoint from another source moves the output by its integral alone.
-        last_setpoint = ca.if_else(loop.switched, loop.setpoint, s["last_setpoint"])
-        moved = s["setpoint_weight"] * (loop.setpoint - last_setpoint) - (
-            loop.measurement - s["last_measurement"]
-        )
-        change = self.gain * moved + (self.time_step * self._integral_gain()) * self.error
-        found = {"error": self.error}
-        if form.has_derivative:
-            derivative = self._derivative(self._now)
-            # A change of the filter, or of the source of the setpoint, is no turn of the signal.
-            turned = self._derivative(self._former).rate - s["last_derivative"]
-            if form.derivative_on == "error":
-                turned = ca.if_else(loop.switched, 0, turned)
-            change = change + (self.gain * s["derivative_time"]) * turned
-            found |= {"filtered": derivative.filtered, "rate": derivative.rate}
-        return {**found, "change": change, "unlimited": loop.last_applied + change}
+def _positional(form: PidForm, s: Symbols) -> dict[str, ca.SX]:
+    time_step, time_step_good = time_step_of(s)
+    known, derivative, found = s["signals_known"], None, {}
+    former = _former(form, s)
+    if form.has_derivative:  # there is none without a time step
+        known = ca.logic_and(known, time_step_good)
+        derivative = _derivative(form, s, s.__getitem__)
+        found["filtered"] = derivative.filtered
+    proportional, acting = _nonintegral(form, s, derivative, s.__getitem__)
+    integral_gain = _integral_gain(form, s) if form.has_integral else ca.SX(0)
+    # With the integral of this sample the output goes on without a bump.
+    before = s["integral"]
+    last = _derivative(form, s, former) if form.has_derivative else None
+    standing, _ = _nonintegral(form, s, last, former)
+    changed = any_of([ca.SX(0), *(s[name] != s[f"last_{name}"] for name in form.remembered)])
+    taken_up = ca.if_else(ca.logic_and(changed, known), before + (standing - proportional), before)
+    restarted = s["last_applied"] - proportional
+    integral_used = ca.if_else(ca.logic_and(s["switched"], known), restarted, taken_up)
+    return {
+        "integral_gain_used": integral_gain,
+        "proportional": proportional,
+        "increment": (time_step * integral_gain) * acting,
+        "integral_used": integral_used,
+        "unlimited": proportional + integral_used,
+        **found,
+    }
 
-    def _now(self, what: str) -> ca.SX:
-        return self.s[what]
 
-    def _former(self, what: str) -> ca.SX:
-        """Return a parameter as it was in the last sample, if a change of it matters."""
-        return self.s[f"last_{what}" if what in remembered(self.form) else what]
+def _velocity(form: PidForm, s: Symbols) -> dict[str, ca.SX]:
+    time_step, _ = time_step_of(s)
+    gain, setpoint = s["proportional_gain"], s["setpoint_used"]
+    # A setpoint from another source moves the output by its integral alone.
+    last_setpoint = ca.if_else(s["switched"], setpoint, s["last_setpoint"])
+    moved = s["setpoint_weight"] * (setpoint - last_setpoint) - (
+        s["measurement_used"] - s["last_measurement"]
+    )
+    change = gain * moved + (time_step * _integral_gain(form, s)) * s["error"]
+    found = {}
+    if form.has_derivative:
+        derivative = _derivative(form, s, s.__getitem__)
+        # A change of the filter, or of the source of the setpoint, is no turn of the signal.
+        turned = _derivative(form, s, _former(form, s)).rate - s["last_derivative"]
+        if form.derivative_on == "error":
+            turned = ca.if_else(s["switched"], 0, turned)
+        change = change + (gain * s["derivative_time"]) * turned
+        found = {"filtered": derivative.filtered, "rate": derivative.rate}
+    return {**found, "change": change, "unlimited": s["last_applied"] + change}
 
-    def _nonintegral(
-        self, derivative: FilteredDerivative | None, read: Callable[[str], ca.SX]
-    ) -> tuple[ca.SX, ca.SX]:
-        """Return what does not come from the integral, and the error that it integrates."""
-        form, loop, gain = self.form, self.loop, read("proportional_gain")
-        if form.error == "linear":
-            weight = read("setpoint_weight")
-            acting, weighted = self.error, weight * loop.setpoint - loop.measurement
-        elif form.error == "gap":
-            acting = gap_error(self.error, read("gap"), read("gap_gain"))
-            weighted = acting
-        else:
-            acting = squared_error(self.error, read("squared_error_scale"))
-            weighted = acting
-        if derivative is None:
-            return gain * weighted, acting
-        if form.algorithm == "parallel":
-            return gain * weighted + read("derivative_gain") * derivative.rate, acting
-        lead = read("derivative_time") * derivative.rate
-        acting = acting + lead if form.algorithm == "series" else acting
-        return gain * (weighted + lead), acting
 
-    def _derivative(self, read: Callable[[str], ca.SX]) -> FilteredDerivative:
-        """Return the derivative of the error, or of the measurement with the other sign."""
-        loop = self.loop
-        if self.form.algorithm == "parallel":
-            filter_time = ca.fmax(0, read("filter_time"))
-        else:
-            ratio = read("derivative_filter")
-            given = ratio > 0
-            filter_time = ca.fmax(0, read("derivative_time")) / ca.if_else(given, ratio, 1)
-        filtered = self.s["filtered_signal"]
-        if self.form.derivative_on == "measurement":
-            found = filtered_derivative(loop.measurement, filtered, filter_time, self.time_step)
-            return FilteredDerivative(-found.rate, found.filtered)
-        # A setpoint from another source is no movement of the error.
-        filtered = ca.if_else(loop.switched, self.error, filtered)
-        return filtered_derivative(self.error, filtered, filter_time, self.time_step)
+def _nonintegral(
+    form: PidForm, s: Symbols, derivative: FilteredDerivative | None, read: _Read
+) -> tuple[ca.SX, ca.SX]:
+    """Return what does not come from the integral, and the error that it integrates."""
+    gain, acting = read("proportional_gain"), s["error"]
+    if form.error == "gap":
+        weighted = acting = gap_error(acting, read("gap"), read("gap_gain"))
+    elif form.error == "squared":
+        weighted = acting = squared_error(acting, read("squared_error_scale"))
+    else:
+        weighted = read("setpoint_weight") * s["setpoint_used"] - s["measurement_used"]
+    if derivative is None:
+        return gain * weighted, acting
+    if form.algorithm == "parallel":
+        return gain * weighted + read("derivative_gain") * derivative.rate, acting
+    lead = read("derivative_time") * derivative.rate
+    acting = acting + lead if form.algorithm == "series" else acting
+    return gain * (weighted + lead), acting
 
-    def _integral_gain(self) -> ca.SX:
-        if self.form.algorithm == "parallel":
-            return self.s["integral_gain"]
-        integral_time = self.s["integral_time"]
-        acts = integral_time > 0
-        return ca.if_else(acts, self.gain / ca.if_else(acts, integral_time, 1), 0)
 
-    def _integral(self, nonintegral: ca.SX, known: ca.SX) -> ca.SX:
-        """Return the integral with which this sample goes on without a bump."""
-        form, before = self.form, self.s["integral"]
-        derivative = self._derivative(self._former) if form.has_derivative else None
-        former, _ = self._nonintegral(derivative, self._former)
-        changed = ca.SX(0)
-        for parameter in remembered(form):
-            changed = ca.logic_or(changed, self.s[parameter] != self.s[f"last_{parameter}"])
-        taken_up = ca.if_else(ca.logic_and(changed, known), before + (former - nonintegral), before)
-        restarted = self.loop.last_applied - nonintegral
-        return ca.if_else(ca.logic_and(self.loop.switched, known), restarted, taken_up)
+def _derivative(form: PidForm, s: Symbols, read: _Read) -> FilteredDerivative:
+    """Return the derivative of the error, or of the measurement with the other sign."""
+    time_step, _ = time_step_of(s)
+    if form.algorithm == "parallel":
+        filter_time = ca.fmax(0, read("filter_time"))
+    else:
+        ratio = read("derivative_filter")
+        given = ratio > 0
+        filter_time = ca.fmax(0, read("derivative_time")) / ca.if_else(given, ratio, 1)
+    filtered = s["filtered_signal"]
+    if form.derivative_on == "measurement":
+        found = filtered_derivative(s["measurement_used"], filtered, filter_time, time_step)
+        return FilteredDerivative(-found.rate, found.filtered)
+    # A setpoint from another source is no movement of the error.
+    filtered = ca.if_else(s["switched"], s["error"], filtered)
+    return filtered_derivative(s["error"], filtered, filter_time, time_step)
+
+
+def _integral_gain(form: PidForm, s: Symbols) -> ca.SX:
+    if form.algorithm == "parallel":
+        return s["integral_gain"]
+    acts = s["integral_time"] > 0
+    gain = s["proportional_gain"] / ca.if_else(acts, s["integral_time"], 1)
+    return ca.if_else(acts, gain, 0)

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal, owned, path
-from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.final_element import ASKED, asked_ports
-from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
-from clepsydra.controllers.blocks.integral import APPLIED, applied_ports
-from clepsydra.controllers.blocks.ports import called, instance, truth
+from clepsydra.base.signal import Signal, path
+from clepsydra.controllers.blocks.handover import APPLIED, ASKED, Applied, Asked, Limits, prefixed
+from clepsydra.controllers.blocks.ports import instance, truth
+from clepsydra.controllers.blocks.sample import Sample
 from clepsydra.controllers.blocks.validity import is_number, value_or_zero
-from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
+from clepsydra.controllers.signals import signed
+from clepsydra.controllers.structure.block import Opened, WithoutSignals
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -64,54 +64,45 @@ class RatioBlock(WithoutSignals):
 
     def parameters(self) -> list[Signal]:
         """The ratio, or the limits between which a loop may trim it."""
-        unit = signals.per(self.moved, self.wild)
-        what = f"{self.moved.name} to {self.wild.name}"
-        if self.source is None:
-            return owned(self.owner, [signals.gain("ratio", unit, 1.0, f"ratio of {what}")])
-        ends = (("lowest", 0.0), ("highest", 10.0))
-        return owned(
-            self.owner,
-            [
-                signals.gain(f"{end}_ratio", unit, value, f"{end} ratio of {what}")
-                for end, value in ends
-            ],
-        )
+        keys = (_RATIO,) if self.source is None else _ENDS
+        return [key.of(self.owner, output=self.moved, wild=self.wild) for key in keys]
 
-    def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
+    def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Those of the ratio."""
         if self.source is None:
             return ()
-        ends = (symbols[path(self.owner, f"{end}_ratio")] for end in ("lowest", "highest"))
-        return (Limits(*ends),)
+        return (Limits(*sample.of(self.owner, *(key.name for key in _ENDS))),)
 
-    def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
+    def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Multiply."""
-        name, wild = instance(self.name), self.wild
-        given = {"measurement": symbols[path(wild, "pv")], "sensor": symbols[path(wild, "good")]}
-        for source, ends in zip(asked, self.limits(symbols, limits), strict=True):
-            given |= {f"trim_{n}": value for n, value in asked_ports(source).items()}
-            given |= {"lowest_ratio": ends.low, "highest_ratio": ends.high}
-        if not asked:
-            given["ratio"] = symbols[path(self.owner, "ratio")]
-        first = called(_asks(bool(asked)), path(name, "asks"), given).outputs
-        product = Asked(*(first[signal.name] for signal in ASKED))
+        name, (measurement, sensor) = instance(self.name), sample.of(self.wild, "pv", "good")
+        given = {"measurement": measurement, "sensor": sensor}
+        for source in asked:
+            given |= source.ports("trim_")
+        first = sample.call(_asks(bool(asked)), path(name, "asks"), self.owner, **given)
 
-        def close(applied: Sequence[Applied]) -> Closed:
+        def close(applied: Sequence[Applied]) -> tuple[Applied, ...]:
             if not asked:
-                return Closed({})
+                return ()
             span = self.wild.span
-            smallest = _TOO_SMALL * span if ca.SX(span).is_regular() else 0.0
-            told = {**first, **applied_ports(applied[0]), "smallest": ca.SX(smallest)}
-            last = called(_IS_TOLD, path(name, "is_told"), told).outputs
-            return Closed({}, {}, (Applied(*last.values()),))
+            smallest = ca.SX(_TOO_SMALL * span if math.isfinite(span) else 0.0)
+            told = {**first, **applied[0].ports(), "smallest": smallest}
+            return (Applied.read(sample.call(_IS_TOLD, path(name, "is_told"), **told), "got_"),)
 
-        return Opened((product,), close)
+        return Opened((Asked.read(first),), close)
+
+
+_OF, _NAMES = "{output}/{wild}", "ratio of {output} to {wild}"
+_RATIO = signed("ratio", _OF, _NAMES, 1.0)
+_ENDS = tuple(
+    signed(f"{end}_ratio", _OF, f"{end} {_NAMES}", value)
+    for end, value in (("lowest", 0.0), ("highest", 10.0))
+)
 
 
 @cache
 def _asks(trimmed: bool) -> Block:
     """Return the block of the product, with the ratio that is given or that a loop trims."""
-    trim = tuple(replace(signal, name=f"trim_{signal.name}") for signal in ASKED)
 
     def equations(s: Symbols) -> Equations:
         number = is_number(s["measurement"])
@@ -119,24 +110,24 @@ def _asks(trimmed: bool) -> Block:
         good = ca.logic_and(number, s["sensor"])
         if not trimmed:
             usable = ca.logic_and(good, is_number(s["ratio"]))
-            return Equations({}, asked_ports(Asked(s["ratio"] * wild, usable, number, s["sensor"])))
-        source = Asked(*(s[signal.name] for signal in trim))
-        ratio = ca.fmin(s["highest_ratio"], ca.fmax(s["lowest_ratio"], source.value))
+            return Equations({}, Asked(s["ratio"] * wild, usable, number, s["sensor"]).ports())
+        source = Asked.read(s, "trim_")
+        ratio = ca.fmin(s["highest_ratio"], ca.fmax(s["lowest_ratio"], source.asked))
         product = Asked(
             ratio * wild,
             ca.logic_and(good, source.usable),
             ca.logic_and(number, source.numbers),
             ca.logic_and(s["sensor"], source.sensors),
         )
-        return Equations({}, {**asked_ports(product), "ratio": ratio, "wild": wild, "good": good})
+        return Equations({}, {**product.ports(), "ratio": ratio, "wild": wild, "good": good})
 
-    ratios = (*trim, Signal("lowest_ratio"), Signal("highest_ratio"))
+    trim = (*prefixed(ASKED, "trim_"), *(Signal(key.name) for key in _ENDS))
     return Block(
         "trimmed_ratio_asks" if trimmed else "ratio_asks",
         (
             Signal("measurement", description="the wild signal"),
             truth("sensor", "its sensor is good"),
-            *(ratios if trimmed else (Signal("ratio"),)),
+            *(trim if trimmed else (Signal("ratio"),)),
         ),
         (),
         (*ASKED, *(_CARRIED if trimmed else ())),
@@ -157,7 +148,7 @@ def _is_told(s: Symbols) -> Equations:
         ca.logic_and(s["in_force"], known),
         ca.logic_and(s["follows"], known),
     )
-    return Equations({}, {f"got_{name}": value for name, value in applied_ports(told).items()})
+    return Equations({}, told.ports("got_"))
 
 
 _CARRIED = (Signal("ratio"), Signal("wild"), truth("good", "the wild signal is known"))
@@ -165,7 +156,7 @@ _IS_TOLD = Block(
     "trimmed_ratio_is_told",
     (*APPLIED, ASKED[0], *_CARRIED, Signal("smallest", description="that is divided by")),
     (),
-    tuple(replace(signal, name=f"got_{signal.name}") for signal in APPLIED),
+    prefixed(APPLIED, "got_"),
     _is_told,
     ("The ratio that was applied, or the one asked for where that cannot be told.",),
 )

@@ -9,10 +9,10 @@ from typing import Literal
 
 import casadi as ca
 
-from clepsydra.controllers.blocks.final_element import ASKED, asked_ports
-from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
-from clepsydra.controllers.blocks.ports import called, instance
-from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
+from clepsydra.controllers.blocks.handover import ASKED, Applied, Asked, Limits, prefixed
+from clepsydra.controllers.blocks.ports import instance
+from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.structure.block import Opened, WithoutSignals
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -53,30 +53,24 @@ class SelectorBlock(WithoutSignals):
         """The selected value."""
         return (self.name,)
 
-    def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
+    def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """Those after it, for every source."""
         return (after[0],) * len(self.sources)
 
-    def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
+    def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Select."""
-        chosen, name = asked[0], instance(self.name)
+        chosen, block = asked[0], _selector(self.selection)
         for source, other in zip(self.sources[1:], asked[1:], strict=True):
-            given = {
-                f"{each}_{n}": value
-                for each, wish in (("first", chosen), ("second", other))
-                for n, value in asked_ports(wish).items()
-            }
-            both = f"{name}.or.{instance(source)}"
-            found = called(_selector(self.selection), both, given)
-            chosen = Asked(*(found.outputs[signal.name] for signal in ASKED))
+            both = f"{instance(self.name)}.or.{instance(source)}"
+            given = chosen.ports("first_") | other.ports("second_")
+            chosen = Asked.read(sample.call(block, both, **given))
 
-        def close(applied: Sequence[Applied]) -> Closed:
+        def close(applied: Sequence[Applied]) -> tuple[Applied, ...]:
             (result,) = applied
-            told = tuple(
-                Applied(result.value, ca.logic_and(result.in_force, source.usable), result.follows)
+            return tuple(
+                replace(result, in_force=ca.logic_and(result.in_force, source.usable))
                 for source in asked
             )
-            return Closed({}, {}, told)
 
         return Opened((chosen,), close)
 
@@ -86,27 +80,21 @@ def _selector(selection: Selection) -> Block:
     """Return the block that selects one of two."""
 
     def equations(s: Symbols) -> Equations:
-        first, second = (
-            Asked(*(s[f"{each}_{signal.name}"] for signal in ASKED)) for each in ("first", "second")
-        )
+        first, second = Asked.read(s, "first_"), Asked.read(s, "second_")
         pick = ca.fmin if selection == "low" else ca.fmax
         both = ca.logic_and(first.usable, second.usable)
-        one = ca.if_else(first.usable, first.value, second.value)
+        one = ca.if_else(first.usable, first.asked, second.asked)
         chosen = Asked(
-            ca.if_else(both, pick(first.value, second.value), one),
+            ca.if_else(both, pick(first.asked, second.asked), one),
             ca.logic_or(first.usable, second.usable),
             ca.logic_and(first.numbers, second.numbers),
             ca.logic_and(first.sensors, second.sensors),
         )
-        return Equations({}, asked_ports(chosen))
+        return Equations({}, chosen.ports())
 
     return Block(
         f"{selection}_selector",
-        tuple(
-            replace(signal, name=f"{each}_{signal.name}")
-            for each in ("first", "second")
-            for signal in ASKED
-        ),
+        (*prefixed(ASKED, "first_"), *prefixed(ASKED, "second_")),
         (),
         ASKED,
         equations,

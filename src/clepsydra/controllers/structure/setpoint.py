@@ -75,9 +75,9 @@ def chosen_setpoint(
     (6.0, True)
     """
     is_remote = source == 1
-    value = ca.if_else(is_remote, remote.value, local)
+    value = ca.if_else(is_remote, remote.asked, local)
     valid = ca.if_else(
-        is_remote, ca.logic_and(remote.usable, is_number(remote.value)), is_number(local)
+        is_remote, ca.logic_and(remote.usable, is_number(remote.asked)), is_number(local)
     )
     return Setpoint(ca.if_else(valid, value, working), valid, is_remote, source != last_source)
 

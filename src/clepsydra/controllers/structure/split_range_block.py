@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import reduce
 
 import casadi as ca
 
-from clepsydra.base.signal import Signal, owned, path
-from clepsydra.controllers import signals
-from clepsydra.controllers.blocks.handover import Applied, Asked, Limits
-from clepsydra.controllers.blocks.integral import APPLIED, applied_ports
+from clepsydra.base.key import Key
+from clepsydra.base.signal import Signal, path
+from clepsydra.controllers.blocks.handover import APPLIED, Applied, Asked, Limits
 from clepsydra.controllers.blocks.limits import limit
-from clepsydra.controllers.blocks.ports import called, instance, parts_of, truth
-from clepsydra.controllers.structure.block import Closed, Opened, WithoutSignals
+from clepsydra.controllers.blocks.ports import instance, truth
+from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.signals import signed
+from clepsydra.controllers.structure.block import Opened, WithoutSignals
 from clepsydra.program.block import Block
 from clepsydra.program.step_law import Equations, Symbols
 
@@ -53,22 +55,7 @@ class Leg:
 
     def parameters(self) -> list[Signal]:
         """Part of the range, and the values at its ends."""
-        name = self.moved.name
-        found = [
-            Signal("start", "%", initial=self.start, low=0.0, high=100.0,
-                   description=f"start of the part of the range in which {name} moves"),
-            Signal("end", "%", initial=self.end, low=0.0, high=100.0,
-                   description=f"end of the part of the range in which {name} moves"),
-            signals.gain("at_start", self.moved, self.at_start,
-                         f"{name} at the start of its part and before it"),
-            signals.gain("at_end", self.moved, self.at_end,
-                         f"{name} at the end of its part and after it"),
-        ]  # fmt: skip
-        return owned(self.owner, found)
-
-    def part(self, symbols: Symbols) -> dict[str, ca.SX]:
-        """Return its parameters in a law, by the ports of a part."""
-        return parts_of(self.owner, symbols, _PORTS)
+        return [key.of(self.owner, getattr(self, key.name), output=self.moved) for key in _PART]
 
 
 @dataclass(frozen=True)
@@ -115,61 +102,56 @@ class SplitRangeBlock(WithoutSignals):
         """Those of all legs."""
         return [parameter for leg in self.legs for parameter in leg.parameters()]
 
-    def limits(self, symbols: Symbols, after: Sequence[Limits]) -> tuple[Limits, ...]:
+    def limits(self, sample: Sample, after: Sequence[Limits]) -> tuple[Limits, ...]:
         """From the start of the first part to the end of the last."""
-        parts = [leg.part(symbols) for leg in self.legs]
-        low, high = parts[0]["start"], parts[0]["end"]
-        for part in parts[1:]:
-            low, high = ca.fmin(low, part["start"]), ca.fmax(high, part["end"])
-        return (Limits(low, high),)
+        starts, ends = zip(
+            *(sample.of(leg.owner, "start", "end") for leg in self.legs), strict=True
+        )
+        return (Limits(reduce(ca.fmin, starts), reduce(ca.fmax, ends)),)
 
-    def open(self, symbols: Symbols, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
+    def open(self, sample: Sample, asked: Sequence[Asked], limits: Sequence[Limits]) -> Opened:
         """Split."""
         (source,) = asked
-        parts = [leg.part(symbols) for leg in self.legs]
+        names = [instance(leg.port(self.name)) for leg in self.legs]
         found = [
-            called(_PART, instance(leg.port(self.name)), {**part, "asked": source.value}).outputs
-            for leg, part in zip(self.legs, parts, strict=True)
+            sample.call(_SPLIT, name, leg.owner, asked=source.asked)
+            for name, leg in zip(names, self.legs, strict=True)
         ]
-        values = [each["value"] for each in found]
-        told = tuple(
-            Asked(value, source.usable, source.numbers, source.sensors) for value in values
-        )
-        ends = self.limits(symbols, limits)[0]
+        wishes = tuple(replace(source, asked=each["value"]) for each in found)
+        ends = self.limits(sample, limits)[0]
 
-        def close(applied: Sequence[Applied]) -> Closed:
+        def close(applied: Sequence[Applied]) -> tuple[Applied, ...]:
             in_force, follows = ca.SX(0), ca.SX(1)
             # What was asked, less what the actuators in automatic missed of it: beside one that
             # is moved by hand they go on as they are. Else where the last of them stands.
-            reached, stands = limit(source.value, ends.low, ends.high), ends.low
-            for leg, part, each, result in zip(self.legs, parts, found, applied, strict=True):
+            reached, stands = limit(source.asked, ends.low, ends.high), ends.low
+            for name, leg, each, result in zip(names, self.legs, found, applied, strict=True):
                 in_force = ca.logic_or(in_force, result.in_force)
                 follows = ca.logic_and(follows, ca.logic_or(result.follows, result.in_force))
-                given = {**part, **each, **applied_ports(result)}
-                name = path(instance(leg.port(self.name)), "is_told")
-                told = called(_PART_IS_TOLD, name, given).outputs
+                given = each | result.ports()
+                told = sample.call(_IS_TOLD, path(name, "is_told"), leg.owner, **given)
                 reached = reached + told["missed"]
                 stands = ca.if_else(told["moves"], ca.fmax(stands, told["place"]), stands)
             value = ca.if_else(in_force, reached, stands)
-            result = Applied(value, in_force, ca.logic_and(follows, ca.logic_not(in_force)))
-            return Closed({}, {}, (result,))
+            return (Applied(value, in_force, ca.logic_and(follows, ca.logic_not(in_force))),)
 
-        return Opened(told, close)
+        return Opened(wishes, close)
 
 
-_PORTS = (
-    Signal("start", "%", description="start of its part of the range"),
-    Signal("end", "%", description="end of its part of the range"),
-    Signal("at_start", description="the actuator there"),
-    Signal("at_end"),
+_PART = (
+    Key("start", "%", "start of the part of the range in which {output} moves", 0.0, 100.0),
+    Key("end", "%", "end of the part of the range in which {output} moves", 0.0, 100.0),
+    signed("at_start", "{output}", "{output} at the start of its part and before it"),
+    signed("at_end", "{output}", "{output} at the end of its part and after it"),
 )
+_PORTS = tuple(key.port for key in _PART)
 
 
 def _width(s: Symbols) -> ca.SX:
     return ca.fmax(0, s["end"] - s["start"])
 
 
-def _part(s: Symbols) -> Equations:
+def _split(s: Symbols) -> Equations:
     width = _width(s)
     wide = width > 0
     reach = (s["asked"] - s["start"]) / ca.if_else(wide, width, 1)
@@ -178,7 +160,7 @@ def _part(s: Symbols) -> Equations:
     return Equations({}, {"share": share, "value": value})
 
 
-def _part_is_told(s: Symbols) -> Equations:
+def _is_told(s: Symbols) -> Equations:
     width, stroke = _width(s), s["at_end"] - s["at_start"]
     moves = stroke != 0
     reach = (s["applied"] - s["at_start"]) / ca.if_else(moves, stroke, 1)
@@ -198,15 +180,15 @@ _FOUND = (
     Signal("share", description="how far into its part what is asked for is, 0 to 1"),
     Signal("value", description="what the actuator is asked for"),
 )
-_PART = Block(
+_SPLIT = Block(
     "split_range_part",
     (Signal("asked", "%"), *_PORTS),
     (),
     _FOUND,
-    _part,
+    _split,
     ("One actuator of a split range.",),
 )
-_PART_IS_TOLD = Block(
+_IS_TOLD = Block(
     "split_range_part_is_told",
     (*APPLIED[:2], *_PORTS, *_FOUND),
     (),
@@ -215,6 +197,6 @@ _PART_IS_TOLD = Block(
         Signal("place", "%", description="where in the range the actuator stands"),
         truth("moves", "it stands within its part, or beyond it"),
     ),
-    _part_is_told,
+    _is_told,
     ("What became of one actuator of a split range.",),
 )

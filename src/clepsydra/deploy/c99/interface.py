@@ -14,7 +14,7 @@ from clepsydra.deploy.c99.structures import (
     state_structure,
     structure,
 )
-from clepsydra.deploy.printing.declarations import check_scope, declared
+from clepsydra.deploy.printing.declarations import check_scope, declared, records_of
 from clepsydra.deploy.printing.heading import heading
 from clepsydra.deploy.printing.identifiers import check_identifier
 from clepsydra.deploy.printing.origin import Origin
@@ -92,6 +92,9 @@ def print_header(
             title = f"What an instance of {block.name} keeps."
             lines += state_structure(block, language, block_name(name, block), title)
     lines += state_structure(program, language, name, "State: what the next sample needs.", origin)
+    for kind, members in records_of((*called_blocks(program), program), language).items():
+        what = kind.removeprefix(f"{name}_")
+        lines += structure(name, what, f"Outputs that belong together: {what}.", members)
     for what, entries in (("inputs", program.inputs), ("outputs", program.outputs)):
         title = f"{what.capitalize()} of one sample."
         lines += structure(name, what, title, declared(entries, language))

@@ -91,6 +91,10 @@ class C99(Language):
         lowest = signal.kind == "integer" and signal.initial == INTEGER_LOW
         return "INT32_MIN" if lowest else super().initial(signal)
 
+    def record(self, name: str) -> str:
+        """Return what the type of a structure is called."""
+        return f"{self.name}_{name}"
+
     def call(self, entry: BlockCall) -> list[str]:
         """Call an instance; its outputs are members of a variable that is called like it."""
         block, name = entry.program, f"{self.name}_{entry.program.name}"

@@ -152,17 +152,23 @@ def document(name: str, units: Sequence[Unit], dialect: Dialect, interval: str =
     )
     tasks = [_task(units[-1].name, interval)] if interval and dialect.configuration else []
     coordinates = _element("coordinateInfo", *scalings)
-    pous = _element("pous", *(_unit(unit, dialect) for unit in units))
+    records = (_record(unit, dialect) for unit in units if unit.kind == "TYPE")
+    pous = _element("pous", *(_unit(unit, dialect) for unit in units if unit.kind != "TYPE"))
     root = _element(
         "project",
         _element("fileHeader", **product, productVersion=__version__, creationDateTime=_MOMENT),
         _element("contentHeader", coordinates, name=name, modificationDateTime=_MOMENT),
-        _element("types", _element("dataTypes"), pous),
+        _element("types", _element("dataTypes", *records), pous),
         _element("instances", _element("configurations", *tasks)),
         **{"xmlns": namespace_of(dialect.name), "xmlns:xhtml": XHTML},
     )
     indent(root)
     return f'<?xml version="1.0" encoding="utf-8"?>\n{tostring(root, encoding="unicode")}\n'
+
+
+def _record(unit: Unit, dialect: Dialect) -> Element:
+    members = (_variable(e, dialect) for section in unit.sections for e in section.variables)
+    return _element("dataType", _element("baseType", _element("struct", *members)), name=unit.name)
 
 
 def _unit(unit: Unit, dialect: Dialect) -> Element:

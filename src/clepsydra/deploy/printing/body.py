@@ -125,7 +125,7 @@ class Body:
             else:
                 stores.append(Assignment(place, result))
         lines = statements(self._statements, language)
-        for group in (shown, stores):
+        for group in (_whole(shown, program), stores):
             moved = [each for each in group if each.expression.text != each.name]
             lines += statements(moved, language)
         known = {*places["outputs"], *places["state"]}
@@ -240,6 +240,29 @@ class Body:
             self._statements.append(Assignment(name, result))
             return of_kind(signal.kind, variable(name))
         return found
+
+
+def _whole(shown: Sequence[Assignment], program: Program) -> list[Assignment]:
+    """Return assignments of outputs, with one for a structure that is a copy of another one."""
+    told = {
+        f"{call.identifier}.{signal.identifier}": (f"{call.identifier}.{signal.variable}", signal)
+        for call in program.calls
+        for signal in call.program.outputs
+        if signal.record
+    }
+    held: dict[str, list[Assignment]] = {}
+    copied: dict[str, set[str]] = {}
+    for output, each in zip(program.outputs, shown, strict=True):
+        whole = each.name.removesuffix(f".{output.part}") if output.record else each.name
+        held.setdefault(whole, []).append(each)
+        source, signal = told.get(each.expression.text, ("", output))
+        alike = output.record and (signal.record, signal.part) == (output.record, output.part)
+        copied.setdefault(whole, set()).add(source if alike else "")
+    found = []
+    for name, members in held.items():
+        (source, *others) = copied[name]
+        found += [Assignment(name, variable(source))] if source and not others else members
+    return found
 
 
 def _begun(statement: ListingStatement) -> ListingStatement:

@@ -10,7 +10,7 @@ from clepsydra.deploy.printing.identifiers import check_distinct
 from clepsydra.deploy.printing.language import Language
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.program.entries import Entry, is_ring, signal_of
-from clepsydra.program.program import Call
+from clepsydra.program.program import Call, Program
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Variable:
     comment : str
         Unit, range, description and source; on one line.
     is_block : bool
-        Whether the type is a function block.
+        Whether the type is a function block or a structure.
 
     Examples
     --------
@@ -72,6 +72,10 @@ def declared(
     found = []
     for entry in entries:
         signal, length = signal_of(entry), entry.length if is_ring(entry) else 0
+        if signal.record:
+            whole = Variable(signal.variable, language.record(signal.record), is_block=True)
+            found += [whole] if whole not in found else []
+            continue
         source = origin.source_of(entry) if origin else ""
         about = comment(entry, source=source, counted="turn" if entry in turned else "sample")
         values, types = (language.initial(signal),) * max(length, 1), language.types
@@ -81,6 +85,39 @@ def declared(
             about = "[1] place of the oldest value"
             found.append(Variable(f"{name}_position", types["integer"], ("0",), comment=about))
     return tuple(found)
+
+
+def records_of(programs: Iterable[Program], language: Language) -> dict[str, list[Variable]]:
+    """Return the structures that outputs are members of: name of the type to its members.
+
+    Raises
+    ------
+    ValueError
+        Two structures of one type have different members.
+
+    Examples
+    --------
+    >>> from clepsydra.base.signal import Signal
+    >>> from clepsydra.deploy.c99.language import C99
+    >>> from clepsydra.program.program import Block
+    >>> told = Signal("pump.conditions.automatic", kind="boolean", record="conditions")
+    >>> law = Program("law", (), (Signal("u"),), (), (told,), Block(1, (), (0,)))
+    >>> {name: [each.name for each in members]
+    ...  for name, members in records_of([law], C99("law", "double")).items()}
+    {'law_conditions': ['automatic']}
+    """
+    found: dict[str, list[Variable]] = {}
+    for program in programs:
+        held: dict[tuple[str, str], list[Variable]] = {}
+        for signal in (each for each in program.outputs if each.record):
+            key = language.record(signal.record), signal.variable
+            kind, about = language.types[signal.kind], signal.description
+            held.setdefault(key, []).append(Variable(signal.part, kind, comment=about))
+        for (name, where), members in held.items():
+            known = found.setdefault(name, members)
+            if [(e.name, e.type) for e in known] != [(e.name, e.type) for e in members]:
+                raise ValueError(f"{program.name}: {where} has other members than its type {name}")
+    return found
 
 
 def check_scope(
@@ -120,9 +157,18 @@ def check_scope(
 from law, level; rename one.
     """
 
+    entries = tuple(entries)
+
     def named() -> Iterator[tuple[str, str]]:
+        records = {(s.variable, s.owner): s for s in map(signal_of, entries) if s.record}
+        for signal in records.values():
+            yield signal.variable, f"{place}, {signal.owner}"
         for entry in entries:
-            yield signal_of(entry).identifier, f"{place}, {entry.name}"
+            signal = signal_of(entry)
+            if signal.record:
+                check(signal.part, f"{place}, {entry.name}")
+                continue
+            yield signal.identifier, f"{place}, {entry.name}"
             if is_ring(entry):
                 yield f"{entry.signal.identifier}_position", f"{place}, position in {entry.name}"
         yield from ((call.identifier, f"{place}, {call.identifier}") for call in calls)

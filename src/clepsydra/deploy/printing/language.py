@@ -83,6 +83,10 @@ class Language(ABC):
         #: Names of numbers, by whether these are integers and by what they are.
         self.constants: Mapping[tuple[bool, float], str] = {}
 
+    @abstractmethod
+    def record(self, name: str) -> str:
+        """Return what the type of a structure is called."""
+
     def naming(self, constants: Mapping[tuple[bool, float], str]) -> Self:
         """Return this language where numbers have names."""
         named = copy(self)

@@ -6,6 +6,7 @@ import ctypes
 import functools
 import hashlib
 from collections.abc import Mapping, Sequence
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -146,7 +147,8 @@ class CompiledC(Instance):
             own = getattr(self._printed, name) if value != value else _KINDS[signal.kind](value)
             setattr(self.parameters, name, own)
         self._step(*map(ctypes.addressof, self._structures))
-        return [float(getattr(self._outputs, s.identifier)) for s in self.program.outputs]
+        outputs = self._outputs
+        return [float(attrgetter(s.identifier)(outputs)) for s in self.program.outputs]
 
     def state(self) -> list[float]:
         """Return the state in order; of a delay ring the value that the next scan reads."""
@@ -208,7 +210,7 @@ class CompiledC(Instance):
                 found.ctypes.data + k * found.itemsize,
             )
             ctypes.memmove(memories.ctypes.data + k * size, memory, size)
-        columns = [found[signal.identifier] for signal in program.outputs]
+        columns = [_inside(found, signal.identifier.split(".")) for signal in program.outputs]
         for entry, (*above, name) in zip(program.state, self._paths, strict=True):
             held = _inside(memories, above)
             column = held[name]
@@ -263,12 +265,16 @@ def _state_fields(program: Program, real: Any) -> list[tuple[str, Any]]:
 def _fields(entries: Sequence[Entry], real: Any) -> list[tuple[str, Any]]:
     kinds = {"real": real, "integer": ctypes.c_int32, "boolean": ctypes.c_bool}
     fields: list[tuple[str, Any]] = []
+    records: dict[str, list[tuple[str, Any]]] = {}
     for entry in entries:
         signal = signal_of(entry)
         kind = kinds[signal.kind]
-        if is_ring(entry):
+        if signal.record:
+            fields += [(signal.variable, None)] if signal.variable not in records else []
+            records.setdefault(signal.variable, []).append((signal.part, kind))
+        elif is_ring(entry):
             fields.append((signal.identifier, kind * entry.length))
             fields.append((f"{signal.identifier}_position", ctypes.c_int32))
         else:
             fields.append((signal.identifier, kind))
-    return fields
+    return [(n, _structure(records[n]) if n in records else kind) for n, kind in fields]

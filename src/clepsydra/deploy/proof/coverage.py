@@ -82,6 +82,9 @@ def coverage(program: Program, table: Array) -> Coverage:
     moved: list[str] = []
     for column, signal in enumerate(program.outputs):
         values = table[:, column]
+        if signal.record:
+            # What a structure tells stands elsewhere, too.
+            continue
         if signal.kind == "boolean":
             both = bool(values.any() and not values.all())
             (seen if both else unseen).append(signal.name)

@@ -62,7 +62,7 @@ class InterpretedText(Instance):
         # By the keys of the block's memory, which are asked for in every scan.
         self._inputs = [(s.name, s.identifier.lower()) for s in program.inputs]
         self._parameters = [(s.name, s.identifier.lower()) for s in program.parameters]
-        self._outputs = [s.identifier.lower() for s in program.outputs]
+        self._outputs = [s.identifier.lower().split(".") for s in program.outputs]
         words = dialect_of(dialect).all_words
         paths = state_paths(with_block_names(with_owned_state(program), words))
         self._state = [
@@ -79,7 +79,7 @@ class InterpretedText(Instance):
                 value = inputs[name]
                 given[key] = self._printed[name] if value != value else value
         found = self.block(**given)
-        return [float(found[key]) for key in self._outputs]
+        return [float(_member(found, *path)) for path in self._outputs]
 
     def state(self) -> list[float]:
         """Return the state in order; of a delay ring the value that the next scan reads."""
@@ -94,6 +94,11 @@ class InterpretedText(Instance):
         for name in instances:
             memory = memory[name.lower()].state
         return memory
+
+
+def _member(memory: Mapping[str, Any], name: str, *inside: str) -> Any:
+    """Return a value of a memory, or a member of a structure in it."""
+    return _member(memory[name].state, *inside) if inside else memory[name]
 
 
 def printed_text(

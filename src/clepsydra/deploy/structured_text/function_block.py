@@ -56,7 +56,7 @@ def function_block(
     """
     check_names(program, dialect)
     entries = (*program.state, *program.rings, *program.inputs, *program.parameters)
-    taken = [signal_of(entry).identifier for entry in (*entries, *program.outputs)]
+    taken = [signal_of(entry).variable for entry in (*entries, *program.outputs)]
     taken += [f"{name}_position" for name in taken]
     taken += [program.name, *(block_type(call.program) for call in program.calls)]
     names = Identifiers([*taken, *dialect.all_words], ignore_case=True)

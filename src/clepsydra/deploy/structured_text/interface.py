@@ -12,12 +12,11 @@ from clepsydra.deploy.printing.identifiers import check_identifier
 from clepsydra.deploy.printing.origin import Origin
 from clepsydra.deploy.structured_text.dialect import Dialect
 from clepsydra.deploy.structured_text.pou import Section
-from clepsydra.deploy.structured_text.wording import Wording
+from clepsydra.deploy.structured_text.wording import Wording, joined
 from clepsydra.program.entries import signal_of
 from clepsydra.program.owned_state import own_state
 from clepsydra.program.program import Call, Program, Statement
 
-_ABBREVIATIONS = frozenset({"lq", "pd", "pi", "pid"})
 _LANGUAGE = "Structured Text"
 
 
@@ -59,8 +58,7 @@ def block_type(block: Program) -> str:
     >>> block_type(Program("signal_check", (), (), (), (), Block(0, (), ())))
     'FB_SignalCheck'
     """
-    words = block.name.split("_")
-    return "FB_" + "".join(w.upper() if w in _ABBREVIATIONS else w.capitalize() for w in words)
+    return f"FB_{joined(block.name)}"
 
 
 def sections(program: Program, wording: Wording, origin: Origin | None) -> list[Section]:

@@ -10,6 +10,7 @@ from clepsydra.base.errors import InputError
 from clepsydra.base.signal import Signal, identifier
 from clepsydra.base.units import convertible, from_si
 from clepsydra.controllers.blocks.mode import Mode
+from clepsydra.controllers.plant_shell.edge import at_port
 from clepsydra.deploy.printing.declarations import Variable, declared
 from clepsydra.deploy.printing.expressions import Expression, variable
 from clepsydra.deploy.printing.identifiers import Identifiers
@@ -136,8 +137,8 @@ def loop_program(
     first, second = names.new("controller"), names.new("plant")
 
     def new(signal: Signal, start: float) -> Variable:
-        named = replace(signal, name=names.new(signal.identifier), initial=start)
-        return declared([named], wording)[0]
+        named = at_port(replace(signal, initial=start))
+        return replace(declared([named], wording)[0], name=names.new(signal.variable))
 
     def converted(way: Conversion | None, source: str) -> str:
         if way is None:
@@ -161,15 +162,18 @@ def loop_program(
             else:
                 start = wiring.rest.get(signal.name, signal.initial)
                 given.append(new(signal, start))
-                source = f"{mark}{given[-1].name}"
+                way = conversion(at_port(signal).unit, signal.unit)
+                source = converted(way, f"{mark}{given[-1].name}")
             arguments.append(f"  {signal.identifier} := {source}")
         call = [f"{mark}{instance}(", *",\n".join(arguments).splitlines(), ");"]
         body += [dialect.commented(about), *call]
     seen = []
     for block, instance in ((controller, first), (process, second)):
-        for signal in block.outputs:
+        for inside, signal in {each.variable: each for each in block.outputs}.items():
             seen.append(new(signal, signal.initial))
-            body.append(f"{mark}{seen[-1].name} := {mark}{instance}.{signal.identifier};")
+            way = conversion(signal.unit, at_port(signal).unit)
+            value = converted(way, f"{mark}{instance}.{inside}")
+            body.append(f"{mark}{seen[-1].name} := {value};")
     instances = (
         Variable(first, controller.name, comment="the controller", is_block=True),
         Variable(second, process.name, comment="the simulated process", is_block=True),

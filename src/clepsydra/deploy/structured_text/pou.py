@@ -24,7 +24,7 @@ class Section:
     'VAR'
     """
 
-    keyword: Literal["VAR_INPUT", "VAR_OUTPUT", "VAR", "VAR_TEMP"]
+    keyword: Literal["VAR_INPUT", "VAR_OUTPUT", "VAR", "VAR_TEMP", "STRUCT"]
     qualifier: Literal["", "RETAIN", "CONSTANT"]
     groups: tuple[tuple[str, tuple[Variable, ...]], ...]
 
@@ -37,11 +37,11 @@ class Section:
 
 @dataclass(frozen=True)
 class Unit:
-    """A program organisation unit.
+    """A program organisation unit, or the type of a structure.
 
     Parameters
     ----------
-    kind : {"FUNCTION_BLOCK", "FUNCTION", "PROGRAM"}
+    kind : {"FUNCTION_BLOCK", "FUNCTION", "PROGRAM", "TYPE"}
     name : str
     head : tuple of str
         Lines of its head comment.
@@ -58,7 +58,7 @@ class Unit:
     ('level := 0.1;',)
     """
 
-    kind: Literal["FUNCTION_BLOCK", "FUNCTION", "PROGRAM"]
+    kind: Literal["FUNCTION_BLOCK", "FUNCTION", "PROGRAM", "TYPE"]
     name: str
     head: tuple[str, ...]
     sections: tuple[Section, ...]
@@ -85,7 +85,7 @@ def unit_text(unit: Unit, dialect: Dialect) -> list[str]:
     x := 0.5 * x;
     END_FUNCTION_BLOCK
     """
-    begin = [dialect.begin] if dialect.begin else []
+    begin = [dialect.begin] if dialect.begin and unit.kind != "TYPE" else []
     end = f"END_{_keyword(unit, dialect)}"
     return [*declaration_lines(unit, dialect), *begin, *unit.body, end]
 
@@ -101,10 +101,12 @@ def declaration_lines(unit: Unit, dialect: Dialect) -> list[str]:
     ['(* Nothing yet. *)', 'PROGRAM main']
     """
     result = f" : {unit.result}" if unit.result else ""
+    result = " :" if unit.kind == "TYPE" and not dialect.local_mark else result
     title = f"{_keyword(unit, dialect)} {dialect.quoted(unit.name)}{result}"
     head = comment_lines(unit.head, dialect)
     # What stands before the attributes belongs to no block, so there the comment goes inside.
-    opening = [title, *dialect.attributes, *head] if dialect.attributes else [*head, title]
+    attributes = () if unit.kind == "TYPE" else dialect.attributes
+    opening = [title, *attributes, *head] if attributes else [*head, title]
     return [*opening, *(line for section in unit.sections for line in _section(section, dialect))]
 
 
@@ -140,7 +142,8 @@ def comment_lines(lines: Sequence[str], dialect: Dialect) -> list[str]:
 
 def _section(section: Section, dialect: Dialect) -> list[str]:
     groups = [(title, variables) for title, variables in section.groups if variables]
-    head, end = f"{section.keyword} {section.qualifier}".rstrip(), "END_VAR"
+    head = f"{section.keyword} {section.qualifier}".rstrip()
+    end = "END_STRUCT;" if section.keyword == "STRUCT" else "END_VAR"
     lines: list[str] = []
     for title, variables in groups:
         if len(groups) > 1:

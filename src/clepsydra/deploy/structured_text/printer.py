@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from clepsydra.base.signal import Signal
-from clepsydra.deploy.printing.declarations import Variable
+from clepsydra.deploy.printing.declarations import Variable, records_of
 from clepsydra.deploy.printing.heading import heading
 from clepsydra.deploy.printing.identifiers import Identifiers
 from clepsydra.deploy.printing.origin import Origin
@@ -17,6 +17,7 @@ from clepsydra.deploy.structured_text.function_block import function_block
 from clepsydra.deploy.structured_text.functions import called_functions
 from clepsydra.deploy.structured_text.interface import block_type, with_block_names
 from clepsydra.deploy.structured_text.pou import Section, Unit, comment_lines, unit_text
+from clepsydra.deploy.structured_text.wording import Wording
 from clepsydra.program.builder import BlockBuilder
 from clepsydra.program.called_blocks import called_blocks
 from clepsydra.program.entries import signal_of
@@ -139,7 +140,21 @@ def function_blocks(
         origin = replace(origin, sources={_BEGUN: "", **origin.sources})
     about = heading(in_precision(program, precision), "IEC 61131-3 Structured Text", notes, origin)
     blocks = (*library, function_block(main, dialect, precision, about, origin))
-    return (*called_functions(blocks, dialect, precision), *blocks)
+    return (
+        *_records(main, dialect, precision),
+        *called_functions(blocks, dialect, precision),
+        *blocks,
+    )
+
+
+def _records(program: Program, dialect: Dialect, precision: Precision) -> list[Unit]:
+    """Return the types of the structures that a program and its blocks give."""
+    wording = Wording(dialect, precision, Identifiers([], ignore_case=True))
+    found = records_of((*called_blocks(program), program), wording)
+    return [
+        Unit("TYPE", name, (), (Section("STRUCT", "", (("members", tuple(members)),)),), ())
+        for name, members in found.items()
+    ]
 
 
 #: What a variable is that is declared without a value.

@@ -90,8 +90,9 @@ class Project:
             *function_blocks(self.process, dialect, precision, self.process_origin),
         ]
         # A function that both call stands there once.
-        functions = {unit.name: unit for unit in units if unit.kind == "FUNCTION"}
-        blocks = (unit for unit in units if unit.kind != "FUNCTION")
+        shared = ("TYPE", "FUNCTION")
+        functions = {unit.name: unit for unit in units if unit.kind in shared}
+        blocks = (unit for unit in units if unit.kind not in shared)
         head = self._head(program.name, dialect)
         return (*functions.values(), *blocks, replace(program, head=head))
 

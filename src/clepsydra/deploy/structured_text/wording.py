@@ -41,6 +41,7 @@ _NAME = re.compile(r"(?<![\w.#])[A-Za-z]\w*")
 
 
 # Functions of integers and truth values.
+_ABBREVIATIONS = frozenset({"lq", "pd", "pi", "pid"})
 _TYPED = {
     "select": "SEL",
     "count": "BOOL_TO_DINT",
@@ -75,6 +76,18 @@ def notation_of(dialect: Dialect, precision: Precision) -> Notation:
         single=precision == "single",
         formal=dialect.formal,
     )
+
+
+def joined(name: str) -> str:
+    """Return the words of a name as one, each with a capital.
+
+    Examples
+    --------
+    >>> joined("pi_loop")
+    'PILoop'
+    """
+    words = name.split("_")
+    return "".join(w.upper() if w in _ABBREVIATIONS else w.capitalize() for w in words)
 
 
 class Wording(Language):
@@ -113,6 +126,10 @@ class Wording(Language):
         self.products: dict[str, tuple[float, list[str]]] = {}
         self._names = names
         self._typed = precision in dialect.typed_numbers
+
+    def record(self, name: str) -> str:
+        """Return what the type of a structure is called."""
+        return f"ST_{joined(name)}"
 
     def call(self, entry: BlockCall) -> list[str]:
         """Write the call of an instance.

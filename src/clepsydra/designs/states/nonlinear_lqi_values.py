@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
-from clepsydra.controllers.observers.measured_state import StateSource
-from clepsydra.controllers.process_equations import ProcessEquations, model_parameter
+from clepsydra.controllers.observers.measured_state import ProcessState
+from clepsydra.controllers.process_equations import ProcessEquations, models_in
 from clepsydra.designs.states.linear_quadratic import LqiGains
 from clepsydra.designs.states.state_controllers import (
     matrix_values,
@@ -15,7 +15,7 @@ from clepsydra.designs.states.state_controllers import (
 )
 
 
-def constant_values(source: StateSource) -> dict[str, float]:
+def constant_values(source: ProcessState) -> dict[str, float]:
     """Return the values of model.* that a source of the state computes with.
 
     Examples
@@ -27,7 +27,7 @@ def constant_values(source: StateSource) -> dict[str, float]:
     >>> len(constant_values(MeasuredState(process_equations(model))))
     4
     """
-    return {model_parameter(each).name: each.value for each in source.constants}
+    return {each.name: each.initial for each in models_in(source.equations, source.expressions)}
 
 
 def gain_values(equations: ProcessEquations, gains: LqiGains) -> dict[str, float]:

@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from clepsydra.base.signal import Signal, path
+from clepsydra.base.signal import path
 from clepsydra.controllers.at_rest import state_at_rest
 from clepsydra.controllers.blocks.anti_windup import AntiWindup
 from clepsydra.controllers.blocks.schedule import Schedule
@@ -192,7 +192,7 @@ def _points(schedule: Schedule, period: float) -> dict[str, float]:
 
 
 def _table(schedule: Schedule, name: str, values: Sequence[float]) -> dict[str, float]:
-    names = [parameter.name for parameter in schedule.table(Signal(name))]
+    names = schedule.values(name)
     return dict(zip(names, values, strict=True))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from clepsydra.base.signal import Signal
 from clepsydra.base.units import split_quantity
+from clepsydra.controllers.plant_shell.edge import at_port
 from clepsydra.process.table_reader import TableReader
 
 
@@ -36,11 +37,12 @@ def check_law_range(table: TableReader, key: str, parameter: Signal, value: floa
     """
     if parameter.low <= value <= parameter.high:
         return
-    ends = parameter.low, parameter.high
     if value:
+        ends = parameter.low, parameter.high
         low, high = (in_written_unit(table, key, value, end) for end in ends)
     else:  # zero does not tell the size of its unit
-        low, high = (f"{end:g} {parameter.unit}".removesuffix(" 1") for end in ends)
+        port = at_port(parameter)
+        low, high = (f"{end:g} {port.unit}".removesuffix(" 1") for end in (port.low, port.high))
     if parameter.low == -parameter.high:
         expected = f"a size of at most {high.lstrip('-')}"
     else:

@@ -273,28 +273,3 @@ def _remedy(key: str, block: PidBlock) -> str:
     if form.algorithm == "parallel" and key != "setpoint_weight":
         return "remove it: the parallel algorithm has a gain for each action"
     return "remove it, or change actions or error"
-
-
-def check_tracks(table: TableReader, form: PidForm, selector: str) -> None:
-    """Refuse a loop before a selector whose integral would not follow what is applied.
-
-    Examples
-    --------
-    >>> from clepsydra.base.errors import InputError
-    >>> from clepsydra.process.document import parse
-    >>> table = TableReader(parse(b"anti_windup = 'clamping'", "study.toml"), (), None)
-    >>> try:
-    ...     check_tracks(table, PidForm(anti_windup="clamping"), "lowest")
-    ... except InputError as error:
-    ...     print(error.remedy)
-    write anti_windup = "back_calculation"
-    """
-    if not form.has_integral or form.tracks_back or form.algorithm == "velocity":
-        return
-    raise table.refused(
-        "anti_windup",
-        form.anti_windup,
-        f"back_calculation: {selector} selects among several loops, and the integral of those "
-        "that wait has to follow what is applied",
-        'write anti_windup = "back_calculation"',
-    )

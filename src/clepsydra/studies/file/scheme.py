@@ -125,7 +125,8 @@ def read_scheme(table: TableReader, name: str, process: Process) -> Scheme:
     parts = read_parts(table, process)
     wiring = Wiring(parts)
     blocks = SchemeBlocks(parts, wiring)
-    law = blocks.law(name)
+    with placed(table, blocks.places):
+        law = blocks.law(name)
     values = {parameter.name: parameter.initial for parameter in law.parameters} | blocks.values
     with placed(table, blocks.places):
         check_parameters(law, values, name)

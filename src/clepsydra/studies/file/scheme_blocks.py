@@ -5,7 +5,7 @@ from __future__ import annotations
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
-from clepsydra.controllers.pid_parameters import GAINS
+from clepsydra.controllers.pid_keys import GAINS
 from clepsydra.controllers.structure.block import Block
 from clepsydra.controllers.structure.feedforward_block import FeedforwardBlock, FeedforwardTerm
 from clepsydra.controllers.structure.law import structure_law
@@ -172,7 +172,7 @@ class SchemeBlocks:
         self.blocks.append(block)
         read = PidTable(loop.table, block)
         self.values |= read.values
-        self.places |= read.places
+        self.places |= read.places | {name: loop.table.place("anti_windup")}
         self.assumed += [f"{loop.name}.{each}" for each in read.assumed]
         self.words.append(_words(loop, block, read.values))
 

@@ -11,7 +11,6 @@ from clepsydra.base.suggestion import suggestion
 from clepsydra.process.table_reader import TableReader
 from clepsydra.studies.file.gains import read_gain
 from clepsydra.studies.file.joined_unit import unit_of_gain
-from clepsydra.studies.file.pid_table import check_tracks
 from clepsydra.studies.file.scheme_parts import (
     Feedforward,
     Loop,
@@ -61,8 +60,8 @@ class Wiring:
     ------
     InputError
         A name is unknown or stands for two things; something is moved twice; a loop, split or
-        ratio lacks what it needs; a selector has fewer than two sources, or one that does not
-        track; a fixed setpoint is moved; the signals run in a circle; nothing moves an output.
+        ratio lacks what it needs; a selector has fewer than two sources; a fixed setpoint is moved;
+        the signals run in a circle; nothing moves an output.
 
     Examples
     --------
@@ -246,7 +245,6 @@ class Wiring:
                     f'two or more parts that have output = "{selector.name}"',
                     "let another loop move it, or leave the selector out",
                 )
-            self._check_tracking(selector)
         for split in self.parts.splits:
             if not self.sources(f"split {split.name}"):
                 raise split.table.refused(
@@ -280,17 +278,6 @@ class Wiring:
                 f"write it with its unit, in {loop.measurement.shown_unit}, or let another loop "
                 "move it",
             )
-
-    def _check_tracking(self, selector: Selector) -> None:
-        """All loops before a selector must follow what is applied."""
-        waiting = [f"selector {selector.name}"]
-        while waiting:
-            for way in self.sources(waiting.pop()):
-                part = self._by_name[way.source]
-                if isinstance(part, Loop):
-                    check_tracks(part.table, part.form, selector.name)
-                else:
-                    waiting.append(way.source)
 
     def _check_circles(self) -> None:
         for start in self.ways:

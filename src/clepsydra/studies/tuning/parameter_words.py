@@ -6,7 +6,7 @@ from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import from_si
 from clepsydra.base.words import time_text
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.pid_parameters import GAINS
+from clepsydra.controllers.pid_keys import GAINS
 from clepsydra.controllers.structure.pid_block import PidBlock
 from clepsydra.designs.gain_units import has_range, percent_gain
 from clepsydra.process.process import Process

@@ -12,7 +12,7 @@ import numpy as np
 from clepsydra.base.signal import Signal, path
 from clepsydra.base.units import to_si
 from clepsydra.controllers.controller import Controller
-from clepsydra.controllers.pid_parameters import GAINS
+from clepsydra.controllers.pid_keys import GAINS
 from clepsydra.controllers.signals import LARGEST_PARAMETER, owners, ratio_of_units
 from clepsydra.designs.loops.control_authority import largest_proportional_gain
 from clepsydra.linear.linear_model import LinearModel

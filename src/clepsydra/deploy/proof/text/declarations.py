@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -54,12 +55,12 @@ class Declared:
 
 @dataclass(frozen=True)
 class Unit:
-    """A function block, a function or a program.
+    """A function block, a function, a program or the type of a structure.
 
     Parameters
     ----------
     kind : str
-        "FUNCTION_BLOCK", "FUNCTION" or "PROGRAM".
+        "FUNCTION_BLOCK", "FUNCTION", "PROGRAM", or "STRUCT" for the type of a structure.
     name : str
     declared : dict
         Name in lower case to what was declared; of a function also what it returns.
@@ -96,6 +97,9 @@ def units_of(root: Node) -> dict[str, Unit]:
     for node in root.children:
         if node.type in (*_QUIET, "configuration_declaration"):
             continue
+        if node.type == "type_declaration":
+            found |= {unit.name.lower(): unit for unit in _records(node)}
+            continue
         if node.type not in _UNITS:
             raise wrong(node, f"no meaning for {node.type}")
         unit = _unit(node)
@@ -103,6 +107,23 @@ def units_of(root: Node) -> dict[str, Unit]:
             raise wrong(node, f"{unit.name} is declared twice")
         found[unit.name.lower()] = unit
     return found
+
+
+def _records(node: Node) -> Iterator[Unit]:
+    """Yield the types of structures that are declared, each as a unit that gives its members."""
+    for each in node.named_children:
+        definition = each.child_by_field_name("definition")
+        if definition is None or definition.type != "structure_type_inline":
+            raise wrong(each, f"no meaning for {content(each)}")
+        members = {}
+        for field_node in definition.named_children:
+            if field_node.type not in _QUIET:
+                kind = content(part(field_node, "type")).upper()
+                if kind not in ZEROS:
+                    raise wrong(field_node, f"no meaning for a member of type {kind}")
+                name = content(part(field_node, "name")).lower()
+                members[name] = Declared("VAR_OUTPUT", kind, ZEROS[kind])
+        yield Unit("STRUCT", content(part(each, "name")), members)
 
 
 def _unit(node: Node) -> Unit:
@@ -167,7 +188,7 @@ def _variable(section: str, node: Node) -> Declared:
         name = name.upper()
         initial = literal(values[0], name) if values else ZEROS[name]
         return Declared(section, name, initial)
-    if kind.type != "identifier" or section != "VAR" or values:
+    if kind.type != "identifier" or section not in ("VAR", "VAR_OUTPUT") or values:
         raise wrong(node, f"no meaning for {content(node)}")
     return Declared(section, name.lower(), None)
 

@@ -113,9 +113,13 @@ class Expressions:
     def unit_of(self, node: Node, name: str) -> Unit:
         """Return the function block that an instance is one of."""
         kind = self.known(node, name).type
-        if kind not in self._units or self._units[kind].kind != "FUNCTION_BLOCK":
+        if kind not in self._units or self._units[kind].kind not in ("FUNCTION_BLOCK", "STRUCT"):
             raise wrong(node, f"{name} is no instance of a function block of this text")
         return self._units[kind]
+
+    def is_record(self, declared: Declared) -> bool:
+        """Whether a variable is a structure."""
+        return declared.type in self._units and self._units[declared.type].kind == "STRUCT"
 
     def condition(self, node: Node) -> ast.expr:
         """Translate an expression that must be BOOL."""
@@ -189,13 +193,18 @@ class Expressions:
         return Typed(declared.type, self.called("entry", self.variable(name), index))
 
     def _member(self, node: Node) -> Typed:
-        name, member = (content(part(node, p)).lower() for p in ("object", "member"))
-        unit = self.unit_of(node, name)
+        held, member = part(node, "object"), content(part(node, "member")).lower()
+        if held.type == "member_access_expression":
+            whole = self._member(held)
+            unit, memory = self._units[whole.type], whole.code
+        else:
+            name = content(held).lower()
+            unit, memory = self.unit_of(node, name), self.variable(name)
         declared = unit.declared.get(member)
         if declared is None or declared.section != "VAR_OUTPUT" or declared.length:
             raise wrong(node, f"{member} is no output of {unit.name}")
-        memory = ast.Attribute(self.variable(name), "state", _LOAD)
-        return Typed(declared.type, ast.Subscript(memory, ast.Constant(member), _LOAD))
+        state = ast.Attribute(memory, "state", _LOAD)
+        return Typed(declared.type, ast.Subscript(state, ast.Constant(member), _LOAD))
 
     def _unary(self, node: Node, wanted: str) -> Typed:
         operator = content(part(node, "operator")).upper()

@@ -97,13 +97,16 @@ class _Block:
         """Read a block from its first word; returns the place behind its last one."""
         first = self._at(place)
         self.kind = first.text.upper()
-        if self.kind not in ("FUNCTION_BLOCK", "FUNCTION"):
+        if self.kind not in ("FUNCTION_BLOCK", "FUNCTION", "TYPE"):
             raise _wrong(first, f"{first.text} outside of a block")
         name = self._at(place + 1)
         if name.kind != "quoted":
             raise _wrong(name, f"the name {name.text} of a block is not in quotes")
         name.text = name.text.strip('"')
         place += 2
+        if self.kind == "TYPE":
+            name.text += " :"
+            return self._members(place)
         if self.kind == "FUNCTION":
             self.local.add(name.text.lower())
             place += 2  # a colon and its type
@@ -150,6 +153,14 @@ class _Block:
             elif token.kind == "quoted":
                 token.text = token.text.strip('"')
             named = token.text == ";" or (named and token.text != ":")
+            place += 1
+        return place + 1
+
+    def _members(self, place: int) -> int:
+        """Read the members of a structure up to the end of its type."""
+        while (token := self._at(place)).text.upper() != "END_TYPE":
+            if token.kind in ("marked", "quoted", "attribute"):
+                raise _wrong(token, f"no meaning for {token.text} in a structure")
             place += 1
         return place + 1
 

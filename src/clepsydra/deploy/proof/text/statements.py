@@ -111,6 +111,8 @@ class _Body:
 
     def _assignment(self, node: Node) -> list[ast.stmt]:
         left, right = part(node, "left"), part(node, "right")
+        if left.type == "member_access_expression":
+            return self._to_member(node, left, right)
         single = left.type == "identifier"
         if not single and left.type != "index_expression":
             raise wrong(node, f"no meaning for a value of {content(left)}")
@@ -118,6 +120,13 @@ class _Body:
         declared = self._writable(node, name)
         value = self._expressions.of_type(right, declared.type, name)
         if single:
+            if self._expressions.is_record(declared):
+                state = ast.Attribute(self._expressions.variable(name), "state", _LOAD)
+                copied = ast.Call(
+                    ast.Attribute(ast.Attribute(value, "state", _LOAD), "copy", _LOAD), [], []
+                )
+                update = ast.Call(ast.Attribute(state, "update", _LOAD), [copied], [])
+                return [ast.Expr(update)]
             if declared.length or declared.is_instance:
                 raise wrong(node, f"{name} is no single value")
             self._written.add(name)
@@ -126,6 +135,16 @@ class _Body:
         array = self._expressions.variable(name)
         place = self._expressions.called("checked", array, index)
         return [ast.Assign([ast.Subscript(array, place, _STORE)], value)]
+
+    def _to_member(self, node: Node, left: Node, right: Node) -> list[ast.stmt]:
+        """Translate what assigns a member of a structure of this unit."""
+        name = content(part(left, "object")).lower()
+        if not self._expressions.is_record(self._writable(node, name)):
+            raise wrong(node, f"no meaning for a value of {content(left)}")
+        member = self._expressions.expression(left)
+        value = self._expressions.of_type(right, member.type, content(left))
+        assert isinstance(member.code, ast.Subscript)
+        return [ast.Assign([ast.Subscript(member.code.value, member.code.slice, _STORE)], value)]
 
     def _writable(self, node: Node, name: str) -> Declared:
         declared = self._expressions.known(node, name)

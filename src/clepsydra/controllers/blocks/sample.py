@@ -1,0 +1,124 @@
+"""One sample of a law while it is written: what it reads, calls and gives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+
+from clepsydra.base.signal import Signal, path
+from clepsydra.controllers.blocks.validity import all_of, is_number, value_or_zero
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
+
+
+class Sample:
+    """The signals of a law in one sample, and what has been computed of its results so far.
+
+    Parameters
+    ----------
+    symbols : mapping
+        The signals of the law by their paths.
+
+    Examples
+    --------
+    >>> same = Block("same", (Signal("pv"), Signal("gain")), (), (Signal("y"),),
+    ...              lambda s: Equations({}, {"y": s["gain"] * s["pv"]}))
+    >>> sample = Sample({"level.pv": ca.SX(3), "pump.gain": ca.SX(2), "gain": ca.SX(9)})
+    >>> sample.call(same, "first", "level", "pump")
+    {'y': SX(6)}
+    """
+
+    def __init__(self, symbols: Symbols) -> None:
+        self.symbols = symbols
+        self.next_state: dict[str, ca.SX] = {}
+        self.outputs: dict[str, ca.SX] = {}
+        self.named: dict[str, ca.SX] = {}
+
+    def __getitem__(self, name: str) -> ca.SX:
+        """Return a signal of the law."""
+        return self.symbols[name]
+
+    def of(self, owner: Signal | str, *parts: str) -> list[ca.SX]:
+        """Return parts of something."""
+        return [self[path(owner, part)] for part in parts]
+
+    def call(
+        self, block: Block, instance: str, /, *owners: Signal | str, **inputs: ca.SX
+    ) -> dict[str, ca.SX]:
+        """Call a block, keep its next state, and return its outputs.
+
+        Its state, and inputs that are not given, are that part of the first owner that has it, or
+        the signal of the port's own name; what it names belongs to the first owner.
+        """
+        given = {
+            name: inputs[name] if name in inputs else self[self._named(name, owners)]
+            for name in (port.name for port in block.inputs)
+        }
+        names = {entry.name: self._named(entry.name, owners) for entry in block.state}
+        found = block(instance, given, {own: self.state(name) for own, name in names.items()})
+        self.next_state |= {name: found.next_state[own] for own, name in names.items()}
+        self.name(owners[0] if owners else "", found.intermediates)
+        return dict(found.outputs)
+
+    def state(self, name: str) -> ca.SX:
+        """Return the value of a state that the sample goes on from."""
+        return self.symbols[name]
+
+    def name(self, owner: Signal | str, values: Mapping[str, ca.SX]) -> None:
+        """Name values on the way, as parts of what they belong to."""
+        self.named |= {path(owner, part) if owner else part: v for part, v in values.items()}
+
+    def equations(self) -> Equations:
+        """Return what the sample has come to."""
+        return Equations(self.next_state, self.outputs, self.named)
+
+    def _named(self, name: str, owners: Iterable[Signal | str]) -> str:
+        return next((own for o in owners if (own := path(o, name)) in self.symbols), name)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a law reads of its measurements and setpoints.
+
+    Parameters
+    ----------
+    measurements, setpoints : dict
+        By name; zero in the place of what is no number.
+    known : casadi.SX
+        Whether all measurements are numbers from sound sensors.
+    numbers, sensors : casadi.SX
+        Whether measurements and setpoints are numbers, and whether the sensors are sound.
+
+    Examples
+    --------
+    >>> given = {"level.pv": ca.SX(3), "level.good": ca.SX(1), "level.sp": ca.SX(float("nan"))}
+    >>> found = Reading.of(Sample(given), ["level"], ["level"])
+    >>> float(ca.evalf(found.known)), float(ca.evalf(found.numbers)), found.measurements
+    (1.0, 0.0, {'level': SX(3)})
+    """
+
+    measurements: dict[str, ca.SX]
+    setpoints: dict[str, ca.SX]
+    known: ca.SX
+    numbers: ca.SX
+    sensors: ca.SX
+
+    @classmethod
+    def of(cls, sample: Sample, measured: Iterable[str], controlled: Iterable[str]) -> Reading:
+        """Read the measurements, and the setpoints of those that are controlled."""
+        shown, measurements = _read(sample, measured, "pv")
+        given, setpoints = _read(sample, controlled, "sp")
+        sensors = all_of([sample[path(y, "good")] for y in measured])
+        known = ca.logic_and(all_of(shown), sensors)
+        return cls(measurements, setpoints, known, all_of([*shown, *given]), sensors)
+
+
+def _read(sample: Sample, owners: Iterable[str], part: str) -> tuple[list[ca.SX], dict[str, ca.SX]]:
+    """Return which of some signals are numbers, and their values or zero."""
+    raw = {owner: sample[path(owner, part)] for owner in owners}
+    valid = {owner: is_number(value) for owner, value in raw.items()}
+    return [*valid.values()], {
+        owner: value_or_zero(value, valid[owner]) for owner, value in raw.items()
+    }

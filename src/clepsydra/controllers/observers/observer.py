@@ -1,0 +1,183 @@
+"""An observer as two blocks: corrected by the measurements of a sample, then moved on."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
+
+import casadi as ca
+
+from clepsydra.base.key import Key
+from clepsydra.base.signal import Signal, path
+from clepsydra.controllers.blocks.ports import truth, with_used_inputs
+from clepsydra.controllers.blocks.sample import Sample
+from clepsydra.controllers.blocks.validity import is_number, is_time_step
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
+
+Values = list[ca.SX]
+_WORDS = {
+    "deviation": "less its value at the operating point",
+    "move": "less its value at the operating point",
+    "measured": "as measured",
+    "applied": "as it was applied",
+    "corrected": "with the measurements of the sample",
+    "surprise": "less what was expected",
+}
+ESTIMATE = Key("estimate", "{x}", "expected {x}", like="x")
+KNOWN = truth("known", "the measurements are numbers from sound sensors")
+
+
+def parts(signals: Iterable[Signal], part: str) -> list[Signal]:
+    """Return the ports of an observer's block for some signals.
+
+    Parameters
+    ----------
+    signals : iterable of Signal
+    part : {"deviation", "move", "measured", "applied", "corrected", "surprise"}
+
+    Examples
+    --------
+    >>> parts([Signal("pump", "V")], "applied")[0].name
+    'pump.applied'
+    """
+    return [
+        Signal(path(signal, part), signal.unit, description=f"{signal.name}, {_WORDS[part]}")
+        for signal in signals
+    ]
+
+
+def at_ports(ports: Iterable[Signal], values: Iterable[ca.SX]) -> dict[str, ca.SX]:
+    """Return values by the names of their ports.
+
+    Examples
+    --------
+    >>> at_ports([Signal("known")], [ca.SX(1)])
+    {'known': SX(1)}
+    """
+    return {port.name: value for port, value in zip(ports, values, strict=True)}
+
+
+class Observer(ABC):
+    """x̂c = x̂ + M (y − h(x̂)) now, and x̂ of the next sample by a model of the process.
+
+    Where a measurement is unusable there is no surprise, and the observer goes on with what the
+    inputs do: as they were really given out, after mode, limits and hold, so that neither an
+    operator's hand nor saturation misleads it. In a sample whose time step is unusable, or where
+    numbers run over, the estimate stays.
+
+    Parameters
+    ----------
+    estimated, measured, moved : sequence of Signal
+        What its state is of, and the measurements and inputs that it hears of.
+    model : sequence of Signal
+        The parameters that it computes with.
+
+    References
+    ----------
+    K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, chapter 4.
+
+    Examples
+    --------
+    >>> from clepsydra.controllers.observers.current_observer import CurrentObserver
+    >>> issubclass(CurrentObserver, Observer)
+    True
+    """
+
+    #: How its blocks are called, and what they take of measurements and of inputs.
+    _kind, _reads, _hears = "observer", "measured", "applied"
+
+    def __init__(
+        self,
+        estimated: Sequence[Signal],
+        measured: Sequence[Signal],
+        moved: Sequence[Signal],
+        model: Sequence[Signal],
+    ) -> None:
+        self._estimates, self._model = parts(estimated, "corrected"), model
+        self._shown, self._surprises = parts(measured, self._reads), parts(measured, "surprise")
+        self._moved = parts(moved, self._hears)
+
+    @abstractmethod
+    def state(self) -> list[Signal]:
+        """Return its state, as expected in the next sample."""
+
+    @abstractmethod
+    def _corrected(self, s: Symbols, before: Values, shown: Values) -> tuple[Values, Values]:
+        """Return x̂c and y − h(x̂)."""
+
+    @abstractmethod
+    def _following(self, s: Symbols, estimate: Values, inputs: Values) -> Values:
+        """Return x̂ of the next sample."""
+
+    def _taken(self, goes_on: ca.SX, ends: Values) -> Values:
+        """Return which of the next estimates are taken, in a sample with a time step."""
+        return [ca.logic_and(goes_on, is_number(end)) for end in ends]
+
+    def correct(self, sample: Sample, measured: Iterable[ca.SX], known: ca.SX) -> list[ca.SX]:
+        """Write an instance of its block of correction, and return x̂c.
+
+        Parameters
+        ----------
+        sample : Sample
+        measured : iterable of casadi.SX [p]
+            What the measurements show; zero in the place of what is no number.
+        known : casadi.SX
+            Whether all are numbers from sound sensors.
+        """
+        state, results = self.state(), (*self._estimates, *self._surprises)
+
+        def equations(s: Symbols) -> Equations:
+            x, y = ([s[port.name] for port in ports] for ports in (state, self._shown))
+            corrected, surprise = self._corrected(s, x, y)
+            return Equations({}, at_ports(results, [*corrected, *surprise]))
+
+        inputs = (*(each.port for each in state), *self._shown, KNOWN, *self._model)
+        words = ("The estimate with the measurements: x + M (y - h(x)).",)
+        block = Block(f"{self._kind}_correction", inputs, (), results, equations, words)
+        given = at_ports([*self._shown, KNOWN], [*measured, known])
+        found = sample.call(with_used_inputs(block), block.name, **given)
+        sample.name("", {port.name: found[port.name] for port in self._surprises})
+        return [found[port.name] for port in self._estimates]
+
+    def predict(self, sample: Sample, estimate: Sequence[ca.SX], inputs: Sequence[ca.SX]) -> None:
+        """Write an instance of its block of prediction.
+
+        Parameters
+        ----------
+        sample : Sample
+        estimate : sequence of casadi.SX
+            x̂c
+        inputs : sequence of casadi.SX [m]
+            As they were applied.
+        """
+        state = tuple(self.state())
+
+        def equations(s: Symbols) -> Equations:
+            x, u = ([s[port.name] for port in ports] for ports in (self._estimates, self._moved))
+            ends = self._following(s, x, u)
+            taken = self._taken(is_time_step(s["time_step"]), ends)
+            following = {
+                entry.name: ca.if_else(holds, end, s[entry.name])
+                for entry, holds, end in zip(state, taken, ends, strict=True)
+            }
+            return Equations(following, {})
+
+        ports = (*self._estimates, *self._moved)
+        words = ("The estimate of the next sample, under the inputs as they were applied.",)
+        whole = (*ports, Signal("time_step", "s"), *self._model)
+        block = with_used_inputs(
+            Block(f"{self._kind}_prediction", whole, state, (), equations, words)
+        )
+        sample.call(block, block.name, **at_ports(ports, [*estimate, *inputs]))
+
+
+def surprises(known: ca.SX, shown: Iterable[ca.SX], expected: Iterable[ca.SX]) -> list[ca.SX]:
+    """Return what measurements show beyond what was expected; nothing where they are not known.
+
+    Examples
+    --------
+    >>> [float(each) for each in surprises(ca.DM(1), [ca.DM(3)], [ca.DM(2)])]
+    [1.0]
+    """
+    return [ca.if_else(known, y - h, 0) for y, h in zip(shown, expected, strict=True)]

@@ -1,0 +1,88 @@
+"""The quantities of one PID loop, each declared once."""
+
+from __future__ import annotations
+
+from clepsydra.base.key import Key
+from clepsydra.controllers.signals import LARGEST_PARAMETER, SHORTEST_TIME, TRACKING_TIME, signed
+
+#: The gains of a loop, with the time that their unit has beside those of the signals.
+GAINS = {"proportional_gain": "", "integral_gain": "/s", "derivative_gain": " s"}
+_FAR, _WAY = LARGEST_PARAMETER, "from {measurement} to {output}"
+_TIME = SHORTEST_TIME, _FAR, 60.0
+_RATIO, _RATE = "{output}/{measurement}", "{output}/({measurement} s)"
+
+_DECLARED = (
+    signed("proportional_gain", _RATIO, f"proportional gain {_WAY}", 1.0),
+    signed("integral_gain", _RATE, f"integral gain {_WAY}"),
+    signed("derivative_gain", f"s {_RATIO}", f"derivative gain {_WAY}"),
+    Key("integral_time", "s", "integral time", *_TIME),
+    Key("derivative_time", "s", "derivative time", 0.0, _FAR),
+    Key("filter_time", "s", "time constant of the derivative's filter", *_TIME),
+    Key(
+        "derivative_filter",
+        words="derivative time over the time constant of its filter",
+        low=1.0,
+        high=1000.0,
+        default=10.0,
+    ),
+    Key("setpoint_weight", "1", "share of the setpoint in the proportional part", 0.0, 1.0, 1.0),
+    Key(
+        "gap",
+        "{measurement}",
+        "half the width of the gap around the setpoint of {measurement}",
+        0.0,
+        _FAR,
+    ),
+    Key("gap_gain", "1", "share of the error that acts within the gap", 0.0, 1.0, 0.1),
+    Key(
+        "squared_error_scale",
+        "{measurement}",
+        "error of {measurement} at which the gain is the nominal one",
+        SHORTEST_TIME,
+        _FAR,
+        1.0,
+    ),
+    Key(
+        "setpoint_ramp",
+        "{measurement}/s",
+        "largest rate of change of the setpoint of {measurement}",
+        0.0,
+        _FAR,
+        _FAR,
+    ),
+    TRACKING_TIME,
+    Key(
+        "saturation_rate",
+        "1/s",
+        "α: rate at which an excess over the limits of {output} dies away",
+        0.0,
+        _FAR,
+        0.1,
+    ),
+)
+#: The parameters of a loop; each form has those that `PidForm.parameters` names.
+PARAMETERS = {key.name: key for key in _DECLARED}
+
+
+def _choice(name: str) -> Key:
+    """Return the key of a choice of setpoints."""
+    words = "source of the setpoint of {measurement}: 0 local, 1 remote"
+    return Key(name, "1", words, 0.0, 1.0, kind="integer")
+
+
+def _measured(name: str, words: str) -> Key:
+    """Return the key of a value of the measurement."""
+    return Key(name, "{measurement}", words, like="measurement")
+
+
+#: What a loop may remember, and what it may choose its setpoint from.
+LAST_SETPOINT = _measured("last_setpoint", "setpoint of {measurement} in the last sample")
+LAST_MEASUREMENT = _measured("last_measurement", "{measurement} in the last sample")
+LAST_DERIVATIVE = Key("last_derivative", "{measurement}/s")
+FILTERED_SIGNAL = _measured("filtered_signal", "what is differentiated, filtered")
+WORKING_SETPOINT = _measured("working_setpoint", "setpoint that {measurement} follows")
+LAST_SETPOINT_SOURCE = _choice("last_setpoint_source")
+LAST_APPLIED = Key("last_applied", "{output}", "what was applied of its output", like="output")
+LOCAL_SETPOINT = _measured("local_setpoint", "local setpoint of {measurement}")
+REMOTE_SETPOINT = _measured("remote_setpoint", "remote setpoint of {measurement}")
+SETPOINT_SOURCE = _choice("setpoint_source")

@@ -1,0 +1,164 @@
+"""Diagnosis of a sensor by its range, and the delay after which a fault counts."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import casadi as ca
+
+from clepsydra.base.key import Key
+from clepsydra.base.signal import Signal
+from clepsydra.controllers.blocks.ports import truth, words_for
+from clepsydra.controllers.blocks.validity import is_number
+from clepsydra.controllers.plant_shell.scan import ANEW, SAMPLING_PERIOD, count
+from clepsydra.controllers.signals import LARGEST_PARAMETER
+from clepsydra.program.block import Block
+from clepsydra.program.step_law import Equations, Symbols
+
+#: Currents in which a transmitter tells a fault, and between which it measures [mA].
+FAULT_BELOW, UNCERTAIN_BELOW, UNCERTAIN_ABOVE, FAULT_ABOVE = 3.6, 3.8, 20.5, 21.0
+RANGE = tuple(
+    Key(
+        f"range_{end}", "{measurement}", f"{{measurement}} at {current} mA",
+        -LARGEST_PARAMETER, LARGEST_PARAMETER,
+    )
+    for end, current in (("low", 4), ("high", 20))
+)  # fmt: skip
+SENSOR_DELAY = Key(
+    "sensor_delay", "s", "time for which a fault of {measurement} is ridden through",
+    0.0, LARGEST_PARAMETER, 4.0,
+)  # fmt: skip
+_CURRENTS = [
+    Signal(f"current_{name}", "mA", initial=value, description=f"{words}; NAMUR NE 43")
+    for name, value, words in (
+        ("fault_low", FAULT_BELOW, "below it a transmitter tells a fault"),
+        ("uncertain_low", UNCERTAIN_BELOW, "below it the measurement is uncertain"),
+        ("uncertain_high", UNCERTAIN_ABOVE, "above it the measurement is uncertain"),
+        ("fault_high", FAULT_ABOVE, "above it a transmitter tells a fault"),
+    )
+]
+
+#: A delay this share of a scan above a whole number of scans is that number.
+_ROUNDING = 1e-4
+_MARGIN = Signal("rounding", initial=_ROUNDING, description="of the delay, in scans")
+#: Scans are counted no further; single precision holds every whole number up to it.
+_LARGEST_COUNT = 1e7
+_COUNTED = "a fault is counted no further; single precision holds it exactly"
+_MOST_SCANS = Signal("most_scans", initial=_LARGEST_COUNT, kind="integer", description=_COUNTED)
+
+PV = Signal("pv", description="the measurement, or the last good one")
+GOOD = truth("good", "the measurement may be used")
+
+
+@cache
+def signal_check(*, ranged: bool) -> Block:
+    """Return the block that judges a transmitter.
+
+    The measurement is in its own unit, as the analogue input card scales it from 4 to 20 mA,
+    also beyond the ends. The current that it stands for is judged as NAMUR NE 43 says: below 3.6
+    and above 21 mA it tells a fault, from 3.8 to 20.5 mA it measures, between these it is
+    uncertain. A range of no width, which a mistake at run time may make, tells nothing and counts
+    as a fault. A fault first seen in scan k has failed in scan k + n, with n the delay in whole
+    scans, rounded up; a start forgets how long it has lasted.
+
+    Parameters
+    ----------
+    ranged : bool
+        Whether the values at 4 and 20 mA are known, so that its current can be told.
+
+    References
+    ----------
+    NAMUR NE 43, Standardization of the signal level for the failure information of digital
+    transmitters.
+
+    Examples
+    --------
+    5 mA in a range from 0 to 16:
+
+    >>> given = dict(measurement=1, sensor=1, sensor_delay=4, sampling_period=1, anew=0,
+    ...              range_low=0, range_high=16)
+    >>> symbols = {name: ca.DM(value) for name, value in given.items()}
+    >>> kept = {"good_measurement": ca.DM(0), "fault_scans": ca.DM(0)}
+    >>> found = signal_check(ranged=True)("level_1_check", symbols, kept)
+    >>> float(found.intermediates["current"]), bool(found.outputs["good"])
+    (5.0, True)
+    """
+    return Block(
+        "signal_check" if ranged else "signal_check_without_range",
+        (
+            Signal("measurement", description="as the card gives it, in its unit"),
+            truth("sensor", "the input card reports no fault"),
+            *(key.port for key in RANGE if ranged),
+            SENSOR_DELAY.port,
+            SAMPLING_PERIOD.port,
+            ANEW,
+        ),
+        (
+            Signal(
+                "good_measurement", description="the measurement when it was good the last time"
+            ),
+            count("fault_scans", _LARGEST_COUNT, "scans since a fault was seen"),
+        ),
+        (
+            PV,
+            GOOD,
+            truth("invalid", "the measurement is not a number"),
+            truth("uncertain", "it is good, and its current close to that of a fault"),
+            truth("failed", "it has been faulty for longer than its delay"),
+        ),
+        lambda symbols: _checked(symbols, ranged=ranged),
+        ("Transmitter of 4 to 20 mA, judged as NAMUR NE 43 says.",),
+        (*(_CURRENTS if ranged else ()), _MARGIN, _MOST_SCANS),
+    )
+
+
+def _checked(s: Symbols, *, ranged: bool) -> Equations:
+    raw = s["measurement"]
+    number = is_number(raw)
+    good, uncertain = ca.logic_and(number, s["sensor"]), ca.SX(0)
+    between: dict[str, ca.SX] = {}
+    if ranged:
+        low, high = s["range_low"], s["range_high"]
+        wide = high != low
+        width = ca.if_else(wide, high - low, 1)
+        # A range of no width tells no current.
+        current = ca.if_else(wide, 4.0 + 16.0 * (raw - low) / width, 0)
+        inside = ca.logic_and(current >= FAULT_BELOW, current <= FAULT_ABOVE)
+        good = ca.logic_and(good, inside)
+        measures = ca.logic_and(current >= UNCERTAIN_BELOW, current <= UNCERTAIN_ABOVE)
+        uncertain = ca.logic_and(good, ca.logic_not(measures))
+        between = {"width": width, "current": current}
+    before = ca.if_else(s["anew"], 0, s["fault_scans"])
+    scans = ca.fmin(_LARGEST_COUNT - 1.0, ca.fmax(0, before)) + 1
+    scans = ca.if_else(good, 0, scans)
+    period = s["sampling_period"]
+    period = ca.if_else(period > 0, period, 1)
+    # At most the delay rounded up; one that is not a number, set at run time, is over at once.
+    waits = scans - 1 < s["sensor_delay"] / period - _ROUNDING
+    waits = ca.logic_and(waits, scans < _LARGEST_COUNT)
+    value = ca.if_else(good, raw, s["good_measurement"])
+    state = {"good_measurement": value, "fault_scans": scans}
+    told = {
+        "pv": value,
+        "good": good,
+        "invalid": ca.logic_not(number),
+        "uncertain": uncertain,
+        "failed": ca.logic_and(ca.logic_not(good), ca.logic_not(waits)),
+    }
+    between |= {"period": period, "waits": waits}
+    return Equations(state, told, between, words_for(_WORDS, state, told, between))
+
+
+#: What a reader is told above the steps.
+_WORDS = {
+    "invalid": "not-a-number and infinity are no measurement",
+    "width": "a range of no width, set by mistake, tells no current",
+    "current": "current of the transmitter [mA]",
+    "good": "usable: a number, no fault of the card, and a current that tells none",
+    "good_measurement": "the last good value is held",
+    "fault_scans": "for how many scans there has been a fault",
+    "period": "a sampling period that is none counts as 1 s",
+    "waits": "a fault is ridden through for its delay, rounded up to whole scans",
+    "uncertain": "good, but close to a current of fault",
+    "failed": "the fault has outlasted its delay",
+}
