@@ -6,7 +6,7 @@ from refusals import refused
 
 import clepsydra as cl
 from clepsydra.scores.catalogue import SCORES
-from clepsydra.scores.sample import Fold
+from clepsydra.scores.sample import Fold, magnitude
 from clepsydra.scores.score import Of, Score
 
 SQUARED_MOVES = Score(
@@ -23,7 +23,7 @@ LEFT_SUM = Score(
     "Left sum",
     "Sampling period times absolute error at each sample, added up.",
     powers=(1, 1),
-    integrand=lambda sample: sample.period * abs(sample.error),
+    integrand=lambda sample: sample.period * magnitude(sample.error),
     fold=Fold.SUM,
 )
 PEAK_TIME = Score(

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clepsydra.scores.sample import Expression, Fold, Sample
+from clepsydra.scores.sample import Expression, Fold, Sample, magnitude
 from clepsydra.scores.score import Of, Score
 from clepsydra.scores.trajectory import FloatArray, finite_or_infinite
 
@@ -25,7 +25,7 @@ _SECONDS_PER_HOUR = 3600.0
 def rate_of_change(sample: Sample) -> Expression:
     """Return how fast the outflow moves into the sample that begins now [m³/h per h]."""
     flow = sample.outflow
-    return sample.load * abs(flow.now - flow.before) * (_SECONDS_PER_HOUR**2 / sample.period)
+    return sample.load * magnitude(flow.now - flow.before) * (_SECONDS_PER_HOUR**2 / sample.period)
 
 
 def variances(sample: Sample) -> tuple[Expression, ...]:

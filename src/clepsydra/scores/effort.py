@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from clepsydra.base.errors import InputError
-from clepsydra.scores.sample import Fold
+from clepsydra.scores.sample import Fold, magnitude
 from clepsydra.scores.score import Of, Score
 from clepsydra.scores.trajectory import FloatArray, finite_or_infinite, held_durations
 
@@ -184,7 +184,7 @@ TOTAL_VARIATION = Score(
     "Sum of all moves of the manipulated variable: wear of the actuator.",
     Of.MANIPULATED,
     powers=(1, 0),
-    integrand=lambda sample: abs(sample.move),
+    integrand=lambda sample: magnitude(sample.move),
     fold=Fold.SUM,
 ).registered()
 Score(

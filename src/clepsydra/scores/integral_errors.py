@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from clepsydra.scores.sample import Expression, Fold, Sample, where
+from clepsydra.scores.sample import Expression, Fold, Sample, magnitude, where
 from clepsydra.scores.score import Score
 
 #: The weight a of ISEG in the document that names it [s²].
@@ -35,7 +35,7 @@ def absolute_error(sample: Sample) -> Expression:
     >>> absolute_error(Sample(before=0.0, now=4.0, setpoint=1.0))  # two triangles, 1/8 and 9/8
     np.float64(1.25)
     """
-    p, q = abs(sample.first), abs(sample.last)
+    p, q = magnitude(sample.first), magnitude(sample.last)
     return (p + q) / 2 - p * where(_crosses(sample), q / (p + q), 0)
 
 
@@ -50,7 +50,7 @@ def time_absolute_error(sample: Sample) -> Expression:
 
     Where the sign changes after a share c of the sample, the error makes two triangles.
     """
-    p, q = abs(sample.first), abs(sample.last)
+    p, q = magnitude(sample.first), magnitude(sample.last)
     c, rest = p / (p + q), q / (p + q)
     late = where(_crosses(sample), c * c * p + rest * (2 + c) * q, p + 2 * q)
     return sample.elapsed * absolute_error(sample) + sample.length / 6 * late

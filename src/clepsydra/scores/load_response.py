@@ -15,7 +15,7 @@ import numpy as np
 
 from clepsydra.base.errors import InputError
 from clepsydra.scores.integral_errors import SIGNED_ERROR
-from clepsydra.scores.sample import Fold, larger
+from clepsydra.scores.sample import Fold, larger, magnitude
 from clepsydra.scores.score import Score
 from clepsydra.scores.step_response import BAND
 from clepsydra.scores.trajectory import FloatArray, finite_or_infinite, last_entry
@@ -30,7 +30,9 @@ PEAK_DEVIATION = Score(
     "Largest distance to the setpoint after a load step, in the worst load step.",
     powers=(1, 0),
     wants="load",
-    integrand=lambda sample: sample.of_load * larger(abs(sample.first), abs(sample.last)),
+    integrand=lambda sample: (
+        sample.of_load * larger(magnitude(sample.first), magnitude(sample.last))
+    ),
     fold=Fold.LARGEST,
 ).registered()
 

@@ -18,7 +18,7 @@ import numpy as np
 from clepsydra.scores.trajectory import FloatArray
 
 #: An expression of CasADi while a program is written, an array along a stored trajectory: what is
-#: written with operators, `abs`, `where` and `larger` is the same for both.
+#: written with operators, `magnitude`, `where` and `larger` is the same for both.
 Expression = Any
 #: Beyond every value, so that the first one is the largest and the smallest so far.
 BEYOND = 1e300
@@ -160,8 +160,8 @@ class Fold(Enum):
         # What was before the segment is done with; the magnitude of what is within may shrink.
         total, within = state
         now = ca.if_else(sample.begins, 0, within) + share
-        done = total - ca.if_else(sample.begins, 0, abs(within))
-        return done + abs(now), now
+        done = total - ca.if_else(sample.begins, 0, magnitude(within))
+        return done + magnitude(now), now
 
     def over(self, values: FloatArray, sample: Sample) -> float:
         """Return the score of the values of all samples of a run."""
@@ -185,6 +185,11 @@ def where(condition: Expression, value: Expression, other: Expression) -> Expres
     """Return a value where a condition holds, and the other elsewhere."""
     choose = ca.if_else if isinstance(condition, ca.SX) else np.where
     return choose(condition, value, other)
+
+
+def magnitude(value: Expression) -> Expression:
+    """Return |value|; not every CasADi has it as Python's `abs`."""
+    return value.fabs() if isinstance(value, ca.SX) else abs(value)
 
 
 def larger(one: Expression, other: Expression) -> Expression:
